@@ -28,6 +28,10 @@ class Label:
         """Tell whether its first function is a node of the interaction graph."""
         return all(DOMAIN_BY_TYPE[type] is not Domain.OTHERS for type in self.primary)
 
+    def share_as_first(self, function: FunctionType | None) -> float:
+        """Return the share of the readings that give a function as the first, 0 to 1."""
+        return (function in self.primary) / len(self.primary)
+
     @property
     def half(self) -> int:
         """Return 0 for the half that the rules were made with, 1 for the one that checks them."""

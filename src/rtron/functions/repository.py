@@ -8,12 +8,14 @@ from pathlib import Path
 class SourcePackage:
     """A package: its name, its manifest's description and the packages its manifest depends on.
 
+    `code` are facts of its other files, each a kind and a name (`publishes sensor_msgs/Joy`).
     `folder` is where it lies, None for one that is only told of.
     """
 
     name: str
     description: str = ""
     depends: tuple[str, ...] = ()
+    code: frozenset[str] = frozenset()
     folder: Path | None = field(default=None, compare=False)
 
 

@@ -6,13 +6,15 @@ from collections import Counter
 from math import sqrt
 from typing import TYPE_CHECKING
 
-from rtron.functions.classifier.scores import FunctionScores
+from rtron.functions.classifier.scores import FunctionScores, score_code
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.functions.text.names import name_tokens
 from rtron.vocabulary import Domain, FunctionType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
+
+    from rtron.functions.repository import SourcePackage
 
 _PACKAGE_WEIGHT: dict[FunctionType, float] = {
     FunctionType.MOBILE: 3.1,
@@ -44,6 +46,13 @@ def score_packages(packages: Iterable[FunctionScores]) -> FunctionScores:
         t: _PACKAGE_WEIGHT.get(t, _OTHER_PACKAGE_WEIGHT) * sqrt(n) for t, n in top_counts.items()
     }
     return FunctionScores(weights, tuple(e for package in listed for e in package.evidence))
+
+
+def score_repository_code(packages: Iterable[SourcePackage]) -> FunctionScores:
+    """Return what the code of a repository's packages tells: more packages tell more."""
+    by_name = functional_packages({package.name: score_code(package) for package in packages})
+    total = sum(by_name.values(), FunctionScores())
+    return total.scaled(1 / sqrt(len(by_name) or 1))
 
 
 def repository_functions(
@@ -91,12 +100,13 @@ def _clear_threshold(scores: FunctionScores) -> float:
 def _min_share(type: FunctionType, primary: FunctionType) -> float:
     """Return the share of its packages that a stack needs to have a type.
 
-    The robot that a stack is only for, its tools and a GUI beside it are no functions of it.
+    The robot that a stack is only for, its tools and a GUI beside it are no functions of it, nor
+    is what one of many libraries is for.
     """
     if type in _ROBOTS or type is FunctionType.EXTENSION:
         return _LARGE_SHARE
-    beside = type is FunctionType.VISUALIZATION and DOMAIN_BY_TYPE[primary] is not Domain.DRIVERS
-    return _SMALL_SHARE if beside else 0.0
+    is_beside = type is FunctionType.VISUALIZATION and DOMAIN_BY_TYPE[primary] is not Domain.DRIVERS
+    return _SMALL_SHARE if is_beside or primary is FunctionType.EXTENSION else 0.0
 
 
 def _is_messages(package: str) -> bool:

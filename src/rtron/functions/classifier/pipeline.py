@@ -1,13 +1,15 @@
-"""From a repository's text to its functions (paper A.2): the name, then manifests, then README."""
+"""From a repository to its functions (paper A.2): the name, manifests, the code, then the README."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rtron.functions.classifier.confidence import function_probabilities
 from rtron.functions.classifier.package_stack import (
     functional_packages,
     repository_functions,
     score_packages,
+    score_repository_code,
 )
 from rtron.functions.classifier.result import (
     Classification,
@@ -15,13 +17,13 @@ from rtron.functions.classifier.result import (
     InformationSource,
     RuleEvidence,
 )
-from rtron.functions.classifier.scores import FunctionScores, score_texts
+from rtron.functions.classifier.scores import FunctionScores, score_code, score_texts
 from rtron.functions.text.descriptions import description_tokens
 from rtron.functions.text.names import name_tokens
 from rtron.functions.text.prose import readme_tokens
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     from rtron.functions.repository import SourcePackage, SourceRepository
     from rtron.vocabulary import FunctionType
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 _LATER_SENTENCE_WEIGHT = 0.6
 _README_LEADING_SENTENCES = 3
 _README_LATER_WEIGHT = 0.15
+_PACKAGE_CODE_WEIGHT = 0.5
+_MIN_PROBABILITY = 0.5
 _LEAD_MARGIN = 0.3
 _CERTAIN_NAME_WEIGHT = 4.3
 
@@ -37,21 +41,24 @@ def classify(repository: SourceRepository) -> Classification:
     """Return a repository's functions; the first piece that decides ends the search for the first.
 
     A name that tells weakly is believed if the manifests do not outweigh it. A repository of
-    several packages has those functions too that its packages have.
+    several packages has those functions too that its packages have. How sure each function is
+    depends on all pieces.
     """
     packages = {package.name: package_scores(package) for package in repository.packages}
+    by_source = source_scores(repository, packages)
     total, previous_leader, decided_by = FunctionScores(), None, DecisionSource.NONE
-    for source, source_scores in _score_sources(repository, packages):
-        total += source_scores()
+    for source, scores in by_source.items():
+        total += scores
         leader = _leading_type(total)
         if leader is not previous_leader:
             previous_leader, decided_by = leader, DecisionSource(source)
         if leader and (
             source is not InformationSource.NAME or total.weights[leader] >= _CERTAIN_NAME_WEIGHT
         ):
-            functions = repository_functions(leader, total, functional_packages(packages))
-            return _classification(repository, functions, decided_by, total, packages)
-    return _classification(repository, (), DecisionSource.NONE, total, packages)
+            candidates = repository_functions(leader, total, functional_packages(packages))
+            probabilities = function_probabilities(candidates, by_source)
+            return _classification(repository, probabilities, decided_by, total, packages)
+    return _classification(repository, {}, DecisionSource.NONE, total, packages)
 
 
 def classify_name(package_name: str, description: str = "") -> tuple[FunctionType, ...]:
@@ -61,18 +68,23 @@ def classify_name(package_name: str, description: str = "") -> tuple[FunctionTyp
 
 
 def package_scores(package: SourcePackage) -> FunctionScores:
-    """Return what a package's own name and description tell."""
-    return _name_scores(package.name, package.name) + _description_scores(
+    """Return what a package's own name and description tell, and less surely its code."""
+    words = _name_scores(package.name, package.name) + _description_scores(
         package.description, package.name
     )
+    return words + score_code(package).scaled(_PACKAGE_CODE_WEIGHT)
 
 
-def _score_sources(
+def source_scores(
     repository: SourceRepository, packages: Mapping[str, FunctionScores]
-) -> Iterator[tuple[InformationSource, Callable[[], FunctionScores]]]:
-    yield InformationSource.NAME, lambda: _name_scores(repository.name)
-    yield InformationSource.MANIFEST, lambda: _manifest_scores(repository, packages)
-    yield InformationSource.README, lambda: _readme_scores(repository.readme)
+) -> Mapping[InformationSource, FunctionScores]:
+    """Return what each piece of a repository tells, in the order in which they are asked."""
+    return {
+        InformationSource.NAME: _name_scores(repository.name),
+        InformationSource.MANIFEST: _manifest_scores(repository, packages),
+        InformationSource.CODE: score_repository_code(repository.packages),
+        InformationSource.README: _readme_scores(repository.readme),
+    }
 
 
 def _name_scores(name: str, package: str = "") -> FunctionScores:
@@ -117,19 +129,28 @@ def _leading_type(scores: FunctionScores) -> FunctionType | None:
 
 def _classification(
     repository: SourceRepository,
-    functions: tuple[FunctionType, ...],
+    probabilities: Mapping[FunctionType, float],
     decided_by: DecisionSource,
     scores: FunctionScores,
     packages: Mapping[str, FunctionScores],
 ) -> Classification:
+    functions = tuple(_likely_functions(probabilities))
     return Classification(
         repo=repository.name,
         functions=functions,
         primary=functions[0] if functions else None,
+        probabilities=probabilities,
         decided_by=decided_by,
         evidence=tuple(_evidence(functions, scores, packages)),
         packages={name: package_score.ranked() for name, package_score in packages.items()},
     )
+
+
+def _likely_functions(probabilities: Mapping[FunctionType, float]) -> Iterator[FunctionType]:
+    """Yield the first candidate, and those others that are more likely than not."""
+    for at, (function, probability) in enumerate(probabilities.items()):
+        if at == 0 or probability >= _MIN_PROBABILITY:
+            yield function
 
 
 def _evidence(

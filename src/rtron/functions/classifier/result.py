@@ -11,6 +11,7 @@ class InformationSource(StringEnum):
 
     NAME = "name"
     MANIFEST = "manifest"
+    CODE = "code"
     README = "readme"
 
 
@@ -19,6 +20,7 @@ class DecisionSource(StringEnum):
 
     NAME = "name"
     MANIFEST = "manifest"
+    CODE = "code"
     README = "readme"
     NONE = "none"
 
@@ -41,12 +43,20 @@ class RuleEvidence:
 class Classification:
     """A repository's functions, the first one first; none of them where nothing tells.
 
+    `probabilities`, 0 to 1 and calibrated on labels by hand, tell how sure each function is; those
+    of further candidates, too unlikely to be among `functions`, follow.
     `packages` are the functions of each package whose own name or description tells.
     """
 
     repo: str
     functions: tuple[FunctionType, ...] = ()
     primary: FunctionType | None = None
+    probabilities: Mapping[FunctionType, float] = field(default_factory=dict)
     decided_by: DecisionSource = DecisionSource.NONE
     evidence: tuple[RuleEvidence, ...] = ()
     packages: Mapping[str, tuple[FunctionType, ...]] = field(default_factory=dict)
+
+    @property
+    def confidence(self) -> float | None:
+        """How sure the first function is, None without one."""
+        return None if self.primary is None else self.probabilities.get(self.primary)

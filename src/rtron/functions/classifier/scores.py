@@ -6,14 +6,15 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from rtron.functions.classifier.result import RuleEvidence
+from rtron.functions.classifier.result import InformationSource, RuleEvidence
+from rtron.functions.rules.code_rules import load_code_rules, package_facts
 from rtron.functions.rules.loader import load_rule_index
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rtron.functions.classifier.result import InformationSource
     from rtron.functions.patterns.index import PatternMatch
+    from rtron.functions.repository import SourcePackage
     from rtron.functions.rules.rule import FunctionRule
     from rtron.functions.text.tokens import Tokens
     from rtron.vocabulary import FunctionType
@@ -32,6 +33,10 @@ class FunctionScores:
         """Return the types told strongly enough, the strongest first."""
         types = [type for type, weight in self.weights.items() if weight >= min_weight]
         return tuple(sorted(types, key=lambda types: -self.weights[types]))
+
+    def scaled(self, factor: float) -> FunctionScores:
+        """Return the same evidence with its weights times a factor."""
+        return FunctionScores({t: w * factor for t, w in self.weights.items()}, self.evidence)
 
     def __add__(self, other: FunctionScores) -> FunctionScores:
         weights = dict(self.weights)
@@ -56,6 +61,26 @@ def score_texts(
                 )
                 weights[rule.type] += rule.weight * factor
     return FunctionScores(dict(weights), tuple(evidence.values()))
+
+
+def score_code(package: SourcePackage) -> FunctionScores:
+    """Return what the rules find in the code of a package."""
+    facts = package_facts(package)
+    matches = [(rule, found) for rule in load_code_rules() if (found := rule.match(facts))]
+    weights: dict[FunctionType, float] = defaultdict(float)
+    for rule, _ in matches:
+        weights[rule.type] += rule.weight
+    evidence = (
+        RuleEvidence(
+            source=InformationSource.CODE,
+            text=", ".join(found),
+            rule=rule.id,
+            type=rule.type,
+            package=package.name,
+        )
+        for rule, found in matches
+    )
+    return FunctionScores(dict(weights), tuple(evidence))
 
 
 def _unvetoed_matches(

@@ -1,0 +1,238 @@
+"""How sure the classifier is beside how often it is right: learned and measured on labels by hand.
+
+`python -m evaluation.common.function_confidence [--write]` prints the reliability table, and with
+`--write` learns the weights of `confidence.yaml` from all labels. What it measures, it measures by
+cross-validation: each repository with weights that were learned from others.
+"""
+
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from importlib.resources import files
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+import yaml
+
+from evaluation.common.datasets import Datasets, datasets_from_environ
+from evaluation.common.function_corpora import HELD_OUT, read_repositories
+from evaluation.common.function_labels import Label, read_labels
+from rtron.functions.classifier.confidence import FEATURES, features
+from rtron.functions.classifier.pipeline import classify, package_scores, source_scores
+from rtron.functions.repository import SourceRepository
+from rtron.vocabulary import FunctionType
+
+POSITIONS = ("first", "others")
+_FOLDS = 10
+_RIDGE = 1.0
+_STEPS = 30
+_BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
+Array: TypeAlias = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """A function that the classifier gives a repository: its features, and the readers' share.
+
+    `view` is what of the repository was there to read.
+    """
+
+    repo: str
+    view: str
+    position: str
+    features: tuple[float, ...]
+    right: float
+
+    @property
+    def fold(self) -> int:
+        """The part of the cross-validation that the repository is in, whatever was read of it."""
+        return int.from_bytes(sha256(self.repo.encode()).digest()[1:3], "big") % _FOLDS
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReliabilityBin:
+    """Answers of about one probability: how many, their mean probability, the share right."""
+
+    lowest: float
+    highest: float
+    answers: int
+    predicted: float
+    right: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reliability:
+    """Probabilities beside what was right; `base` is the Brier score of one fixed probability."""
+
+    answers: int
+    brier: float
+    base: float
+    calibration_error: float
+    bins: tuple[ReliabilityBin, ...]
+
+
+def cross_validated(answers: Sequence[Answer]) -> Array:
+    """Return the probability of each answer, by weights learned from other repositories."""
+    probabilities = np.zeros(len(answers))
+    folds, positions = (
+        np.array([each.fold for each in answers]),
+        np.array([each.position for each in answers]),
+    )
+    for position in POSITIONS:
+        for fold in range(_FOLDS):
+            tested = (positions == position) & (folds == fold)
+            weights = _fit(_chosen(answers, (positions == position) & (folds != fold)))
+            probabilities[tested] = _predict(weights, _matrix(_chosen(answers, tested)))
+    return probabilities
+
+
+def learned_weights(answers: Sequence[Answer]) -> Mapping[str, Mapping[str, float]]:
+    """Return the weights of the features that all answers teach, as `confidence.yaml` has them."""
+    by_position = {p: [each for each in answers if each.position == p] for p in POSITIONS}
+    return {
+        position: dict(zip(FEATURES, np.round(_fit(of_position), 3).tolist(), strict=True))
+        for position, of_position in by_position.items()
+    }
+
+
+def reliability(probabilities: Array, right: Array) -> Reliability:
+    """Return how well probabilities fit what was right."""
+    bins = tuple(_bins(probabilities, right))
+    errors = sum(each.answers * abs(each.predicted - each.right) for each in bins)
+    return Reliability(
+        answers=len(right),
+        brier=float(np.mean((probabilities - right) ** 2)),
+        base=float(np.var(right)),
+        calibration_error=errors / max(len(right), 1),
+        bins=bins,
+    )
+
+
+def labelled_answers(
+    labels: Iterable[Label], repositories: Mapping[str, SourceRepository]
+) -> Iterator[Answer]:
+    """Yield what the classifier says of labelled repositories, also of parts of their text."""
+    for label in labels:
+        for view, repository in _views(repositories[label.repo]):
+            yield from _answers(label, view, repository)
+
+
+def _views(repository: SourceRepository) -> Iterator[tuple[str, SourceRepository]]:
+    """Yield a repository as it is, without its README, and its names alone."""
+    yield "all", repository
+    if repository.readme:
+        yield "manifests", replace(repository, readme="")
+    names = tuple(replace(p, description="", depends=()) for p in repository.packages)
+    if names != repository.packages:
+        yield "names", replace(repository, packages=names, readme="")
+
+
+def _answers(label: Label, view: str, repository: SourceRepository) -> Iterator[Answer]:
+    packages = {package.name: package_scores(package) for package in repository.packages}
+    scores = source_scores(repository, packages)
+    for at, function in enumerate(classify(repository).probabilities):
+        yield Answer(
+            repo=label.repo,
+            view=view,
+            position=POSITIONS[min(at, 1)],
+            features=features(function, scores),
+            right=_share_as_other(label, function) if at else label.share_as_first(function),
+        )
+
+
+def _share_as_other(label: Label, function: FunctionType) -> float:
+    return 1.0 if function in label.functions else 0.5 * (function in label.accepted)
+
+
+def _fit(answers: Sequence[Answer]) -> Array:
+    """Return the weights of a logistic regression (ridge, Newton's method)."""
+    matrix, right = _matrix(answers), _right(answers)
+    ridge = _RIDGE * np.eye(len(FEATURES))
+    ridge[0, 0] = 1e-6
+    weights = np.zeros(len(FEATURES))
+    for _ in range(_STEPS):
+        predicted = _predict(weights, matrix)
+        gradient = matrix.T @ (predicted - right) + ridge @ weights
+        curvature = (matrix.T * (predicted * (1 - predicted))) @ matrix + ridge
+        weights = weights - np.linalg.solve(curvature, gradient)
+    return weights
+
+
+def _predict(weights: Array, matrix: Array) -> Array:
+    predicted: Array = 1 / (1 + np.exp(-(matrix @ weights)))
+    return predicted
+
+
+def _matrix(answers: Sequence[Answer]) -> Array:
+    return np.array([each.features for each in answers]).reshape(len(answers), len(FEATURES))
+
+
+def _right(answers: Sequence[Answer]) -> Array:
+    return np.array([each.right for each in answers])
+
+
+def _chosen(answers: Sequence[Answer], mask: npt.NDArray[np.bool_]) -> list[Answer]:
+    return [each for each, is_chosen in zip(answers, mask, strict=True) if is_chosen]
+
+
+def _bins(probabilities: Array, right: Array) -> Iterator[ReliabilityBin]:
+    for lowest, highest in zip(_BINS, _BINS[1:], strict=False):
+        inside = (probabilities >= lowest) & (probabilities < highest)
+        if inside.any():
+            yield ReliabilityBin(
+                lowest=lowest,
+                highest=highest,
+                answers=int(inside.sum()),
+                predicted=float(probabilities[inside].mean()),
+                right=float(right[inside].mean()),
+            )
+
+
+def held_out_answers(datasets: Datasets) -> list[Answer]:
+    """Return the answers for every repository with held-out labels."""
+    return [
+        answer
+        for corpus in HELD_OUT
+        for answer in labelled_answers(
+            read_labels(corpus.labels), read_repositories(corpus, datasets)
+        )
+    ]
+
+
+def reliability_lines(title: str, found: Reliability) -> Iterator[str]:
+    """Yield the lines of a reliability table."""
+    yield (
+        f"{title}: {found.answers} answers, Brier {found.brier:.4f} (one fixed probability "
+        f"{found.base:.4f}), calibration error {found.calibration_error:.3f}"
+    )
+    for each in found.bins:
+        span = f"{each.lowest:.2f} to {each.highest:.2f}"
+        yield f"  {span}{each.answers:>7}{each.predicted:>8.3f}{each.right:>8.3f}"
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Print the tables of all views; write the weights if asked to."""
+    answers = held_out_answers(datasets_from_environ())
+    probabilities, right = cross_validated(answers), _right(answers)
+    for position in POSITIONS:
+        for view in dict.fromkeys(each.view for each in answers):
+            mask = np.array([(each.position, each.view) == (position, view) for each in answers])
+            found = reliability(probabilities[mask], right[mask])
+            print("\n".join(reliability_lines(f"{position}, {view}", found)))  # noqa: T201
+    if "--write" in arguments:
+        path = Path(str(files("rtron.functions.classifier") / "confidence.yaml"))
+        path.write_text(_HEADER + yaml.safe_dump(learned_weights(answers), sort_keys=False))
+
+
+_HEADER = """\
+# How much each piece of key information counts for a function, and against it: the weights of a
+# logistic regression, for the first function of a repository and for its others. Learned from
+# evaluation/data/function_labels*.jsonl: python -m evaluation.common.function_confidence --write
+
+"""
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

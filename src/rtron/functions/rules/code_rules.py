@@ -1,0 +1,73 @@
+"""What a package's code tells of its function: rules over facts, `code.yaml`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import cache
+from typing import TYPE_CHECKING, TypeAlias
+
+from rtron.functions.package_data import load_package_yaml
+from rtron.vocabulary import FunctionType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rtron.functions.repository import SourcePackage
+
+Facts: TypeAlias = frozenset[str]
+"""Facts of a package, each a kind and a name: `depends joy`, `publishes sensor_msgs/Joy`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CodeRule:
+    """Tells a type where a package has one fact of each group of `has`, and none of `without`."""
+
+    id: str
+    type: FunctionType
+    weight: float
+    has: tuple[tuple[str, ...], ...]
+    without: tuple[tuple[str, ...], ...] = ()
+
+    def match(self, facts: Facts) -> tuple[str, ...]:
+        """Return the facts that fit, one for each group; none if the rule does not."""
+        found = tuple(_first_match(facts, group) for group in self.has)
+        excluded = any(_first_match(facts, group) for group in self.without)
+        return found if all(found) and not excluded else ()
+
+
+def package_facts(package: SourcePackage) -> Facts:
+    """Return what is known of a package's code."""
+    return package.code | {f"depends {name}" for name in package.depends}
+
+
+@cache
+def load_code_rules() -> tuple[CodeRule, ...]:
+    """Return every rule on code that RTron brings."""
+    return tuple(
+        CodeRule(
+            id=entry["id"],
+            type=FunctionType(entry["type"]),
+            weight=entry["weight"],
+            has=tuple(map(_alternatives, entry["has"])),
+            without=tuple(map(_alternatives, entry.get("without", ()))),
+        )
+        for entry in load_package_yaml("rtron.functions.rules", "code.yaml")["rules"]
+    )
+
+
+def _first_match(facts: Facts, group: Iterable[str]) -> str:
+    """Return the first fact that a group of patterns names, "" if none does."""
+    return next((found for pattern in group if (found := _find(facts, pattern))), "")
+
+
+def _find(facts: Facts, pattern: str) -> str:
+    if "*" not in pattern:
+        return pattern if pattern in facts else ""
+    return min((fact for fact in facts if fnmatchcase(fact, pattern)), default="")
+
+
+def _alternatives(line: str) -> tuple[str, ...]:
+    """Return the patterns of a line: `depends joy | wiimote` are two."""
+    kind, _, names = line.partition(" ")
+    return tuple(f"{kind} {name.strip()}" for name in names.split("|"))
