@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeAlias
 
@@ -17,11 +18,12 @@ import numpy as np
 import numpy.typing as npt
 import yaml
 
-from evaluation.common.datasets import Datasets, datasets_from_environ
+from evaluation.common.datasets import Datasets, Reporter, datasets_from_environ
 from evaluation.common.function_corpora import HELD_OUT, read_repositories
 from evaluation.common.function_labels import Label, read_labels
+from figures.figure import Figure
 from rtron.functions.classifier.confidence import FEATURES, features
-from rtron.functions.classifier.pipeline import classify, package_scores, source_scores
+from rtron.functions.classifier.pipeline import classify, package_words, source_scores
 from rtron.functions.repository import SourceRepository
 from rtron.vocabulary import FunctionType
 
@@ -131,8 +133,7 @@ def _views(repository: SourceRepository) -> Iterator[tuple[str, SourceRepository
 
 
 def _answers(label: Label, view: str, repository: SourceRepository) -> Iterator[Answer]:
-    packages = {package.name: package_scores(package) for package in repository.packages}
-    scores = source_scores(repository, packages)
+    scores = source_scores(repository, package_words(repository))
     for at, function in enumerate(classify(repository).probabilities):
         yield Answer(
             repo=label.repo,
@@ -179,8 +180,9 @@ def _chosen(answers: Sequence[Answer], mask: npt.NDArray[np.bool_]) -> list[Answ
 
 
 def _bins(probabilities: Array, right: Array) -> Iterator[ReliabilityBin]:
-    for lowest, highest in zip(_BINS, _BINS[1:], strict=False):
-        inside = (probabilities >= lowest) & (probabilities < highest)
+    for lowest, highest in pairwise(_BINS):
+        is_last = highest == _BINS[-1]
+        inside = (probabilities >= lowest) & ((probabilities < highest) | is_last)
         if inside.any():
             yield ReliabilityBin(
                 lowest=lowest,
@@ -202,29 +204,45 @@ def held_out_answers(datasets: Datasets) -> list[Answer]:
     ]
 
 
-def reliability_lines(title: str, found: Reliability) -> Iterator[str]:
-    """Yield the lines of a reliability table."""
+def confidence_figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
+    """Measure by cross-validation how well the classifier knows how sure it is."""
+    reporter.progress("how sure the classifier is, cross-validated")
+    answers = held_out_answers(datasets)
+    for position, view, found in _reliabilities(answers):
+        reporter.detail([*_lines(f"{position} functions, {view}", found), ""])
+        name = f"functions.confidence.{position}.{view}"
+        yield Figure(f"{name}.brier", found.brier, found.base, "")
+        yield Figure(f"{name}.calibration_error", found.calibration_error, None, "share")
+
+
+def _reliabilities(answers: Sequence[Answer]) -> Iterator[tuple[str, str, Reliability]]:
+    probabilities, right = cross_validated(answers), _right(answers)
+    for position in POSITIONS:
+        for view in dict.fromkeys(each.view for each in answers):
+            chosen = np.array([(each.position, each.view) == (position, view) for each in answers])
+            yield position, view, reliability(probabilities[chosen], right[chosen])
+
+
+def _lines(title: str, found: Reliability) -> Iterator[str]:
     yield (
         f"{title}: {found.answers} answers, Brier {found.brier:.4f} (one fixed probability "
         f"{found.base:.4f}), calibration error {found.calibration_error:.3f}"
     )
+    yield f"  {'probability':14}{'answers':>7}{'mean':>8}{'right':>8}"
     for each in found.bins:
         span = f"{each.lowest:.2f} to {each.highest:.2f}"
-        yield f"  {span}{each.answers:>7}{each.predicted:>8.3f}{each.right:>8.3f}"
+        yield f"  {span:14}{each.answers:>7}{each.predicted:>8.3f}{each.right:>8.3f}"
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Print the tables of all views; write the weights if asked to."""
+    """Print the reliability of every view; write the weights if asked to."""
     answers = held_out_answers(datasets_from_environ())
-    probabilities, right = cross_validated(answers), _right(answers)
-    for position in POSITIONS:
-        for view in dict.fromkeys(each.view for each in answers):
-            mask = np.array([(each.position, each.view) == (position, view) for each in answers])
-            found = reliability(probabilities[mask], right[mask])
-            print("\n".join(reliability_lines(f"{position}, {view}", found)))  # noqa: T201
+    for position, view, found in _reliabilities(answers):
+        print("\n".join(_lines(f"{position} functions, {view}", found)))  # noqa: T201 - what it is for
     if "--write" in arguments:
         path = Path(str(files("rtron.functions.classifier") / "confidence.yaml"))
-        path.write_text(_HEADER + yaml.safe_dump(learned_weights(answers), sort_keys=False))
+        weights = yaml.safe_dump(learned_weights(answers), sort_keys=False)
+        path.write_text(_HEADER + weights, encoding="utf-8")
 
 
 _HEADER = """\

@@ -56,9 +56,7 @@ def read_repositories(
     depends = _read_depends(corpus, datasets) if with_depends else {}
     found = read_corpus(datasets.corpus(corpus.repositories), ignore_skipped)
     return {
-        each.name: replace(
-            _with_depends(each, depends), readme=readmes.get(each.name, each.readme)
-        )
+        each.name: replace(_with_depends(each, depends), readme=readmes.get(each.name, each.readme))
         for each in found
     }
 

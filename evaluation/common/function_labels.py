@@ -57,6 +57,12 @@ class FunctionScore:
         return _share(sum(found.primary in label.primary for label, found in decided), len(decided))
 
     @property
+    def agreement(self) -> float:
+        """Return the share of all readings that give a repository the same first function."""
+        shares = sum(label.share_as_first(found.primary) for label, found in self.pairs)
+        return shares / len(self.pairs) if self.pairs else 0.0
+
+    @property
     def f1(self) -> float:
         """Return the harmonic mean of precision and recall over all functions together."""
         hits = sum(len(label.functions & set(found.functions)) for label, found in self.pairs)

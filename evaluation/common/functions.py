@@ -5,6 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from evaluation.common.datasets import Datasets, Reporter
+from evaluation.common.function_confidence import confidence_figures
+from evaluation.common.function_corpora import (
+    HELD_OUT,
+    LabelledCorpus,
+    ignore_skipped,
+    read_repositories,
+)
 from evaluation.common.function_labels import FunctionScore, Label, read_labels, score
 from evaluation.common.function_timing import Timing, timed
 from figures.figure import Figure
@@ -20,7 +27,7 @@ _HALVES = ("develop", "check")
 
 
 def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
-    """Classify what is labelled, then every corpus."""
+    """Classify what is labelled, then every corpus; then tell how well it knows what it knows."""
     labels = read_labels(datasets.corpus("labels_dev.jsonl"))
     paper, readmes = datasets.corpus("kinetic_941.jsonl"), datasets.corpus("kinetic_readme.jsonl")
     reporter.progress("labelled repositories")
@@ -28,21 +35,25 @@ def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     for half, name in enumerate(_HALVES):
         yield from _half(name, score([one for one in labels if one.half == half], found))
     yield from _overall(labels, found, reporter)
+    for corpus in HELD_OUT:
+        reporter.progress(f"{corpus.name}: labels that the rules were not written with")
+        yield from _held_out(corpus, datasets, reporter)
+    yield from confidence_figures(datasets, reporter)
     nodes = sum_function_nodes(build_tables(found.values()).types)
     yield Figure("functions.941.nodes", nodes.total, 636, "functions")
-    for name, corpus, texts, bound in (
+    for name, file, texts, bound in (
         ("941", paper, None, 3),
         ("1232", datasets.corpus("kinetic.jsonl"), readmes, 6),
         ("humble", datasets.corpus("humble.jsonl"), None, None),
     ):
-        reporter.progress(f"{corpus.name}, timed")
-        yield from _timing(name, timed(corpus, texts), bound)
+        reporter.progress(f"{file.name}, timed")
+        yield from _timing(name, timed(file, texts), bound)
 
 
 def classified(corpus: Path, readmes: Path | None = None) -> Mapping[str, Classification]:
     """Return the classification of every repository of a corpus."""
-    texts = read_readmes(readmes, _ignore) if readmes else {}
-    repositories = read_corpus(corpus, _ignore)
+    texts = read_readmes(readmes, ignore_skipped) if readmes else {}
+    repositories = read_corpus(corpus, ignore_skipped)
     with_readmes = (
         replace(each, readme=texts.get(each.name, each.readme)) for each in repositories
     )
@@ -52,7 +63,25 @@ def classified(corpus: Path, readmes: Path | None = None) -> Mapping[str, Classi
 def _half(name: str, found: FunctionScore) -> Iterator[Figure]:
     yield Figure(f"functions.{name}.automation", found.automation, None, "share")
     yield Figure(f"functions.{name}.precision", found.precision, None, "share")
+    yield Figure(f"functions.{name}.agreement", found.agreement, None, "share")
     yield Figure(f"functions.{name}.f1", found.f1, None, "share")
+
+
+def _held_out(corpus: LabelledCorpus, datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
+    """Score a corpus by its words alone, then with what its packages depend on if that is here."""
+    labels = read_labels(corpus.labels)
+    by_evidence = {
+        "words": read_repositories(corpus, datasets, with_depends=False),
+        "depends": read_repositories(corpus, datasets),
+    }
+    if by_evidence["words"] == by_evidence["depends"]:
+        del by_evidence["depends"]
+    for evidence, repositories in by_evidence.items():
+        found = {label.repo: classify(repositories[label.repo]) for label in labels}
+        for half, name in enumerate(_HALVES):
+            scored = score([one for one in labels if one.half == half], found)
+            reporter.detail([*scored.differences(), ""] if name == "develop" else [])
+            yield from _half(f"{corpus.name}.{evidence}.{name}", scored)
 
 
 def _overall(
@@ -72,7 +101,3 @@ def _timing(name: str, found: Timing, bound: float | None) -> Iterator[Figure]:
     yield Figure(f"functions.{name}.decided", decided, None, "share")
     yield Figure(f"functions.{name}.time", found.seconds, None, "s", at_most=bound)
     yield Figure(f"functions.{name}.peak", found.peak, None, "MB", at_most=_PEAK_MB)
-
-
-def _ignore(*_: object) -> None:
-    """Take what is wrong with a line of a corpus."""

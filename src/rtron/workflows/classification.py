@@ -7,6 +7,7 @@ from rtron.executors.chunked_map import CHUNK_SIZE
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import Classification
 from rtron.functions.reading import SkippedHandler
+from rtron.functions.reading.package_code import read_code
 from rtron.functions.repository import SourceRepository
 from rtron.sources.static.common.scan_options import Progress
 from rtron.workflows.parallel_map import choose_executor, map_with_progress
@@ -24,10 +25,12 @@ def classify_repositories(
 ) -> Iterator[tuple[SourceRepository, Classification]]:
     """Yield repositories with their classes, in `jobs` processes or on a cluster if given.
 
+    The code of those that are folders is read here: no worker needs the folders.
     A repository that fails goes to `note_skipped`. Raise the errors of the executors.
     """
     executor = choose_executor(
         jobs, cluster, chunk=CHUNK_SIZE, is_worth_parallel=len(repositories) > _PARALLEL_THRESHOLD
     )
     name = attrgetter("name")
-    return map_with_progress(executor, classify, repositories, name, note_skipped, progress)
+    with_code = [read_code(each) for each in repositories]
+    return map_with_progress(executor, classify, with_code, name, note_skipped, progress)

@@ -41,13 +41,24 @@ def test_a_line_for_each_repository(rtron, corpus):
     ran = rtron("classify", corpus)
     assert (ran.code, ran.err) == (0, "")
     found, unknown, teleop = documents(ran.out)
-    assert set(found) == {"repo", "functions", "primary", "decided_by", "evidence"}
+    assert set(found) == {
+        "repo",
+        "functions",
+        "primary",
+        "confidence",
+        "probabilities",
+        "decided_by",
+        "evidence",
+    }
+    assert found["confidence"] == found["probabilities"]["Localization"]
+    assert 0.5 < found["confidence"] < 1
     assert (found["repo"], found["primary"]) == ("indoor_localization", "Localization")
     assert found["decided_by"] == "name"
     evidence = found["evidence"][0]
     assert set(evidence) == {"piece", "rule", "type", "text", "package"}
     assert "localization" in evidence["text"]
     assert (unknown["functions"], unknown["primary"]) == ([], None)
+    assert (unknown["confidence"], unknown["probabilities"]) == (None, {})
     assert unknown["decided_by"] == "none"
     assert teleop["functions"] == ["Teleoperation"]
 
@@ -146,13 +157,13 @@ def test_without_dask_the_extra_is_named_in_the_help(rtron, corpus, monkeypatch)
 def test_the_evidence_of_a_folder(rtron, folder):
     ran = rtron("explain-function", folder)
     assert (ran.code, ran.err) == (0, "")
-    assert ran.out.startswith("grid_mapping  1 package\nMapping, decided by the name\n")
+    assert ran.out.startswith("grid_mapping  1 package\nMapping, decided by the name, 9")
     assert "\npackage grid_mapping\n" in ran.out
 
 
 def test_the_evidence_of_a_repository_in_a_file(rtron, corpus):
     assert rtron("explain-function", "joystick_teleop", "--from", corpus).out.startswith(
-        "joystick_teleop  0 packages\nTeleoperation, decided by the name\n"
+        "joystick_teleop  0 packages\nTeleoperation, decided by the name, 9"
     )
     ran = rtron("explain-function", "joystick_telop", "--from", corpus)
     assert ran.code == 2

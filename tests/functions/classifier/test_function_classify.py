@@ -221,12 +221,23 @@ def test_two_hints_in_a_package_make_no_function_of_the_stack():
     assert found.functions == (T.PATH_PLANNING,)
 
 
-def test_extension_counts_beside_another_if_many_packages_are():
+def test_extension_is_a_candidate_beside_another_if_many_packages_are():
     planners = [("foo_local_planner", ""), ("foo_global_planner", "")]
     few = repository("foo_planner", *planners, ("foo_base_planner", ""), ("catkin_foo", ""))
     many = repository("foo_planner", *planners, ("catkin_foo", ""), ("catkin_bar", ""))
     assert classify(few).functions == (T.PATH_PLANNING,)
-    assert set(classify(many).functions) == {T.PATH_PLANNING, T.EXTENSION}
+    assert set(classify(few).probabilities) == {T.PATH_PLANNING}
+    assert set(classify(many).probabilities) == {T.PATH_PLANNING, T.EXTENSION}
+
+
+def test_a_further_function_is_one_if_it_is_more_likely_than_not():
+    planners = [("foo_local_planner", ""), ("foo_global_planner", "")]
+    found = classify(repository("foo_planner", *planners, ("catkin_foo", ""), ("catkin_bar", "")))
+    assert found.probabilities[T.EXTENSION] < 0.5
+    assert found.functions == (T.PATH_PLANNING,)
+    found = classify(repository("foo_planner", *planners, ("foo_rviz_plugin", "")))
+    assert found.probabilities[T.VISUALIZATION] >= 0.5
+    assert found.functions == (T.PATH_PLANNING, T.VISUALIZATION)
 
 
 def test_a_package_is_an_extension_if_it_is_nothing_else_more_clearly():

@@ -82,8 +82,8 @@ def test_of_none_there_is_no_rate():
     assert ClassificationCounts().automation is None
     assert ClassificationCounts(none=1).automation == 0
     assert ClassificationCounts(name=1, none=3).automation == 0.25
-    assert ClassificationCounts(name=1, manifest=2, readme=4, none=8).total == 15
-    assert ClassificationCounts(name=1, manifest=2, readme=4, none=8).decided == 7
+    assert ClassificationCounts(name=1, manifest=2, code=16, readme=4, none=8).total == 31
+    assert ClassificationCounts(name=1, manifest=2, code=16, readme=4, none=8).decided == 23
 
 
 def test_a_repository_counts_once_for_each_function():
@@ -98,6 +98,7 @@ def test_a_repository_counts_once_for_each_function():
     assert tables == PaperTables(
         repositories=3,
         decided=2,
+        expected_right=None,
         types={
             **others,
             SLAM: ClassificationCounts(name=1),

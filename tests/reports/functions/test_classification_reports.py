@@ -19,6 +19,7 @@ CLASSIFIED = Classification(
     repo="nav",
     functions=(PLANNING, MAPPING),
     primary=PLANNING,
+    probabilities={PLANNING: 0.9371, MAPPING: 0.71, FunctionType.SUPPORT: 0.2},
     decided_by=DecisionSource.NAME,
     evidence=(
         RuleEvidence(
@@ -47,8 +48,9 @@ MATCHED = (
 )
 EVIDENCE = """\
 nav  1 package, a README
-Path Planning, decided by the name
-and Mapping
+Path Planning, decided by the name, 94 % sure
+and Mapping (71 %)
+perhaps Support (20 %)
 
 repository nav
   Path Planning  6  planning-word  decided  name “nav”
@@ -71,7 +73,7 @@ def test_the_evidence_of_a_repository(printed):
 
 def test_that_nothing_tells_is_said(printed):
     text = printed(evidence_text(SourceRepository(name="zzz"), UNKNOWN, ()))
-    told = "no rule tells what this is: no name, no description, no README"
+    told = "no rule tells what this is: no name, no description, no code, no README"
     assert text == f"zzz  0 packages\n{told}\n"
 
 
@@ -96,6 +98,8 @@ def test_a_classification_as_json():
         "repo": "nav",
         "functions": ["Path Planning", "Mapping"],
         "primary": "Path Planning",
+        "confidence": 0.937,
+        "probabilities": {"Path Planning": 0.937, "Mapping": 0.71, "Support": 0.2},
         "decided_by": "name",
         "evidence": [
             {
@@ -111,6 +115,8 @@ def test_a_classification_as_json():
         "repo": "zzz",
         "functions": [],
         "primary": None,
+        "confidence": None,
+        "probabilities": {},
         "decided_by": "none",
         "evidence": [],
     }
@@ -120,18 +126,21 @@ def test_the_tables_at_80_columns(printed):
     text = printed(tables_text(build_tables([CLASSIFIED, CLASSIFIED, UNKNOWN])))
     rows = [row.rstrip() for row in text.splitlines()]
     assert rows[0] == "3 repositories, 2 decided (66.7 %)"
+    assert rows[1] == "93.7 % of the first functions are expected to be right"
     assert "                         repos      %     paper      %" in rows
     assert "  Perception                 2   40.0       200   17.6" in rows
     assert "    Mapping                  2   40.0        31    2.7" in rows
     assert "  all                        5  100.0      1135  100.0" in rows
-    assert "                           name manifest   readme     none  auto %   paper" in rows
+    assert "                         name manifest   code  readme   none  auto %   paper" in rows
     mapping = rows.index(
-        "  Mapping                     2        0        0        0  100.00   96.77"
+        "  Mapping                   2        0      0       0      0  100.00   96.77"
     )
-    assert rows[mapping + 1] == "                             15       11        4        1   96.77"
-    assert "  Preprocessing               0        0        0        0       -   85.71" in rows
-    assert "  Extension                   0        0        0        1    0.00   51.60" in rows
-    assert "  function nodes              4        0        0        0  100.00   88.52" in rows
+    assert (
+        rows[mapping + 1] == "                           15       11      0       4      1   96.77"
+    )
+    assert "  Preprocessing             0        0      0       0      0       -   85.71" in rows
+    assert "  Extension                 0        0      0       0      1    0.00   51.60" in rows
+    assert "  function nodes            4        0      0       0      0  100.00   88.52" in rows
     assert max(map(len, rows)) <= 80
 
 

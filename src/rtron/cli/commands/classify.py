@@ -37,9 +37,10 @@ def classify(
 ) -> Outcome:
     """Find the robot functions of repositories.
 
-    Rules on names, then on the descriptions in manifests, then on the README
-    give each repository its function types: 17 in five domains, as in the
-    paper. Each line of the result is a repository with the matched words.
+    Rules on names, then on the descriptions in manifests, then on the code
+    (dependencies, plugins, message types), then on the README give each
+    repository its function types: 17 in five domains, as in the paper. Each
+    line of the result is a repository with how sure that is and why.
 
     $ rtron classify src/navigation                  a repository
     $ rtron classify src --table                     a folder of them

@@ -55,8 +55,9 @@ def explain_function(
 ) -> Outcome:
     """Explain why a repository has its functions.
 
-    It shows every rule that matches: where, on which words, with its weight,
-    and whether a veto or an earlier text decided otherwise.
+    It shows how sure each function is, and every rule that matches: where, on
+    which words or code, with its weight, and whether a veto or an earlier text
+    decided otherwise.
 
     $ rtron explain-function src/navigation
     $ rtron explain-function --from kinetic.jsonl rrt_exploration
@@ -69,9 +70,10 @@ def explain_function(
     """
     from rtron.functions.classifier.pipeline import classify
     from rtron.functions.classifier.rule_trace import trace_rules
+    from rtron.functions.reading.package_code import read_code
     from rtron.reports.functions.classification import evidence_text
 
-    found = _find_repository(repo, source, readmes)
+    found = read_code(_find_repository(repo, source, readmes))
     return Outcome(evidence_text(found, classify(found), trace_rules(found)))
 
 

@@ -6,13 +6,14 @@ from collections import Counter
 from math import sqrt
 from typing import TYPE_CHECKING
 
-from rtron.functions.classifier.scores import FunctionScores, score_code
+from rtron.functions.classifier.scores import FunctionScores, score_code, score_package_code
 from rtron.functions.domains import DOMAIN_BY_TYPE
+from rtron.functions.rules.code_rules import match_code, package_facts
 from rtron.functions.text.names import name_tokens
 from rtron.vocabulary import Domain, FunctionType
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from rtron.functions.repository import SourcePackage
 
@@ -48,11 +49,13 @@ def score_packages(packages: Iterable[FunctionScores]) -> FunctionScores:
     return FunctionScores(weights, tuple(e for package in listed for e in package.evidence))
 
 
-def score_repository_code(packages: Iterable[SourcePackage]) -> FunctionScores:
-    """Return what the code of a repository's packages tells: more packages tell more."""
-    by_name = functional_packages({package.name: score_code(package) for package in packages})
-    total = sum(by_name.values(), FunctionScores())
-    return total.scaled(1 / sqrt(len(by_name) or 1))
+def score_repository_code(packages: Sequence[SourcePackage]) -> FunctionScores:
+    """Return what the code of a repository's packages tells, each and together."""
+    by_name = functional_packages({each.name: score_package_code(each) for each in packages})
+    each_alone = sum(by_name.values(), FunctionScores())
+    all_facts = frozenset[str]().union(*map(package_facts, packages))
+    together = score_code(match_code(all_facts, of_repository=True))
+    return each_alone.scaled(1 / sqrt(len(by_name) or 1)) + together
 
 
 def repository_functions(

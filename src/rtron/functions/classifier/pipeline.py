@@ -1,4 +1,4 @@
-"""From a repository to its functions (paper A.2): the name, manifests, the code, then the README."""
+"""From a repository to its functions (paper A.2): its name, manifests, code, then README."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rtron.functions.classifier.result import (
     InformationSource,
     RuleEvidence,
 )
-from rtron.functions.classifier.scores import FunctionScores, score_code, score_texts
+from rtron.functions.classifier.scores import FunctionScores, score_package_code, score_texts
 from rtron.functions.text.descriptions import description_tokens
 from rtron.functions.text.names import name_tokens
 from rtron.functions.text.prose import readme_tokens
@@ -44,8 +44,9 @@ def classify(repository: SourceRepository) -> Classification:
     several packages has those functions too that its packages have. How sure each function is
     depends on all pieces.
     """
-    packages = {package.name: package_scores(package) for package in repository.packages}
-    by_source = source_scores(repository, packages)
+    words = package_words(repository)
+    by_source = source_scores(repository, words)
+    packages = {p.name: words[p.name] + _code_hints(p) for p in repository.packages}
     total, previous_leader, decided_by = FunctionScores(), None, DecisionSource.NONE
     for source, scores in by_source.items():
         total += scores
@@ -67,21 +68,29 @@ def classify_name(package_name: str, description: str = "") -> tuple[FunctionTyp
     return name.ranked() or (name + _description_scores(description)).ranked()
 
 
-def package_scores(package: SourcePackage) -> FunctionScores:
-    """Return what a package's own name and description tell, and less surely its code."""
-    words = _name_scores(package.name, package.name) + _description_scores(
-        package.description, package.name
-    )
-    return words + score_code(package).scaled(_PACKAGE_CODE_WEIGHT)
+def package_words(repository: SourceRepository) -> Mapping[str, FunctionScores]:
+    """Return what the name and the description of each package tell, by its name."""
+    return {
+        package.name: _name_scores(package.name, package.name)
+        + _description_scores(package.description, package.name)
+        for package in repository.packages
+    }
+
+
+def _code_hints(package: SourcePackage) -> FunctionScores:
+    return score_package_code(package).scaled(_PACKAGE_CODE_WEIGHT)
 
 
 def source_scores(
-    repository: SourceRepository, packages: Mapping[str, FunctionScores]
+    repository: SourceRepository, words: Mapping[str, FunctionScores]
 ) -> Mapping[InformationSource, FunctionScores]:
-    """Return what each piece of a repository tells, in the order in which they are asked."""
+    """Return what each piece of a repository tells, in the order in which they are asked.
+
+    `words` are what its packages' names and descriptions tell.
+    """
     return {
         InformationSource.NAME: _name_scores(repository.name),
-        InformationSource.MANIFEST: _manifest_scores(repository, packages),
+        InformationSource.MANIFEST: _manifest_scores(repository, words),
         InformationSource.CODE: score_repository_code(repository.packages),
         InformationSource.README: _readme_scores(repository.readme),
     }
@@ -98,15 +107,13 @@ def _description_scores(description: str, package: str = "") -> FunctionScores:
 
 
 def _manifest_scores(
-    repository: SourceRepository, packages: Mapping[str, FunctionScores]
+    repository: SourceRepository, words: Mapping[str, FunctionScores]
 ) -> FunctionScores:
     root_packages = [p for p in repository.packages if p.name == repository.name]
     scores = FunctionScores()
     for package in root_packages:
         scores += _description_scores(package.description, package.name)
-    others = {
-        name: package_score for name, package_score in packages.items() if name != repository.name
-    }
+    others = {name: found for name, found in words.items() if name != repository.name}
     return scores + score_packages(functional_packages(others).values())
 
 
@@ -141,7 +148,7 @@ def _classification(
         primary=functions[0] if functions else None,
         probabilities=probabilities,
         decided_by=decided_by,
-        evidence=tuple(_evidence(functions, scores, packages)),
+        evidence=tuple(dict.fromkeys(_evidence(functions, scores, packages))),
         packages={name: package_score.ranked() for name, package_score in packages.items()},
     )
 

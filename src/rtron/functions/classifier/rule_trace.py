@@ -1,4 +1,4 @@
-"""Every rule that matches anywhere in a repository's text, asked or not: what explains a class."""
+"""Every rule that matches anywhere in a repository, asked or not: what explains a class."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rtron.functions.classifier.result import InformationSource
+from rtron.functions.rules.code_rules import match_code, package_facts
 from rtron.functions.rules.loader import load_rule_index
 from rtron.functions.text.descriptions import description_tokens
 from rtron.functions.text.names import name_tokens
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from rtron.functions.repository import SourcePackage, SourceRepository
+    from rtron.functions.rules.code_rules import CodeMatch
     from rtron.functions.text.tokens import Tokens
     from rtron.vocabulary import FunctionType
 
@@ -36,11 +38,13 @@ class RuleMatch:
 
 
 def trace_rules(repository: SourceRepository) -> tuple[RuleMatch, ...]:
-    """Return what matches in a repository: its name, its packages' texts, its README.
+    """Return what matches in a repository: its name, its packages' texts and code, its README.
 
     A rule that matches a piece several times is listed once for each text that it matches on.
     """
     matches = [*_matches_in(name_tokens(repository.name), InformationSource.NAME)]
+    facts = frozenset[str]().union(*map(package_facts, repository.packages))
+    matches += _code_matches(match_code(facts, of_repository=True))
     for package in repository.packages:
         matches += _matches_in_package(package)
     for tokens in readme_tokens(repository.readme):
@@ -52,6 +56,20 @@ def _matches_in_package(package: SourcePackage) -> Iterator[RuleMatch]:
     yield from _matches_in(name_tokens(package.name), InformationSource.NAME, package.name)
     for tokens in description_tokens(package.description):
         yield from _matches_in(tokens, InformationSource.MANIFEST, package.name)
+    yield from _code_matches(match_code(package_facts(package)), package.name)
+
+
+def _code_matches(matches: Iterable[CodeMatch], package: str = "") -> Iterator[RuleMatch]:
+    for match in matches:
+        yield RuleMatch(
+            package=package,
+            source=InformationSource.CODE,
+            text=match.text,
+            rule=match.rule.id,
+            type=match.rule.type,
+            weight=match.rule.weight,
+            is_vetoed=False,
+        )
 
 
 def _matches_in(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from rtron.functions.classifier.result import InformationSource, RuleEvidence
-from rtron.functions.rules.code_rules import load_code_rules, package_facts
+from rtron.functions.rules.code_rules import match_code, package_facts
 from rtron.functions.rules.loader import load_rule_index
 
 if TYPE_CHECKING:
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from rtron.functions.patterns.index import PatternMatch
     from rtron.functions.repository import SourcePackage
+    from rtron.functions.rules.code_rules import CodeMatch
     from rtron.functions.rules.rule import FunctionRule
     from rtron.functions.text.tokens import Tokens
     from rtron.vocabulary import FunctionType
@@ -63,24 +64,25 @@ def score_texts(
     return FunctionScores(dict(weights), tuple(evidence.values()))
 
 
-def score_code(package: SourcePackage) -> FunctionScores:
-    """Return what the rules find in the code of a package."""
-    facts = package_facts(package)
-    matches = [(rule, found) for rule in load_code_rules() if (found := rule.match(facts))]
-    weights: dict[FunctionType, float] = defaultdict(float)
-    for rule, _ in matches:
-        weights[rule.type] += rule.weight
-    evidence = (
-        RuleEvidence(
+def score_code(matches: Iterable[CodeMatch], package: str = "") -> FunctionScores:
+    """Return what the rules on code tell that match."""
+    scores = FunctionScores()
+    for match in matches:
+        rule = match.rule
+        evidence = RuleEvidence(
             source=InformationSource.CODE,
-            text=", ".join(found),
+            text=match.text,
             rule=rule.id,
             type=rule.type,
-            package=package.name,
+            package=package,
         )
-        for rule, found in matches
-    )
-    return FunctionScores(dict(weights), tuple(evidence))
+        scores += FunctionScores({rule.type: rule.weight}, (evidence,))
+    return scores
+
+
+def score_package_code(package: SourcePackage) -> FunctionScores:
+    """Return what the code of a package tells."""
+    return score_code(match_code(package_facts(package)), package.name)
 
 
 def _unvetoed_matches(

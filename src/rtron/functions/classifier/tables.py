@@ -25,13 +25,14 @@ class ClassificationCounts:
 
     name: int = 0
     manifest: int = 0
+    code: int = 0
     readme: int = 0
     none: int = 0
 
     @property
     def decided(self) -> int:
         """How many a rule decided."""
-        return self.name + self.manifest + self.readme
+        return self.name + self.manifest + self.code + self.readme
 
     @property
     def total(self) -> int:
@@ -47,6 +48,7 @@ class ClassificationCounts:
         return ClassificationCounts(
             name=self.name + other.name,
             manifest=self.manifest + other.manifest,
+            code=self.code + other.code,
             readme=self.readme + other.readme,
             none=self.none + other.none,
         )
@@ -54,10 +56,14 @@ class ClassificationCounts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperTables:
-    """How many repositories there are, how many are decided, and the tally of every type."""
+    """How many repositories there are, how many are decided, and the tally of every type.
+
+    `expected_right` is the share of the decided ones that is right as first, by how sure each is.
+    """
 
     repositories: int
     decided: int
+    expected_right: float | None
     types: Mapping[FunctionType, ClassificationCounts]
 
 
@@ -69,8 +75,13 @@ def build_tables(classifications: Iterable[Classification]) -> PaperTables:
         type: ClassificationCounts(**{str(by): counts[type, by] for by in DecisionSource})
         for type in FunctionType
     }
-    decided = sum(each.decided_by is not DecisionSource.NONE for each in all_classifications)
-    return PaperTables(repositories=len(all_classifications), decided=decided, types=types)
+    sure = [each.confidence for each in all_classifications if each.confidence is not None]
+    return PaperTables(
+        repositories=len(all_classifications),
+        decided=sum(each.decided_by is not DecisionSource.NONE for each in all_classifications),
+        expected_right=sum(sure) / len(sure) if sure else None,
+        types=types,
+    )
 
 
 def sum_domains(

@@ -1,7 +1,7 @@
 """What the code of packages says of them: build files, sources and launch files, read as text.
 
-Nothing is run, built or followed: a type counts wherever a file names it so, as the ROS tutorials
-write publishers and subscribers (roscpp, rospy, rclcpp, rclpy) and launch files (roslaunch, launch).
+Nothing is run, built or followed: a type counts wherever a file names it as the ROS tutorials write
+publishers and subscribers (roscpp, rospy, rclcpp, rclpy) and launch files (roslaunch, launch).
 """
 
 import re
@@ -23,18 +23,23 @@ _CPP = frozenset({".cpp", ".cc", ".cxx", ".c", ".h", ".hpp", ".hh", ".hxx"})
 _TESTS = re.compile(r"(?:^|/)tests?/")
 
 _CPP_COMMENT = re.compile(r"//[^\n]*")
-_CPP_INCLUDE = re.compile(r'#\s*include\s*[<"](\w+)/(?:msg/)?(\w+)\.h(?:pp)?[>"]')
-_CPP_TYPE = r"\s*<\s*:{0,2}(\w+)::(?:msg::)?(\w+)"
+_CPP_INCLUDE = re.compile(r'#\s*include\s*[<"](\w+)/(?:([A-Z]\w*)\.h|msg/(\w+)\.hpp)[>"]')
+_CPP_TYPE = r"\s*<\s*(?::{0,2}(\w+)::(?:msg::)?)?(\w+)"
 _CPP_PUBLISHES = re.compile(r"\b(?:advertise|create_publisher|Publisher)" + _CPP_TYPE)
 _CPP_SUBSCRIBES = re.compile(
-    r"\b(?:subscribe|create_subscription|Subscri(?:ber|ption))" + _CPP_TYPE
+    r"\b(?:subscribe|create_subscription|Subscri(?:ber|ption))"
+    + _CPP_TYPE
     + r"|\b(\w+)::(\w+?)(?:::)?ConstPtr\s*&"
 )
 _CPP_IMAGES = re.compile(r"\bimage_transport::(?:Camera)?(Publisher|Subscriber)\b")
 
 _PY_COMMENT = re.compile(r"#[^\n]*")
-_PY_IMPORT = re.compile(r"^[ \t]*from[ \t]+(\w+)\.msg[ \t]+import[ \t]+(\([^()]{0,2000}\)|[^\n]+)", re.M)
-_PY_NAME = r"\(\s*(?:[^,()]{1,200},\s*)?(?:data_class\s*=\s*|msg_type\s*=\s*)?(?:\w+\.)*(\w+)\s*[,)]"
+_PY_IMPORT = re.compile(
+    r"^[ \t]*from[ \t]+(\w+)\.msg[ \t]+import[ \t]+(\([^()]{0,2000}\)|[^\n]+)", re.MULTILINE
+)
+_PY_NAME = (
+    r"\(\s*(?:[^,()]{1,200},\s*)?(?:data_class\s*=\s*|msg_type\s*=\s*)?(?:\w+\.){0,3}(\w+)\s*[,)]"
+)
 _PY_PUBLISHES = re.compile(r"\b(?:Publisher|create_publisher)" + _PY_NAME)
 _PY_SUBSCRIBES = re.compile(r"\b(?:Subscriber|create_subscription)" + _PY_NAME)
 
@@ -100,14 +105,22 @@ def _file_facts(name: str, text: str) -> Iterator[str]:
 
 
 def _cpp_facts(text: str) -> Iterator[str]:
-    for package, name in _CPP_INCLUDE.findall(text):
-        yield f"uses {package}/{_type_name(name)}"
+    included = {
+        name or _type_name(header): package for package, name, header in _CPP_INCLUDE.findall(text)
+    }
+    yield from (f"uses {package}/{name}" for name, package in included.items())
     for package, name in _CPP_PUBLISHES.findall(text):
-        yield f"publishes {package}/{name}"
+        yield from _cpp_type("publishes", package, name, included)
     for package, name, of_callback, named in _CPP_SUBSCRIBES.findall(text):
-        yield f"subscribes {package or of_callback}/{name or named}"
+        yield from _cpp_type("subscribes", package or of_callback, name or named, included)
     for kind in _CPP_IMAGES.findall(text):
         yield f"{'publishes' if kind == 'Publisher' else 'subscribes'} sensor_msgs/Image"
+
+
+def _cpp_type(kind: str, package: str, name: str, included: Mapping[str, str]) -> Iterator[str]:
+    """Yield the fact of a type; one without its package is of the header that has its name."""
+    if package or name in included:
+        yield f"{kind} {package or included[name]}/{name}"
 
 
 def _python_facts(text: str) -> Iterator[str]:
@@ -121,8 +134,9 @@ def _python_types(text: str) -> Iterator[tuple[str, str]]:
     """Yield the names under which a module imports message types, and the types."""
     for package, names in _PY_IMPORT.findall(text):
         for each in names.strip("()").split(","):
-            name, _, alias = each.partition(" as ")
-            yield (alias or name).strip(), f"{package}/{name.strip()}"
+            name, _, alias = each.strip().partition(" as ")
+            if name:
+                yield (alias or name).strip(), f"{package}/{name.strip()}"
 
 
 def _cmake_facts(text: str) -> Iterator[str]:
@@ -134,4 +148,4 @@ def _cmake_facts(text: str) -> Iterator[str]:
 
 def _type_name(header: str) -> str:
     """Return the type of a header: rosidl names `LaserScan`'s `laser_scan.hpp`."""
-    return header if header[:1].isupper() else header.title().replace("_", "")
+    return header.title().replace("_", "")

@@ -11,7 +11,7 @@ from rtron.functions.package_data import load_package_yaml
 from rtron.vocabulary import FunctionType
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from rtron.functions.repository import SourcePackage
 
@@ -21,11 +21,15 @@ Facts: TypeAlias = frozenset[str]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CodeRule:
-    """Tells a type where a package has one fact of each group of `has`, and none of `without`."""
+    """Tells a type where a package has one fact of each group of `has`, and none of `without`.
+
+    A rule `is_of_repository` where it is about the facts of all packages together.
+    """
 
     id: str
     type: FunctionType
     weight: float
+    is_of_repository: bool
     has: tuple[tuple[str, ...], ...]
     without: tuple[tuple[str, ...], ...] = ()
 
@@ -41,6 +45,21 @@ def package_facts(package: SourcePackage) -> Facts:
     return package.code | {f"depends {name}" for name in package.depends}
 
 
+def match_code(facts: Facts, *, of_repository: bool = False) -> Iterator[CodeMatch]:
+    """Yield the rules on packages, or those on repositories, that fit to facts of the code."""
+    for rule in load_code_rules() if facts else ():
+        if rule.is_of_repository is of_repository and (found := rule.match(facts)):
+            yield CodeMatch(rule=rule, text=", ".join(found))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CodeMatch:
+    """A rule that fits, and the facts that it fits to, as text."""
+
+    rule: CodeRule
+    text: str
+
+
 @cache
 def load_code_rules() -> tuple[CodeRule, ...]:
     """Return every rule on code that RTron brings."""
@@ -49,6 +68,7 @@ def load_code_rules() -> tuple[CodeRule, ...]:
             id=entry["id"],
             type=FunctionType(entry["type"]),
             weight=entry["weight"],
+            is_of_repository=entry.get("of") == "repository",
             has=tuple(map(_alternatives, entry["has"])),
             without=tuple(map(_alternatives, entry.get("without", ()))),
         )

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rtron.vocabulary import FunctionType
 
 
+_TEXTS = (InformationSource.NAME, InformationSource.MANIFEST, InformationSource.README)
 RuleText = Annotated[str, Field(min_length=1, max_length=2000)]
 RuleTexts = Annotated[tuple[RuleText, ...], Field(max_length=200)]
 
@@ -35,7 +36,7 @@ class RuleSchema(BaseModel):
     id: Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]*$")]
     weight: Annotated[float, Field(ge=1, le=9)]
     patterns: Annotated[RuleTexts, Field(min_length=1)]
-    pieces: Annotated[tuple[InformationSource, ...], Field(min_length=1)] = tuple(InformationSource)
+    pieces: Annotated[tuple[InformationSource, ...], Field(min_length=1)] = _TEXTS
     vetoes: RuleTexts = ()
     matches: Annotated[RuleTexts, Field(min_length=1)]
     excludes: Annotated[RuleTexts, Field(alias="not", min_length=1)]

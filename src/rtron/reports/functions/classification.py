@@ -16,10 +16,11 @@ from rtron.reports.text_layout import Report, TextPage, columns, counted, headin
 _PIECE_NAMES = {
     InformationSource.NAME: "name",
     InformationSource.MANIFEST: "description",
+    InformationSource.CODE: "code",
     InformationSource.README: "README",
 }
 _PACKAGE = "package "
-_NOTHING = "no rule tells what this is: no name, no description, no README"
+_NOTHING = "no rule tells what this is: no name, no description, no code, no README"
 _WEAK = "cannot tell: what matches is too weak, or speaks for several functions alike"
 _MAX_ROWS = 20
 _MAX_WORDS = 4
@@ -68,10 +69,20 @@ def _header(
         return
     decided = _PIECE_NAMES[InformationSource(classification.decided_by)]
     primary = (str(classification.primary), "bold green")
-    yield line(primary, f", decided by the {decided}")
-    others = [str(each) for each in classification.functions if each != classification.primary]
-    if others:
-        yield from paragraph(f"and {', '.join(others)}", page)
+    yield line(primary, f", decided by the {decided}, {_percent(classification.confidence)} sure")
+    others = {f: p for f, p in classification.probabilities.items() if f != classification.primary}
+    for word, is_given in (("and", True), ("perhaps", False)):
+        named = [
+            f"{function} ({_percent(probability)})"
+            for function, probability in others.items()
+            if (function in classification.functions) is is_given
+        ]
+        if named:
+            yield from paragraph(f"{word} {', '.join(named)}", page)
+
+
+def _percent(probability: float | None) -> str:
+    return "" if probability is None else f"{100 * probability:.0f} %"
 
 
 def _rows(matched: Sequence[RuleMatch], decided: AbstractSet[Key]) -> Iterator[Text]:

@@ -12,11 +12,16 @@ from rtron.functions.interactions.abstract_graph import (
 
 
 def classification_to_json(classification: Classification) -> dict[str, object]:
-    """Return a repository's functions, what decided them, and the evidence."""
+    """Return a repository's functions, how sure they are, what decided them, and the evidence."""
     return {
         "repo": classification.repo,
         "functions": list(map(str, classification.functions)),
         "primary": str(classification.primary) if classification.primary else None,
+        "confidence": _rounded(classification.confidence),
+        "probabilities": {
+            str(function): _rounded(probability)
+            for function, probability in classification.probabilities.items()
+        },
         "decided_by": str(classification.decided_by),
         "evidence": [
             {
@@ -29,6 +34,10 @@ def classification_to_json(classification: Classification) -> dict[str, object]:
             for each in classification.evidence
         ],
     }
+
+
+def _rounded(probability: float | None) -> float | None:
+    return None if probability is None else round(probability, 3)
 
 
 def functions_to_json(graph: AbstractGraph) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from rtron.reports.text_layout import Report, TextPage, heading, line, paragraph
 from rtron.vocabulary import Domain, FunctionType
 
 _WIDTH = 20
+_PIECE_WIDTHS = {"name": 7, "manifest": 9, "code": 7, "readme": 8, "none": 7}
 _NOTE = (
     "A repository counts once for each of its functions. One that no rule decides counts as an "
     "Extension that a person looks at (`none`): which function it has, nothing tells. So the "
@@ -33,6 +34,9 @@ def _lines(tables: PaperTables, page: TextPage) -> Iterator[Text]:
     yield line(
         (f"{tables.repositories} repositories", "bold"), f", {tables.decided} decided ({share} %)"
     )
+    if tables.expected_right is not None:
+        expected = 100 * tables.expected_right
+        yield line(f"{expected:.1f} % of the first functions are expected to be right")
     yield from heading("Repositories by domain and function type")
     yield from _by_type(tables)
     yield from heading("What decided, and how many without a person")
@@ -69,7 +73,7 @@ def _counts(name: str, ours: tuple[int, int], theirs: tuple[int, int], style: st
 
 
 def _by_piece(tables: PaperTables) -> Iterator[Text]:
-    titles = "".join(f"{title:>9}" for title in ("name", "manifest", "readme", "none"))
+    titles = "".join(f"{title:>{width}}" for title, width in _PIECE_WIDTHS.items())
     yield line(f"{'':{_WIDTH}}{titles}{'auto %':>8}{'paper':>8}", indent=2)
     for type in FunctionType:
         yield _pieces(type, tables.types[type], paper_counts.AUTOMATION_BY_TYPE[type])
@@ -85,8 +89,7 @@ def _by_piece(tables: PaperTables) -> Iterator[Text]:
 
 
 def _pieces(name: str, tally: ClassificationCounts, rate: float | None, style: str = "") -> Text:
-    numbers = (tally.name, tally.manifest, tally.readme, tally.none)
-    cells = "".join(f"{number:>9}" for number in numbers)
+    cells = "".join(f"{getattr(tally, piece):>{width}}" for piece, width in _PIECE_WIDTHS.items())
     automation = "-" if tally.automation is None else f"{100 * tally.automation:.2f}"
     of_paper = "" if rate is None else f"{rate:.2f}"
     shown = f"{name:{_WIDTH}}{cells}{automation:>8}"
