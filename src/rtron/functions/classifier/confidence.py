@@ -55,8 +55,8 @@ def features(
 
 
 def _strongest_other(function: FunctionType, scores: FunctionScores) -> float:
-    others = (weight for other, weight in scores.weights.items() if other is not function)
-    return max(others, default=0.0)
+    unfit = {function} if function in _VAGUE else {function, *_VAGUE}
+    return max((w for other, w in scores.weights.items() if other not in unfit), default=0.0)
 
 
 def _strength(weight: float) -> float:
