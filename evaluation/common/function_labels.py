@@ -1,14 +1,22 @@
-"""Repositories labelled by hand with their functions, and classifications beside them."""
+"""Repositories labelled by hand with their functions, and classifications beside them.
+
+`python -m evaluation.common.function_labels LABELS CLASSES` scores what `rtron classify` wrote.
+"""
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from rtron.functions.classifier.result import Classification
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.vocabulary import Domain, FunctionType
+
+HALVES = ("develop", "check")
+"""What the labels of each half are for: to write rules with, and to check them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,6 +65,11 @@ class FunctionScore:
         return _share(sum(found.primary in label.primary for label, found in decided), len(decided))
 
     @property
+    def decided(self) -> float:
+        """Return the share of all repositories that a rule decides."""
+        return _share(sum(found.primary is not None for _, found in self.pairs), len(self.pairs))
+
+    @property
     def agreement(self) -> float:
         """Return the share of all readings that give a repository the same first function."""
         shares = sum(label.share_as_first(found.primary) for label, found in self.pairs)
@@ -90,6 +103,12 @@ def read_labels(path: Path) -> tuple[Label, ...]:
     return tuple(_label(json.loads(line)) for line in lines)
 
 
+def read_classifications(path: Path) -> Mapping[str, Classification]:
+    """Return the classifications that `rtron classify` wrote to a file, by their repositories."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return {found.repo: found for found in map(_classification, map(json.loads, lines))}
+
+
 def score(labels: Iterable[Label], found: Mapping[str, Classification]) -> FunctionScore:
     """Return labels beside what was found; a label whose repository is absent is left out."""
     return FunctionScore(tuple((each, found[each.repo]) for each in labels if each.repo in found))
@@ -101,6 +120,13 @@ def _label(document: Mapping[str, list[str]]) -> Label:
         primary=_types(document["primary"]),
         functions=_types(document["functions"]),
         accepted=_types(document["also_accepted"]),
+    )
+
+
+def _classification(document: Mapping[str, Any]) -> Classification:
+    functions = tuple(map(FunctionType, document["functions"]))
+    return Classification(
+        repo=document["repo"], functions=functions, primary=functions[0] if functions else None
     )
 
 
@@ -122,3 +148,19 @@ def _names(types: Iterable[FunctionType]) -> str:
 
 def _share(part: int, total: int) -> float:
     return part / total if total else 0.0
+
+
+def main(files: Sequence[str]) -> None:
+    """Print the scores of both halves and of all labels whose repositories are classified."""
+    labels, found = read_labels(Path(files[0])), read_classifications(Path(files[1]))
+    halves = {name: [each for each in labels if each.half == at] for at, name in enumerate(HALVES)}
+    for name, chosen in {**halves, "all": labels}.items():
+        scored = score(chosen, found)
+        print(  # noqa: T201 - what it is for
+            f"{name:8}{len(scored.pairs):4} repositories, decided {scored.decided:.3f}, correct "
+            f"{scored.precision:.3f}, agreement {scored.agreement:.3f}, F1 {scored.f1:.3f}"
+        )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -12,7 +12,7 @@ from evaluation.common.function_corpora import (
     ignore_skipped,
     read_repositories,
 )
-from evaluation.common.function_labels import FunctionScore, Label, read_labels, score
+from evaluation.common.function_labels import HALVES, FunctionScore, Label, read_labels, score
 from evaluation.common.function_timing import Timing, timed
 from figures.figure import Figure
 from rtron.functions.classifier.pipeline import classify
@@ -23,7 +23,6 @@ from rtron.functions.reading.corpus import read_corpus, read_readmes
 PAPER_AUTOMATION = 0.8852
 PAPER_PRECISION = 0.9982
 _PEAK_MB = 300
-_HALVES = ("develop", "check")
 
 
 def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
@@ -32,7 +31,7 @@ def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     paper, readmes = datasets.corpus("kinetic_941.jsonl"), datasets.corpus("kinetic_readme.jsonl")
     reporter.progress("labelled repositories")
     found = classified(paper, readmes)
-    for half, name in enumerate(_HALVES):
+    for half, name in enumerate(HALVES):
         yield from _half(name, score([one for one in labels if one.half == half], found))
     yield from _overall(labels, found, reporter)
     for corpus in HELD_OUT:
@@ -61,6 +60,7 @@ def classified(corpus: Path, readmes: Path | None = None) -> Mapping[str, Classi
 
 
 def _half(name: str, found: FunctionScore) -> Iterator[Figure]:
+    yield Figure(f"functions.{name}.decided", found.decided, None, "share")
     yield Figure(f"functions.{name}.automation", found.automation, None, "share")
     yield Figure(f"functions.{name}.precision", found.precision, None, "share")
     yield Figure(f"functions.{name}.agreement", found.agreement, None, "share")
@@ -78,7 +78,7 @@ def _held_out(corpus: LabelledCorpus, datasets: Datasets, reporter: Reporter) ->
         del by_evidence["depends"]
     for evidence, repositories in by_evidence.items():
         found = {label.repo: classify(repositories[label.repo]) for label in labels}
-        for half, name in enumerate(_HALVES):
+        for half, name in enumerate(HALVES):
             scored = score([one for one in labels if one.half == half], found)
             reporter.detail([*scored.differences(), ""] if name == "develop" else [])
             yield from _half(f"{corpus.name}.{evidence}.{name}", scored)

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from evaluation.common.function_labels import Label, read_labels, score
+from evaluation.common.function_labels import Label, main, read_labels, score
 from rtron.functions.classifier.result import Classification
 from rtron.vocabulary import FunctionType as T
 
@@ -48,6 +48,8 @@ def test_the_score():
     assert len(whole.pairs) == 5
     assert whole.automation == pytest.approx(2 / 3)
     assert whole.precision == pytest.approx(2 / 3)
+    assert whole.decided == pytest.approx(3 / 5)
+    assert whole.agreement == pytest.approx((1 + 0.5) / 5)
     assert whole.f1 == pytest.approx(2 * 1 / (2 * 1 + 1 + 5))
 
 
@@ -64,6 +66,21 @@ def test_the_faults():
 def test_nothing_has_no_share():
     nothing = score([], {})
     assert (nothing.automation, nothing.precision, nothing.f1) == (0, 0, 0)
+    assert (nothing.decided, nothing.agreement) == (0, 0)
+
+
+def test_what_the_command_wrote_is_scored(tmp_path, capsys):
+    labels, classes = tmp_path / "labels.jsonl", tmp_path / "classes.jsonl"
+    either = {"primary": ["Sensors", "Support"], "functions": ["Sensors"], "also_accepted": []}
+    labels.write_text(json.dumps({"repo": "either", **either}))
+    classified = [{"repo": "either", "functions": ["Sensors"]}, {"repo": "zzz", "functions": []}]
+    classes.write_text("\n".join(map(json.dumps, classified)))
+    main([str(labels), str(classes)])
+    rows = capsys.readouterr().out.splitlines()
+    assert [row.split()[0] for row in rows] == ["develop", "check", "all"]
+    assert rows[2].split(maxsplit=1)[1] == (
+        "1 repositories, decided 1.000, correct 1.000, agreement 0.500, F1 1.000"
+    )
 
 
 def test_labels_are_read_and_halved(tmp_path):
