@@ -102,7 +102,7 @@ def test_build_files_and_manifests(package):
     assert facts(package) == {
         "depends roscpp",
         "depends joy",
-        "depends OpenCV",
+        "depends opencv",
         "exports rviz_common",
         "exports nav_core",
     }

@@ -29,6 +29,7 @@ def types(*facts, of_repository=False):
         (["depends rosbridge_library"], T.SUPPORT),
         (["depends espeak"], T.SPEECH_GENERATION),
         (["depends sound_play"], T.SPEAKER),
+        (["depends python3_serial", "depends sensor_msgs"], T.SENSORS),
         (["depends industrial_robot_client"], T.MANIPULATOR),
         (["depends rosidl_default_generators"], T.EXTENSION),
         (["publishes vision_msgs/Detection2DArray"], T.RECOGNITION),
@@ -72,8 +73,9 @@ def test_that_nothing_of_a_robot_is_there_is_asked_of_the_whole_repository():
 
 
 def test_the_facts_of_a_package_are_its_dependencies_and_its_code():
-    package = SourcePackage(name="a", depends=("joy",), code=frozenset({"exports rviz"}))
-    assert package_facts(package) == {"depends joy", "exports rviz"}
+    code = frozenset({"exports rviz"})
+    package = SourcePackage(name="a", depends=("joy", "python3-serial"), code=code)
+    assert package_facts(package) == {"depends joy", "depends python3_serial", "exports rviz"}
 
 
 def test_every_rule_has_its_own_name_a_weight_and_known_kinds():

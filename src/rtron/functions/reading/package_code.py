@@ -142,7 +142,7 @@ def _python_types(text: str) -> Iterator[tuple[str, str]]:
 def _cmake_facts(text: str) -> Iterator[str]:
     for arguments in _CMAKE_PACKAGES.findall(text):
         words: Mapping[str, None] = dict.fromkeys(arguments.split())
-        yield from (f"depends {word}" for word in words if word not in _CMAKE_WORDS)
+        yield from (f"depends {word.lower()}" for word in words if word not in _CMAKE_WORDS)
     yield from (f"exports {tag}" for tag in _CMAKE_PLUGINS.findall(text))
 
 

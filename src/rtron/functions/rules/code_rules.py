@@ -42,7 +42,7 @@ class CodeRule:
 
 def package_facts(package: SourcePackage) -> Facts:
     """Return what is known of a package's code."""
-    return package.code | {f"depends {name}" for name in package.depends}
+    return package.code | {f"depends {name.replace('-', '_')}" for name in package.depends}
 
 
 def match_code(facts: Facts, *, of_repository: bool = False) -> Iterator[CodeMatch]:
