@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from rtron.functions.reading.package_code import MAX_BYTES, MAX_FILES, read_code
+from rtron.functions.reading.package_code import MAX_BYTES, MAX_FACTS, MAX_FILES, read_code
 from rtron.functions.repository import SourcePackage, SourceRepository
 
 CPP = """
@@ -137,6 +137,12 @@ def test_files_past_the_limit_say_nothing(package):
         (package / f"{number:04}.py").write_text("")
     (package / "9999.py").write_text(PYTHON)
     assert facts(package) == frozenset()
+
+
+def test_facts_past_the_limit_do_not_count(package):
+    nodes = "".join(f'<node pkg="p{number}"/>' for number in range(MAX_FACTS + 9))
+    (package / "a.launch").write_text(nodes)
+    assert len(facts(package)) == MAX_FACTS
 
 
 def test_a_broken_manifest_says_nothing_and_the_others_count(package):

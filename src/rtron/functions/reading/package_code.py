@@ -19,6 +19,7 @@ from rtron.sources.workspace.package_files import PackageFiles, list_files
 
 MAX_FILES = 500
 MAX_BYTES = 2**18
+MAX_FACTS = 5000
 _CPP = frozenset({".cpp", ".cc", ".cxx", ".c", ".h", ".hpp", ".hh", ".hxx"})
 _TESTS = re.compile(r"(?:^|/)tests?/")
 
@@ -52,7 +53,8 @@ _LAUNCHED = re.compile(r"\b(?:pkg|package)\s*=\s*[\"'](\w+)[\"']")
 def read_code(repository: SourceRepository) -> SourceRepository:
     """Return a repository with what the code of its packages says; one that is no folder as it is.
 
-    A file that cannot be read, has more than MAX_BYTES or comes after MAX_FILES says nothing.
+    A file that cannot be read, has more than MAX_BYTES or comes after MAX_FILES says nothing, and
+    of a package no more than MAX_FACTS count.
     """
     packages = tuple(_with_code(package) for package in repository.packages)
     return replace(repository, packages=packages)
@@ -61,7 +63,7 @@ def read_code(repository: SourceRepository) -> SourceRepository:
 def _with_code(package: SourcePackage) -> SourcePackage:
     if package.folder is None:
         return package
-    return replace(package, code=frozenset(_package_facts(package.folder)))
+    return replace(package, code=frozenset(islice(_package_facts(package.folder), MAX_FACTS)))
 
 
 def _package_facts(folder: Path) -> Iterator[str]:
