@@ -1,4 +1,4 @@
-"""Corpora of repositories with labels that the rules were not written with."""
+"""Corpora of repositories: classified, and with labels that the rules were not written with."""
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from evaluation.common.datasets import Datasets, MissingDatasetError
+from rtron.functions.classifier.pipeline import classify
+from rtron.functions.classifier.result import Classification
 from rtron.functions.reading.corpus import read_corpus, read_readmes
 from rtron.functions.repository import SourceRepository
 
@@ -59,6 +61,16 @@ def read_repositories(
         each.name: replace(_with_depends(each, depends), readme=readmes.get(each.name, each.readme))
         for each in found
     }
+
+
+def classified(corpus: Path, readmes: Path | None = None) -> Mapping[str, Classification]:
+    """Return the classification of every repository of a corpus."""
+    texts = read_readmes(readmes, ignore_skipped) if readmes else {}
+    repositories = read_corpus(corpus, ignore_skipped)
+    with_readmes = (
+        replace(each, readme=texts.get(each.name, each.readme)) for each in repositories
+    )
+    return {each.name: classify(each) for each in with_readmes}
 
 
 def ignore_skipped(*_: object) -> None:

@@ -37,7 +37,7 @@ def timed(corpus: Path, readmes: Path | None = None) -> Timing:
 def main(files: Sequence[str]) -> None:
     """Classify the corpus that is named, and print its timing."""
     started = time.perf_counter()
-    from evaluation.common.functions import classified  # noqa: PLC0415 - its loading is timed
+    from evaluation.common.function_corpora import classified  # noqa: PLC0415 - its loading is timed
 
     found = classified(*map(Path, files))
     timing = Timing(

@@ -1,15 +1,13 @@
 """Corpora of repositories, classified: beside labels by hand, and beside the paper's figures."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
-from pathlib import Path
 
 from evaluation.common.datasets import Datasets, Reporter
 from evaluation.common.function_confidence import confidence_figures
 from evaluation.common.function_corpora import (
     HELD_OUT,
     LabelledCorpus,
-    ignore_skipped,
+    classified,
     read_repositories,
 )
 from evaluation.common.function_labels import HALVES, FunctionScore, Label, read_labels, score
@@ -18,7 +16,6 @@ from figures.figure import Figure
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import Classification
 from rtron.functions.classifier.tables import build_tables, sum_function_nodes
-from rtron.functions.reading.corpus import read_corpus, read_readmes
 
 PAPER_AUTOMATION = 0.8852
 PAPER_PRECISION = 0.9982
@@ -47,16 +44,6 @@ def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     ):
         reporter.progress(f"{file.name}, timed")
         yield from _timing(name, timed(file, texts), bound)
-
-
-def classified(corpus: Path, readmes: Path | None = None) -> Mapping[str, Classification]:
-    """Return the classification of every repository of a corpus."""
-    texts = read_readmes(readmes, ignore_skipped) if readmes else {}
-    repositories = read_corpus(corpus, ignore_skipped)
-    with_readmes = (
-        replace(each, readme=texts.get(each.name, each.readme)) for each in repositories
-    )
-    return {each.name: classify(each) for each in with_readmes}
 
 
 def _half(name: str, found: FunctionScore) -> Iterator[Figure]:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from evaluation.common.function_corpora import classified
 from evaluation.common.function_labels import read_labels, score
-from evaluation.common.functions import classified
 from rtron.functions.classifier.rule_trace import trace_rules
 from rtron.functions.reading.corpus import read_corpus, read_readmes
 from rtron.functions.rules.loader import load_rules
