@@ -52,10 +52,10 @@ def score_packages(packages: Iterable[FunctionScores]) -> FunctionScores:
 def score_repository_code(packages: Sequence[SourcePackage]) -> FunctionScores:
     """Return what the code of a repository's packages tells, each and together."""
     by_name = functional_packages({each.name: score_package_code(each) for each in packages})
-    each_alone = sum(by_name.values(), FunctionScores())
+    by_package = sum(by_name.values(), FunctionScores())
     all_facts = frozenset[str]().union(*map(package_facts, packages))
     together = score_code(match_code(all_facts, of_repository=True))
-    return each_alone.scaled(1 / sqrt(len(by_name) or 1)) + together
+    return by_package.scaled(1 / sqrt(len(by_name) or 1)) + together
 
 
 def repository_functions(
