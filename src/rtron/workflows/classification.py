@@ -31,6 +31,8 @@ def classify_repositories(
     executor = choose_executor(
         jobs, cluster, chunk=CHUNK_SIZE, is_worth_parallel=len(repositories) > _PARALLEL_THRESHOLD
     )
-    name = attrgetter("name")
+    by_name = {each.name: each for each in repositories}
     with_code = [read_code(each) for each in repositories]
-    return map_with_progress(executor, classify, with_code, name, note_skipped, progress)
+    name = attrgetter("name")
+    classified = map_with_progress(executor, classify, with_code, name, note_skipped, progress)
+    return ((by_name[each.name], found) for each, found in classified)
