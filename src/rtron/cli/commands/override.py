@@ -90,7 +90,7 @@ def clear(
 
 def _check_answerer(sock: socket.socket, path: Path) -> None:
     """SourceError if another user listens there, who could answer anything."""
-    from rtron.guard.core.unix_socket import peer_credentials
+    from rtron.guard.system.unix_socket import peer_credentials
 
     uid = peer_credentials(sock)[1]
     if os.getuid() not in (0, uid) and uid != 0:

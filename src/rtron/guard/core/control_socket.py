@@ -18,7 +18,7 @@ from typing import Any
 
 from rtron.errors import SourceError, WireError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.core.unix_socket import open_own_folder, peer_credentials, runtime_folder
+from rtron.guard.system.unix_socket import open_own_folder, peer_credentials, runtime_folder
 
 log = logging.getLogger(__name__)
 

@@ -8,7 +8,6 @@ from rtron.guard.core.deadline_timer import DeadlineTimer
 from rtron.guard.core.handover_state import FlowOrder
 from rtron.guard.core.losses import Losses
 from rtron.guard.core.observations import Observations
-from rtron.guard.core.out_of_memory import exit_out_of_memory
 from rtron.guard.core.override_policy import OverridablePolicy
 from rtron.guard.core.pipeline import Pipeline
 from rtron.guard.core.stop_controller import StopController
@@ -23,6 +22,7 @@ from rtron.guard.core.stream_settings import (
     with_defaults,
 )
 from rtron.guard.core.velocity_gate import VelocityGate
+from rtron.guard.system.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
 from rtron.policies import Policy, Release
 from rtron.policies.mission.rule_status import RuleStatus

@@ -6,7 +6,7 @@ from pathlib import Path
 from urllib.parse import urlsplit, urlunsplit
 
 from rtron.errors import InputError
-from rtron.guard.core.unix_socket import abstract_address, user_name
+from rtron.guard.system.unix_socket import abstract_address, user_name
 
 _PATH = "/link/v1"
 _SCHEMES = {"http": "ws", "https": "wss"}

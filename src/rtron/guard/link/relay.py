@@ -11,13 +11,13 @@ from contextlib import suppress
 from dataclasses import replace
 
 from rtron.errors import RTronError, SourceError
-from rtron.guard.core.process_priority import lower_priority
-from rtron.guard.core.unix_socket import peer_credentials
 from rtron.guard.link.event_counter import forget_run, former_runs
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.service_connection import ServiceConnection
 from rtron.guard.link.settings_file import read_settings, write_settings
 from rtron.guard.link.spool import Spool
+from rtron.guard.system.process_priority import lower_priority
+from rtron.guard.system.unix_socket import peer_credentials
 from rtron.vocabulary import GuardEvent, Settings
 from rtron.wire.common.link_protocol import (
     MAX_MESSAGE_BYTES,

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import WireError
-from rtron.guard.core.durable_file import replace_file
+from rtron.guard.system.durable_file import replace_file
 from rtron.vocabulary import Settings
 from rtron.wire.common.link_protocol import NewSettings, decode_to_guard, encode_to_guard
 

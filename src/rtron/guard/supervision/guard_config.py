@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rtron.guard.core.unix_socket import runtime_folder
 from rtron.guard.link.options import state_folder
+from rtron.guard.system.unix_socket import runtime_folder
 from rtron.vocabulary import Mode, Plan, Stream, StreamKind, build_streams
 
 

@@ -11,8 +11,8 @@ from dataclasses import asdict, dataclass
 from enum import IntEnum
 
 from rtron.guard.core.handover_state import MOST_BYTES
-from rtron.guard.core.sealed_memory import create_sealed_memory
 from rtron.guard.supervision.double_buffer import DoubleBuffer
+from rtron.guard.system.sealed_memory import create_sealed_memory
 from rtron.guard.transport.common.protocol import TypeInfo
 
 _WORD = 8

@@ -15,9 +15,7 @@ from typing import TYPE_CHECKING
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
-from rtron.guard.core.out_of_memory import exit_if_out_of_memory
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.core.unix_socket import peer_credentials
 from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.guard_config import GuardConfig, is_stoppable
 from rtron.guard.supervision.programs import BACKUP_SUPERVISOR, command
@@ -38,6 +36,8 @@ from rtron.guard.supervision.supervisor_handover import (
     is_running,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
+from rtron.guard.system.out_of_memory import exit_if_out_of_memory
+from rtron.guard.system.unix_socket import peer_credentials
 from rtron.guard.transport.common.protocol import SupervisorId, TypeInfo
 from rtron.vocabulary import (
     GUARD_NODE,

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.core.unix_socket import abstract_address, peer_credentials, user_name
+from rtron.guard.system.unix_socket import abstract_address, peer_credentials, user_name
 
 
 def guard_address(master: str) -> bytes:

@@ -9,8 +9,8 @@ from uuid import uuid4
 import pytest
 
 from rtron.errors import SourceError
-from rtron.guard.core.unix_socket import runtime_folder
 from rtron.guard.lanes.exchange.bulk_socket import BulkSocket
+from rtron.guard.system.unix_socket import runtime_folder
 
 LISTEN = """
 import sys

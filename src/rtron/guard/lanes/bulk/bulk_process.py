@@ -16,7 +16,6 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
-from rtron.guard.core.process_priority import lower_priority
 from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.bulk.board_writer import BoardWriter
 from rtron.guard.lanes.bulk.command_connection import CommandConnection
@@ -35,6 +34,7 @@ from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
+from rtron.guard.system.process_priority import lower_priority
 from rtron.vocabulary import BULK_NODE, SECOND, Mode, OnForeign, Plan, build_streams
 
 if TYPE_CHECKING:

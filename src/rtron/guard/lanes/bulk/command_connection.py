@@ -9,7 +9,6 @@ from contextlib import suppress
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.report_messages import ERROR, Status
-from rtron.guard.core.unix_socket import peer_credentials
 from rtron.guard.lanes.bulk.board_writer import BoardWriter
 from rtron.guard.lanes.exchange.bulk_socket import GREETING, BulkSocket
 from rtron.guard.lanes.exchange.lane_state import LaneState
@@ -25,6 +24,7 @@ from rtron.guard.lanes.exchange.messages import (
     StatusReport,
 )
 from rtron.guard.link.event_recorder import RecordEvent
+from rtron.guard.system.unix_socket import peer_credentials
 from rtron.vocabulary import Settings
 
 log = logging.getLogger(__name__)

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 from rtron.errors import WireError
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.core.unix_socket import peer_credentials
 from rtron.guard.lanes.command.board_observations import BoardObservations
 from rtron.guard.lanes.exchange.board import REFRESH_PERIOD, Board
 from rtron.guard.lanes.exchange.bulk_socket import GREETING, BulkSocket
@@ -27,6 +26,7 @@ from rtron.guard.lanes.exchange.messages import (
     BulkParticipant,
 )
 from rtron.guard.supervision.watchdog import SchedulingDelay, Watchdog, adapt_bound
+from rtron.guard.system.unix_socket import peer_credentials
 from rtron.guard.transport.ros2.participants import MAX_LEASE
 from rtron.vocabulary import SECOND
 

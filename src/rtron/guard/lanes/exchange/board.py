@@ -10,8 +10,8 @@ import os
 import struct
 from dataclasses import dataclass
 
-from rtron.guard.core.sealed_memory import create_sealed_memory
 from rtron.guard.supervision.double_buffer import DoubleBuffer
+from rtron.guard.system.sealed_memory import create_sealed_memory
 from rtron.policies.mission.event_bits import EventState
 from rtron.vocabulary import SECOND
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rtron import __version__
 from rtron.errors import SourceError
-from rtron.guard.core.unix_socket import open_own_folder, runtime_folder, user_name
+from rtron.guard.system.unix_socket import open_own_folder, runtime_folder, user_name
 
 GREETING = b"B"
 """What a bulk process says first, and sends its board with."""

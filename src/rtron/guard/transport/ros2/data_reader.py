@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from rclpy.qos import DurabilityPolicy, HistoryPolicy
 
 from rtron.guard.core.log_throttle import LogThrottle
-from rtron.guard.core.out_of_memory import exit_out_of_memory
+from rtron.guard.system.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import NumberedMessage
 from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.event_fd import EventFd

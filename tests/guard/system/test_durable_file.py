@@ -3,7 +3,7 @@
 import os
 import stat
 
-from rtron.guard.core.durable_file import remove_file, replace_file
+from rtron.guard.system.durable_file import remove_file, replace_file
 
 
 def test_a_file_is_replaced_and_only_its_owner_s(tmp_path):

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from rtron.guard.core.sealed_memory import create_sealed_memory
+from rtron.guard.system.sealed_memory import create_sealed_memory
 
 
 def test_its_size_stays():
