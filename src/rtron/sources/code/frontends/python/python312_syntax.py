@@ -58,7 +58,7 @@ class _FStrings:
     def __init__(self, text: str) -> None:
         self._text = text
         self._edits: list[Edit] = []
-        self._ends: dict[int, int] = {}
+        self._boundaries: dict[int, int] = {}
         self._unclosed = 0
 
     def edits(self) -> list[Edit]:
@@ -80,9 +80,9 @@ class _FStrings:
         if not is_formatted or depth == _MAX_DEPTH or self._unclosed == _MAX_UNCLOSED:
             return self._skip_plain(match.end(), match[2])
         begin = match.start(2)
-        if begin not in self._ends:
-            self._ends[begin] = self._skip_formatted(begin, match[2], depth)
-        return self._ends[begin]
+        if begin not in self._boundaries:
+            self._boundaries[begin] = self._skip_formatted(begin, match[2], depth)
+        return self._boundaries[begin]
 
     def _skip_plain(self, at: int, quote: str) -> int:
         """Return where a string ends; one that is not closed ends with its line."""
