@@ -1,7 +1,7 @@
 """The packages of a workspace: programs, plugins, headers and modules, found without a build."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
@@ -29,7 +29,7 @@ from rtron.sources.workspace.plugin_description import (
 from rtron.sources.workspace.program import Program, ProgramLanguage
 from rtron.sources.workspace.program_builder import script_program, target_program
 from rtron.sources.workspace.python_package import entry_points, module_file, module_folder
-from rtron.sources.workspace.scripts import find_script
+from rtron.sources.workspace.scripts import executable_names, find_script
 from rtron.vocabulary import Evidence, Trust, UnresolvedItem
 
 NODELET = "nodelet"
@@ -53,6 +53,8 @@ class Workspace:
         self._messages: dict[str, frozenset[str]] = {}
         self._package_by_folder: dict[Path, str | None] = {}
         self._entry_points: dict[str, Mapping[str, tuple[str, str]]] = {}
+        self._every_branch: dict[str, PackageContents] = {}
+        self._taken_as_built: dict[UnresolvedItem, None] = {}
         self._problems: list[UnresolvedItem] = []
 
     def trust(self, package: str) -> Trust:
@@ -81,32 +83,61 @@ class Workspace:
         return self._manifests[package]
 
     def executable(self, package: str, type: str) -> Program | None:
-        """Return what `<node pkg=… type=…>` runs: a target of this name, else a script."""
+        """Return what `<node pkg=… type=…>` runs: a target of this name, else a script.
+
+        One that a build with the options' defaults leaves out counts too, with a note.
+        """
         contents = self.contents(package)
         if contents is None:
             return None
-        target = contents.target(type, TargetKind.EXECUTABLE)
-        if target is not None:
-            return target_program(target, contents)
-        made = next((c for c in contents.components if c.executable == type), None)
-        if made is not None:
-            return self.component(package, made.class_name)
+        built = _built_executable(type, contents)
+        if built is not None:
+            return built
         entry = self.entry_points(package).get(type)
         if entry is not None:
             return self._entry_point_program(package, *entry)
         script = find_script(type, contents, self.files(package))
-        if script is None:
-            return None
-        return script_program(script, contents)
+        if script is not None:
+            return script_program(script, contents)
+        return self._left_out(package, type, _executable)
 
     def component(self, package: str, cls: str) -> Program | None:
         """Return the library that holds a component's class, with that class as `entry` (ROS 2)."""
         contents = self.contents(package)
-        found = [c for c in contents.components if c.class_name == cls] if contents else []
-        if contents is None or not found:
+        if contents is None:
             return None
-        target = contents.target(found[0].library, TargetKind.LIBRARY)
-        return replace(target_program(target, contents), entry=cls) if target else None
+        return _component(cls, contents) or self._left_out(package, cls, _component)
+
+    def _left_out(
+        self, package: str, name: str, find: Callable[[str, PackageContents], Program | None]
+    ) -> Program | None:
+        """Return what a build with the options' defaults leaves out: a launch counts on it."""
+        if package not in self._every_branch:
+            files = self.files(package)
+            self._every_branch[package] = evaluate_package(package, files, every_branch=True)
+        contents = self._every_branch[package]
+        program = find(name, contents)
+        names = (name, program.name) if program is not None else ()
+        for why in [contents.left_out[each] for each in names if each in contents.left_out][:1]:
+            note = UnresolvedItem(
+                what=f"program {package}/{name}",
+                why=f"a build with the defaults leaves it out ({why.by}); taken as built",
+                evidence=(why.evidence,),
+            )
+            self._taken_as_built[note] = None
+        return program
+
+    def program_names(self, package: str) -> tuple[str, ...]:
+        """Return the programs that a package makes or installs, in alphabetical order."""
+        contents = self.contents(package)
+        if contents is None:
+            return ()
+        built = (t.output_name for t in contents.targets if t.kind is TargetKind.EXECUTABLE)
+        made = (c.executable for c in contents.components)
+        scripts = (name for name, _ in contents.installed_scripts)
+        files = executable_names(self.files(package))
+        found = {*built, *made, *scripts, *files, *self.entry_points(package)}
+        return tuple(sorted(filter(None, found)))
 
     def entry_points(self, package: str) -> Mapping[str, tuple[str, str]]:
         """Return the module and function of each program that a Python package installs."""
@@ -188,7 +219,8 @@ class Workspace:
         noted = (contents.unresolved for contents in self._contents.values())
         packages = dict.fromkeys((*self._contents, *self._manifests))
         manifests = (self.manifest(package).unresolved for package in packages)
-        return (*chain.from_iterable(noted), *chain.from_iterable(manifests), *self._problems)
+        notes = (*chain.from_iterable(noted), *chain.from_iterable(manifests))
+        return (*notes, *self._problems, *self._taken_as_built)
 
     def _header_folders(self, text: str, from_file: Path) -> list[Path]:
         contents = self.contents(self.package_of(from_file) or "")
@@ -258,6 +290,25 @@ class Workspace:
         if not is_inside(path, self._allowed_folders):
             raise InputError("is not there, or not in a package", path=str(path))
         return path
+
+
+def _executable(name: str, contents: PackageContents) -> Program | None:
+    script = dict(contents.installed_scripts).get(name)
+    return _built_executable(name, contents) or (script and script_program(script, contents))
+
+
+def _built_executable(name: str, contents: PackageContents) -> Program | None:
+    target = contents.target(name, TargetKind.EXECUTABLE)
+    if target is not None:
+        return target_program(target, contents)
+    made = next((c for c in contents.components if c.executable == name), None)
+    return _component(made.class_name, contents) if made else None
+
+
+def _component(cls: str, contents: PackageContents) -> Program | None:
+    found = next((c for c in contents.components if c.class_name == cls), None)
+    target = contents.target(found.library, TargetKind.LIBRARY) if found else None
+    return replace(target_program(target, contents), entry=cls) if target else None
 
 
 def read_workspace(folders: Iterable[Path], environ: Mapping[str, str] = os.environ) -> Workspace:

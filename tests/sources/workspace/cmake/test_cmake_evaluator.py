@@ -63,6 +63,9 @@ SOURCES_OF_X = [
     (('option(SUPER "all" ON)\nif(SUPER)\nExternalProject_Add(ep DEPENDS other SOURCE_DIR\n'
       "${PROJECT_SOURCE_DIR} CMAKE_ARGS -DSUPER:BOOL=OFF -DS=a.cpp)\nreturn()\nendif()\n"
       "add_executable(x ${S})"), "a"),
+    (('option(SUPER "all" ON)\nif(SUPER)\nExternalProject_Add(ep SOURCE_DIR\n'
+      "${CMAKE_CURRENT_LIST_DIR}/sub/.. CMAKE_CACHE_ARGS -DSUPER:BOOL=OFF)\nreturn()\nendif()\n"
+      "add_executable(x a.cpp)"), "a"),
     ("ExternalProject_Add(ep SOURCE_DIR ${PROJECT_SOURCE_DIR})\nadd_executable(x a.cpp)", "a"),
     (("ExternalProject_Add(ep SOURCE_DIR /else CMAKE_ARGS -DX=1)\nif(X)\nset(S b.cpp)\nendif()\n"
       "add_executable(x a.cpp)"), "a"),
@@ -102,6 +105,12 @@ def test_subfolders_and_included_files_are_carried_out(tmp_path):
     write(tmp_path / "cmake", {"m.cmake": "set(T b.cpp)"})
     cmake = "add_subdirectory(sub)\ninclude(cmake/m.cmake)\nadd_executable(x c.cpp ${T})"
     assert sources(evaluate_cmake(tmp_path, cmake)) == {"s": ["sub/d.cpp"], "x": ["c.cpp", "b.cpp"]}
+
+
+def test_a_superbuild_builds_folders_of_the_package(tmp_path):
+    write(tmp_path / "sub", {"CMakeLists.txt": "add_executable(x ${S})", "d.cpp": ""})
+    cmake = "ExternalProject_Add(ep SOURCE_DIR ${PROJECT_SOURCE_DIR}/sub CMAKE_ARGS -DS=d.cpp)"
+    assert sources(evaluate_cmake(tmp_path, cmake)) == {"x": ["sub/d.cpp"]}
 
 
 def test_modules_are_found_by_the_module_path(tmp_path):

@@ -36,6 +36,8 @@ def _add_component(call: CommandCall, target: str, cls: str, executable: str) ->
         executable=executable,
         evidence=call.evidence,
     )
+    for name in filter(None, (made.class_name, executable)):
+        call.build.note_left_out(name)
     call.build.components[made.class_name, executable] = made
 
 

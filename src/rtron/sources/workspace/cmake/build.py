@@ -4,7 +4,12 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtron.sources.workspace.package_contents import BuildTarget, ComponentClass, TargetKind
+from rtron.sources.workspace.package_contents import (
+    BuildTarget,
+    ComponentClass,
+    LeftOut,
+    TargetKind,
+)
 from rtron.sources.workspace.package_files import PackageFiles
 from rtron.vocabulary import Evidence, UnresolvedItem
 
@@ -30,7 +35,10 @@ class TargetBuilder:
 
 @dataclass(slots=True, kw_only=True)
 class PackageBuild:
-    """The targets, folders and installed scripts of one package."""
+    """The targets, folders and installed scripts of one package.
+
+    `left_out_by` is why a build with the defaults does not come to what is read now.
+    """
 
     files: PackageFiles
     targets: dict[str, TargetBuilder] = field(default_factory=dict)
@@ -39,6 +47,8 @@ class PackageBuild:
     installed: dict[str, Path] = field(default_factory=dict)
     components: dict[tuple[str, str], ComponentClass] = field(default_factory=dict)
     exports: dict[tuple[str, Path], None] = field(default_factory=dict)
+    left_out: dict[str, LeftOut] = field(default_factory=dict)
+    left_out_by: LeftOut | None = None
     unresolved: list[UnresolvedItem] = field(default_factory=list)
 
     def add_unresolved(self, what: str, why: str, evidence: Evidence) -> None:
@@ -51,7 +61,14 @@ class PackageBuild:
     ) -> TargetBuilder:
         """Return a target, a new one if there is none of that name."""
         new = TargetBuilder(name=name, kind=kind, folder=folder, evidence=evidence)
+        if name not in self.targets:
+            self.note_left_out(name)
         return self.targets.setdefault(name, new)
+
+    def note_left_out(self, name: str) -> None:
+        """Remember of something new that a build with the defaults leaves it out, if it does."""
+        if self.left_out_by is not None:
+            self.left_out.setdefault(name, self.left_out_by)
 
     def add_source(self, draft: TargetBuilder, text: str, folder: Path, evidence: Evidence) -> None:
         """Add a source as spelled in `folder`; headers and the like are not compiled."""

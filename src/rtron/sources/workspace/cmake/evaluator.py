@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from os.path import normpath
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -29,13 +30,14 @@ from rtron.sources.workspace.cmake.variable_scope import (
     restore_variables,
 )
 from rtron.sources.workspace.cmake.variables import VARIABLE_COMMANDS
-from rtron.sources.workspace.package_contents import PackageContents
+from rtron.sources.workspace.package_contents import LeftOut, PackageContents
 from rtron.sources.workspace.package_files import PackageFiles
 from rtron.vocabulary import Evidence
 
 MAX_BYTES = 1024 * 1024
 MAX_DEPTH = 48
 LIST_FILE = "CMakeLists.txt"
+_MAX_SHOWN = 120
 
 _COMMANDS = {**VARIABLE_COMMANDS, **PARSING_COMMANDS, **TARGET_COMMANDS, **AMENT_COMMANDS}
 _PLATFORM_VARIABLES = {
@@ -50,16 +52,19 @@ class _Return(Exception):  # noqa: N818 - CMake's return(), no error
     pass
 
 
-def evaluate_package(name: str, files: PackageFiles) -> PackageContents:
+def evaluate_package(
+    name: str, files: PackageFiles, *, every_branch: bool = False
+) -> PackageContents:
     """Return what a package's CMakeLists.txt makes; what goes wrong is in `unresolved`.
 
-    The platform is Linux, tests are built, options have their defaults.
+    The platform is Linux, tests are built, options have their defaults. With `every_branch` it is
+    also what these leave out, and what stands behind a `return()`.
     """
     build = PackageBuild(files=files)
     scope = VariableScope(folder=files.folder, variables=_initial_variables(name, files.folder))
     path = files.folder / LIST_FILE
     if files.is_file(path):
-        _run_list_file(path, scope, build)
+        _run_list_file(path, scope, build, every_branch=every_branch)
     return PackageContents(
         name=name,
         path=files.folder,
@@ -68,12 +73,20 @@ def evaluate_package(name: str, files: PackageFiles) -> PackageContents:
         installed_scripts=tuple(build.installed.items()),
         components=tuple(build.components.values()),
         plugin_descriptions=tuple(build.exports),
+        left_out=build.left_out,
         unresolved=tuple(build.unresolved),
     )
 
 
-def _run_list_file(path: Path, scope: VariableScope, build: PackageBuild) -> None:
-    evaluator = CMakeEvaluator(build=build, budget=StepBudget(), initial=dict(scope.variables))
+def _run_list_file(
+    path: Path, scope: VariableScope, build: PackageBuild, *, every_branch: bool
+) -> None:
+    evaluator = CMakeEvaluator(
+        build=build,
+        budget=StepBudget(),
+        initial=dict(scope.variables),
+        every_branch=every_branch,
+    )
     try:
         evaluator.run_file(path, scope)
     except BoundsError as error:
@@ -102,17 +115,19 @@ def _initial_variables(name: str, folder: Path) -> dict[str, VariableValue]:
 class CMakeEvaluator:
     """Carries out files; `path` and `line` are the location, `depth` the nesting.
 
-    `initial` are the variables that a package starts with.
+    `initial` are the variables that a package starts with. With `every_branch`, what no build with
+    the defaults comes to is carried out too, and leaves no variables behind.
     """
 
     build: PackageBuild
     budget: StepBudget
     initial: Mapping[str, VariableValue] = field(default_factory=dict)
+    every_branch: bool = False
     path: Path = field(default_factory=Path)
     line: int = 0
     depth: int = 0
     _definitions: dict[str, Branch] = field(default_factory=dict)
-    _is_superbuilt: bool = False
+    _superbuilt: set[Path] = field(default_factory=set)
 
     def run_file(self, path: Path, scope: VariableScope) -> None:
         """Carry out a file; raise BoundsError where it does not come to an end."""
@@ -135,10 +150,13 @@ class CMakeEvaluator:
         return statements
 
     def _until_return(self, statements: Sequence[Statement], scope: VariableScope) -> None:
+        before = self.build.left_out_by
         try:
             self._run(statements, scope)
         except _Return:
             return
+        finally:
+            self.build.left_out_by = before
 
     def _run(self, statements: Sequence[Statement], scope: VariableScope) -> None:
         if self.depth == MAX_DEPTH:
@@ -182,6 +200,26 @@ class CMakeEvaluator:
             self._run(possible[0].body, scope)
         elif possible:
             self._run_alternatives(possible, scope, or_none=not truth)
+        if self.every_branch:
+            taken = {id(branch) for branch in possible}
+            self._run_left_out([branch for branch in branches if id(branch) not in taken], scope)
+
+    def _run_left_out(self, branches: Iterable[Branch], scope: VariableScope) -> None:
+        """Carry out branches that no build with the defaults takes; what they set does not stay."""
+        variables, before = scope.variables, self.build.left_out_by
+        for branch in branches:
+            scope.variables = dict(variables)
+            self.budget.spend(8 * len(variables))
+            self._leave_out(branch.head)
+            self._until_return(branch.body, scope)
+            self.build.left_out_by = before
+        scope.variables = variables
+
+    def _leave_out(self, command: CMakeCommand) -> None:
+        if self.build.left_out_by is None:
+            words = " ".join(argument.text for argument in command.arguments)
+            evidence = Evidence(file=str(self.path), line=command.line)
+            self.build.left_out_by = LeftOut(f"{command.name}({words})"[:_MAX_SHOWN], evidence)
 
     def _run_alternatives(
         self, branches: Iterable[Branch], scope: VariableScope, *, or_none: bool = True
@@ -223,7 +261,7 @@ class CMakeEvaluator:
         if command.name in self._definitions:
             self._call_definition(self._definitions[command.name], given, scope)
         elif command.name == "return":
-            raise _Return
+            self._return(command)
         elif command.name == "project" and words:
             self._project(words[0], scope)
         elif command.name in {"include", "add_subdirectory"} and words:
@@ -233,20 +271,26 @@ class CMakeEvaluator:
         elif command.name in _COMMANDS:
             _COMMANDS[command.name](self._command_call(command, given, scope))
 
+    def _return(self, command: CMakeCommand) -> None:
+        if not self.every_branch:
+            raise _Return
+        self._leave_out(command)
+
     def _run_superbuild(self, words: Sequence[str]) -> None:
-        """Carry out the package once more where it builds itself, with the options that it says.
+        """Carry out the package, or a folder of it, as it builds itself, with the options it says.
 
         CMake documentation: ExternalProject_Add, SOURCE_DIR and CMAKE_ARGS.
         """
-        folder = self.build.files.folder
-        sources = [after for word, after in pairwise(words) if word == "SOURCE_DIR"]
-        if self._is_superbuilt or str(folder) not in sources:
+        package = self.build.files.folder
+        sources = (Path(normpath(after)) for word, after in pairwise(words) if word == "SOURCE_DIR")
+        folder = next((f for f in sources if f.is_relative_to(package)), None)
+        if folder is None or folder in self._superbuilt:
             return
-        self._is_superbuilt = True
+        self._superbuilt.add(folder)
         settings = (word[2:].partition("=") for word in words if word.startswith("-D"))
         options = {name.partition(":")[0]: VariableValue(value) for name, _, value in settings}
-        scope = VariableScope(folder=folder, variables={**self.initial, **options})
-        self.run_file(folder / LIST_FILE, scope)
+        top = VariableScope(folder=package, variables={**self.initial, **options})
+        self.run_file(folder / LIST_FILE, top.child(folder))
 
     def _command_call(
         self, command: CMakeCommand, given: Iterable[ExpandedArgument], scope: VariableScope

@@ -162,9 +162,10 @@ def record_install(call: CommandCall) -> None:
     found = split_by_keyword(call.words, _INSTALL_WORDS)
     names = found.get("RENAME") or []
     for word in found["PROGRAMS"]:
-        path = call.scope.folder / word
-        if call.build.files.is_file(path):
-            call.build.installed.setdefault(names[0] if names else Path(word).name, path)
+        path, name = call.scope.folder / word, names[0] if names else Path(word).name
+        if call.build.files.is_file(path) and name not in call.build.installed:
+            call.build.note_left_out(name)
+            call.build.installed[name] = path
 
 
 def _set_property(call: CommandCall, name: str, key: str, value: str) -> None:
