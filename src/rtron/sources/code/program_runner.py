@@ -31,6 +31,10 @@ from rtron.sources.code.interpreter.execution.statements import EXECUTORS
 from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 from rtron.sources.code.ir import SourceProblem
+from rtron.sources.code.library_models.common.other_ros import (
+    OTHER_CPP_CLASSES,
+    OTHER_CPP_FUNCTIONS,
+)
 from rtron.sources.code.library_models.cpp_std.registry import (
     CONSTANTS,
     CPP_STD_CLASSES,
@@ -217,9 +221,14 @@ def _create_cpp_machine(
         symbols=symbols,
         library_functions={
             **CPP_STD_FUNCTIONS,
+            **OTHER_CPP_FUNCTIONS[site.ros],
             **(RCLCPP_FUNCTIONS if ros2 else ROSCPP_FUNCTION_VALUES),
         },
-        library_classes={**CPP_STD_CLASSES, **(RCLCPP_CLASSES if ros2 else ROSCPP_CLASSES)},
+        library_classes={
+            **CPP_STD_CLASSES,
+            **OTHER_CPP_CLASSES[site.ros],
+            **(RCLCPP_CLASSES if ros2 else ROSCPP_CLASSES),
+        },
         library_constants={**CONSTANTS, **(RCLCPP_CONSTANTS if ros2 else {})},
     )
     machine = _create_machine(runtime, site, volatile)

@@ -108,6 +108,11 @@ class Workspace:
             return None
         return _component(cls, contents) or self._left_out(package, cls, _component)
 
+    def component_names(self, package: str) -> tuple[str, ...]:
+        """Return the classes that a package registers as components (ROS 2)."""
+        contents = self.contents(package)
+        return tuple(dict.fromkeys(c.class_name for c in contents.components)) if contents else ()
+
     def _left_out(
         self, package: str, name: str, find: Callable[[str, PackageContents], Program | None]
     ) -> Program | None:
