@@ -28,7 +28,7 @@ from rtron.sources.workspace.plugin_description import (
 )
 from rtron.sources.workspace.program import Program, ProgramLanguage
 from rtron.sources.workspace.program_builder import script_program, target_program
-from rtron.sources.workspace.python_package import entry_points, module_file, module_folder
+from rtron.sources.workspace.python_package import PythonPackage, module_file, read_python_package
 from rtron.sources.workspace.scripts import executable_names, find_script
 from rtron.vocabulary import Evidence, Trust, UnresolvedItem
 
@@ -52,7 +52,7 @@ class Workspace:
         self._headers: dict[tuple[str, Path], Path | None] = {}
         self._messages: dict[str, frozenset[str]] = {}
         self._package_by_folder: dict[Path, str | None] = {}
-        self._entry_points: dict[str, Mapping[str, tuple[str, str]]] = {}
+        self._python_packages: dict[str, PythonPackage] = {}
         self._every_branch: dict[str, PackageContents] = {}
         self._taken_as_built: dict[UnresolvedItem, None] = {}
         self._problems: list[UnresolvedItem] = []
@@ -146,12 +146,16 @@ class Workspace:
 
     def entry_points(self, package: str) -> Mapping[str, tuple[str, str]]:
         """Return the module and function of each program that a Python package installs."""
-        if package not in self._entry_points:
-            self._entry_points[package] = entry_points(self.packages[package])
-        return self._entry_points[package]
+        return self._python_package(package).entry_points
+
+    def _python_package(self, package: str) -> PythonPackage:
+        if package not in self._python_packages:
+            found = read_python_package(self.packages[package], package)
+            self._python_packages[package] = found
+        return self._python_packages[package]
 
     def _entry_point_program(self, package: str, module: str, function: str) -> Program | None:
-        path = module_file(self._module_folders[package], module)
+        path = module_file(self._python_package(package).folder, module)
         contents = self.contents(package)
         if path is None or contents is None or not is_inside(path, self._allowed_folders):
             return None
@@ -224,7 +228,8 @@ class Workspace:
         noted = (contents.unresolved for contents in self._contents.values())
         packages = dict.fromkeys((*self._contents, *self._manifests))
         manifests = (self.manifest(package).unresolved for package in packages)
-        notes = (*chain.from_iterable(noted), *chain.from_iterable(manifests))
+        python = (found.unresolved for found in self._python_packages.values())
+        notes = chain.from_iterable((*noted, *manifests, *python))
         return (*notes, *self._problems, *self._taken_as_built)
 
     def _header_folders(self, text: str, from_file: Path) -> list[Path]:
@@ -247,7 +252,7 @@ class Workspace:
 
     @cached_property
     def _module_folders(self) -> Mapping[str, Path]:
-        return {name: module_folder(path, name) for name, path in self.packages.items()}
+        return {name: self._python_package(name).folder for name in self.packages}
 
     @cached_property
     def _module_folders_by_name(self) -> Mapping[str, tuple[Path, ...]]:

@@ -2,15 +2,17 @@
 
 import pytest
 
+from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.models import ROS2_LIBRARY, load_models
 from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.node_part import node_parts
-from rtron.sources.declaration import NodeSite
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence
 
-MANIFEST = "<package><name>{}</name><export><nodelet plugin='${{prefix}}/n.xml'/></export></package>"
+MANIFEST = (
+    "<package><name>{}</name><export><nodelet plugin='${{prefix}}/n.xml'/></export></package>"
+)
 CMAKE = """add_executable(driver a.cpp)
 add_executable(lost gone.cpp)
 add_executable(generated ${GENERATED})
@@ -31,7 +33,9 @@ def packages(tmp_path):
     for package in ("src/own", "elsewhere/other"):
         folder = tmp_path / package
         folder.mkdir(parents=True)
-        (folder / "package.xml").write_text(MANIFEST.format(folder.name))
+        (folder / "package.xml").write_text(
+            f"<package><name>{folder.name}</name>{EXPORT}</package>"
+        )
     for name, text in {**files, "n.xml": PLUGINS}.items():
         (tmp_path / "src/own" / name).write_text(text)
     return Workspace(find_packages([tmp_path], {}), [tmp_path / "src"])

@@ -59,5 +59,5 @@ def test_ros2_in_a_launch_of_ros1(text, suffix, expected):
 
 @pytest.mark.parametrize("runs", [ros1_runs, ros2_runs])
 def test_a_program_that_asks_which_ros_it_is_in_uses_the_right_one(runs):
-    text = "import os\nif os.environ['ROS_VERSION'] == '1':\n    import rospy\nelse:\n    import rclpy\n"
-    assert not notes(runs.run_text(text, "py"))
+    choice = "if os.environ['ROS_VERSION'] == '1':\n    import rospy\nelse:\n    import rclpy\n"
+    assert not notes(runs.run_text(f"import os\n{choice}", "py"))
