@@ -10,9 +10,7 @@ from rtron.sources.static.common.node_part import node_parts
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence
 
-MANIFEST = (
-    "<package><name>{}</name><export><nodelet plugin='${{prefix}}/n.xml'/></export></package>"
-)
+EXPORT = "<export><nodelet plugin='${prefix}/n.xml'/></export>"
 CMAKE = """add_executable(driver a.cpp)
 add_executable(lost gone.cpp)
 add_executable(generated ${GENERATED})

@@ -1,7 +1,7 @@
 """Carries out a package's CMake files, both branches where only a build knows which one."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from os.path import normpath
 from pathlib import Path
@@ -16,6 +16,7 @@ from rtron.sources.workspace.cmake.condition import ConditionContext, Truth, eva
 from rtron.sources.workspace.cmake.keyword_arguments import PARSING_COMMANDS
 from rtron.sources.workspace.cmake.targets import TARGET_COMMANDS
 from rtron.sources.workspace.cmake.tokenizer import CMakeCommand, CommandArgument, read_commands
+from rtron.sources.workspace.cmake.unknown_commands import TARGET_MAKERS, note_unknown_command
 from rtron.sources.workspace.cmake.values import (
     BoundsError,
     ExpandedArgument,
@@ -25,8 +26,9 @@ from rtron.sources.workspace.cmake.values import (
 )
 from rtron.sources.workspace.cmake.variable_scope import (
     argument_variables,
+    is_loop_unknown,
     join_variables,
-    loop_items,
+    loop_rounds,
     restore_variables,
 )
 from rtron.sources.workspace.cmake.variables import VARIABLE_COMMANDS
@@ -249,9 +251,28 @@ class CMakeEvaluator:
     def _run_foreach(self, branch: Branch, scope: VariableScope) -> None:
         given = expand_arguments(branch.head.arguments, scope.variables.get)
         self.budget.spend(sum(32 + len(item.text) for item in given))
-        for item in loop_items(given[1:], scope):
-            scope.set(given[0].text, VariableValue(item.text, item.known))
+        rounds = loop_rounds(given, scope)
+        if not rounds and is_loop_unknown(given[1:], scope) and self._makes_targets(branch.body):
+            words = " ".join(argument.text for argument in branch.head.arguments)
+            why = "what it goes through is not known: what it makes is missing"
+            self._note(f"foreach({words})"[:_MAX_SHOWN], why)
+        for variables in rounds:
+            scope.variables.update(variables)
             self._run(branch.body, scope)
+
+    def _makes_targets(self, body: Iterable[Statement]) -> bool:
+        """Tell whether statements make targets, or call a function that may."""
+        for statement in body:
+            if isinstance(statement, CommandBlock):
+                if any(self._makes_targets(branch.body) for branch in statement.branches):
+                    return True
+            elif statement.name in TARGET_MAKERS or statement.name in self._definitions:
+                return True
+        return False
+
+    def _note(self, what: str, why: str) -> None:
+        evidence = Evidence(file=str(self.path), line=self.line)
+        self.build.add_unresolved(what, why, evidence)
 
     def _run_command(self, command: CMakeCommand, scope: VariableScope) -> None:
         self.line = command.line
@@ -264,12 +285,27 @@ class CMakeEvaluator:
             self._return(command)
         elif command.name == "project" and words:
             self._project(words[0], scope)
-        elif command.name in {"include", "add_subdirectory"} and words:
-            self._run_other_file(command.name, words[0], scope)
+        elif command.name == "add_subdirectory" and given:
+            self._add_subdirectory(given[0], scope)
+        elif command.name == "include" and given:
+            self._include_file(given, scope)
+        elif command.name == "cmake_language" and words:
+            self._run_language(command, words, scope)
         elif command.name == "externalproject_add":
             self._run_superbuild(words)
-        elif command.name in _COMMANDS:
-            _COMMANDS[command.name](self._command_call(command, given, scope))
+        else:
+            carry_out = _COMMANDS.get(command.name, note_unknown_command)
+            carry_out(self._command_call(command, given, scope))
+
+    def _run_language(
+        self, command: CMakeCommand, words: Sequence[str], scope: VariableScope
+    ) -> None:
+        """Carry out `cmake_language(CALL command …)`."""
+        if words[0] == "CALL" and words[1:]:
+            called = replace(command, name=words[1].lower(), arguments=command.arguments[2:])
+            self._run_command(called, scope)
+        else:
+            self._note(f"cmake_language({words[0]} …)", "is not carried out")
 
     def _return(self, command: CMakeCommand) -> None:
         if not self.every_branch:
@@ -326,18 +362,25 @@ class CMakeEvaluator:
         for variable in ("PROJECT_SOURCE_DIR", f"{name}_SOURCE_DIR"):
             scope.set(variable, VariableValue(str(scope.folder)))
 
-    def _run_other_file(self, command: str, word: str, scope: VariableScope) -> None:
-        files = self.build.files
-        if command == "add_subdirectory":
-            folder = scope.folder / word
-            if files.is_file(folder / LIST_FILE):
-                self.run_file(folder / LIST_FILE, scope.child(folder))
-            return
+    def _add_subdirectory(self, given: ExpandedArgument, scope: VariableScope) -> None:
+        folder = scope.folder / given.text
+        if given.text and self.build.files.is_file(folder / LIST_FILE):
+            self.run_file(folder / LIST_FILE, scope.child(folder))
+        elif given.known:
+            self._note(f"add_subdirectory({given.text})", f"it has no {LIST_FILE} here")
+        else:
+            self._note("add_subdirectory", "which folder it is, is not known")
+
+    def _include_file(self, given: Sequence[ExpandedArgument], scope: VariableScope) -> None:
+        """Carry out `include` of a file or module of the package; CMake's own make no targets."""
+        files, word = self.build.files, given[0].text
         modules = split_list(scope.variables.get("CMAKE_MODULE_PATH", VariableValue("")).text)
         named = (scope.folder / module / f"{word}.cmake" for module in modules)
         path = next(filter(files.is_file, (scope.folder / word, *named)), None)
         if path is not None:
             self._include(path, scope)
+        elif given[0].known and "/" in word and "OPTIONAL" not in [item.text for item in given]:
+            self._note(f"include({word})", "is not in the package: what it makes is missing")
 
     def _include(self, path: Path, scope: VariableScope) -> None:
         before = scope.variables.get("CMAKE_CURRENT_LIST_DIR", VariableValue(""))

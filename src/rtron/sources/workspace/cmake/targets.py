@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePath
 
-from rtron.sources.workspace.cmake.build import defined_macros
+from rtron.sources.workspace.cmake.build import COMPILED, defined_macros, generator_words
 from rtron.sources.workspace.cmake.command_call import CommandCall, split_by_keyword
 from rtron.sources.workspace.cmake.values import split_list
 from rtron.sources.workspace.cmake.variables import Handler
@@ -19,6 +19,14 @@ _EXECUTABLE = (
 _LIBRARY = (
     *("add_library", "cuda_add_library", "cs_add_library", "cs_cuda_add_library"),
     "rosbuild_add_library",
+)
+_PYTHON_MODULE = (
+    *("pybind11_add_module", "nanobind_add_module"),
+    *("python_add_library", "python3_add_library"),
+)
+_GTEST = (
+    *("ament_add_gtest", "ament_add_gmock", "ament_auto_add_gtest", "ament_add_google_benchmark"),
+    *("ament_add_gtest_executable", "ament_add_gmock_executable"),
 )
 _ROSTEST = ("add_rostest_gtest", "add_rostest_gmock")
 _TYPES = frozenset({"STATIC", "SHARED", "MODULE", "OBJECT", "INTERFACE", "UNKNOWN", "GLOBAL"})
@@ -59,6 +67,12 @@ def add_target(kind: TargetKind, call: CommandCall) -> None:
             call.build.add_source(draft, item.text, call.scope.folder, call.evidence)
 
 
+def add_from_sources(kind: TargetKind, call: CommandCall) -> None:
+    """Carry out a command with words of its own: of its arguments the sources alone count."""
+    items = (i for i in call.items[1:] if "<" in i.text or PurePath(i.text).suffix in COMPILED)
+    add_target(kind, replace(call, items=(*call.items[:1], *items)))
+
+
 def add_rostest(call: CommandCall) -> None:
     """Carry out `add_rostest_gtest`: the second argument is a launch file."""
     add_target(TargetKind.EXECUTABLE, replace(call, items=call.items[:1] + call.items[2:]))
@@ -80,8 +94,9 @@ def link_libraries(call: CommandCall) -> None:
     draft = call.build.targets.get(words[0]) if words else None
     if draft is not None:
         ignored = _LINKAGE | _CONFIGURATION
-        names = (word for word in words[1:] if word not in ignored and "$" not in word)
-        draft.links.update(dict.fromkeys(names))
+        for word in words[1:]:
+            names = generator_words(word) if "<" in word else [] if "$" in word else [word]
+            draft.links.update(dict.fromkeys(name for name in names if name not in ignored))
 
 
 def add_target_definitions(call: CommandCall) -> None:
@@ -159,6 +174,9 @@ def record_install(call: CommandCall) -> None:
     """Remember the scripts that `install` and `catkin_install_python` install, with their names."""
     if call.words[:1] != ["PROGRAMS"]:
         return
+    if any(not (item.known or item.text) for item in call.items):
+        why = "some stand in a variable that the file does not set"
+        call.add_unresolved(f"programs of {call.name}()", why)
     found = split_by_keyword(call.words, _INSTALL_WORDS)
     names = found.get("RENAME") or []
     for word in found["PROGRAMS"]:
@@ -166,6 +184,9 @@ def record_install(call: CommandCall) -> None:
         if call.build.files.is_file(path) and name not in call.build.installed:
             call.build.note_left_out(name)
             call.build.installed[name] = path
+        elif not call.build.files.is_file(path) and "<" not in word:
+            why = "is not in the package: generated or missing"
+            call.add_unresolved(f"program {name} of {call.name}()", why)
 
 
 def _set_property(call: CommandCall, name: str, key: str, value: str) -> None:
@@ -189,6 +210,8 @@ TARGET_COMMANDS: Mapping[str, Handler] = {
     **dict.fromkeys(_EXECUTABLE, partial(add_target, TargetKind.EXECUTABLE)),
     **dict.fromkeys(_LIBRARY, partial(add_target, TargetKind.LIBRARY)),
     **dict.fromkeys(_ROSTEST, add_rostest),
+    **dict.fromkeys(_GTEST, partial(add_from_sources, TargetKind.EXECUTABLE)),
+    **dict.fromkeys(_PYTHON_MODULE, partial(add_from_sources, TargetKind.LIBRARY)),
     "target_sources": add_sources,
     "target_link_libraries": link_libraries,
     "target_compile_definitions": add_target_definitions,

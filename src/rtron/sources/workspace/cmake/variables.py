@@ -2,10 +2,13 @@
 
 import os.path
 from collections.abc import Callable, Mapping
-from pathlib import Path
+from itertools import pairwise
+from pathlib import Path, PurePath
 from typing import TypeAlias
 
 from rtron.sources.workspace.cmake.command_call import CommandCall
+from rtron.sources.workspace.cmake.list_operations import LIST_CHANGES, LIST_RESULTS
+from rtron.sources.workspace.cmake.patterns import replace_plain
 from rtron.sources.workspace.cmake.values import MAX_LENGTH, BoundsError, VariableValue, split_list
 
 Handler: TypeAlias = Callable[[CommandCall], None]
@@ -48,20 +51,36 @@ def define_option(call: CommandCall) -> None:
 
 
 def change_list(call: CommandCall) -> None:
-    """Carry out `list`; what it reports about a list is unknown, but for LENGTH."""
+    """Carry out `list`; what an operation makes that is not known here is unknown."""
     words = call.words
     if len(words) < 2:  # noqa: PLR2004 - operation and list
         return
     operation, name, rest = words[0].upper(), words[1], words[2:]
     before = call.scope.variables.get(name, _NO_VALUE)
     known = before.known and all(item.known for item in call.items)
-    if operation in _LIST_OPERATIONS:
-        changed = _LIST_OPERATIONS[operation](split_list(before.text), rest)
-        call.set(name, ";".join(changed), known=known)
-    elif operation == "LENGTH" and rest:
-        call.set(rest[0], str(len(split_list(before.text))), known=known)
-    elif operation in {"GET", "FIND", "JOIN", "SUBLIST"} and rest:
-        call.set(rest[-1], "", known=False)
+    elements = split_list(before.text)
+    if operation in LIST_RESULTS and rest:
+        result = LIST_RESULTS[operation](elements, rest[:-1])
+        call.set(rest[-1], result or "", known=known and result is not None)
+    elif operation in {"POP_BACK", "POP_FRONT"}:
+        _pop(call, name, rest, known=known)
+    elif operation in LIST_CHANGES:
+        changed = LIST_CHANGES[operation](elements, rest)
+        is_known = known and changed is not None
+        call.set(name, ";".join(elements if changed is None else changed), known=is_known)
+    else:
+        call.set(name, before.text, known=False)
+
+
+def _pop(call: CommandCall, name: str, results: list[str], *, known: bool) -> None:
+    """Carry out `list(POP_FRONT …)`: each variable gets an element, without any one is lost."""
+    elements = split_list(call.scope.variables.get(name, _NO_VALUE).text)
+    end = 0 if call.words[0].upper() == "POP_FRONT" else -1
+    for result in results or [""]:
+        taken = elements.pop(end) if elements else ""
+        if result:
+            call.set(result, taken, known=known)
+    call.set(name, ";".join(elements), known=known)
 
 
 def change_string(call: CommandCall) -> None:
@@ -77,7 +96,53 @@ def change_string(call: CommandCall) -> None:
         old = call.scope.variables.get(words[1], _NO_VALUE) if operation == "APPEND" else _NO_VALUE
         call.set(words[1], old.text + "".join(words[2:]), known=known and old.known)
     elif operation == "REGEX" and len(words) > 4:  # noqa: PLR2004
-        call.set(words[4 if words[1].upper() == "REPLACE" else 3], "", known=False)
+        _apply_pattern(call, words, known=known)
+    elif operation == "PREPEND" and len(words) > 1:
+        old = call.scope.variables.get(words[1], _NO_VALUE)
+        call.set(words[1], "".join(words[2:]) + old.text, known=known and old.known)
+    elif operation == "JOIN" and len(words) > 2:  # noqa: PLR2004
+        _check_length(len(words) * len(words[1]))
+        call.set(words[2], words[1].join(words[3:]), known=known)
+    elif operation in _STRING_RESULTS and len(words) > _STRING_RESULTS[operation]:
+        call.set(words[_STRING_RESULTS[operation]], "", known=False)
+
+
+def _apply_pattern(call: CommandCall, words: list[str], *, known: bool) -> None:
+    """Carry out `string(REGEX …)`: a replacement of a plain pattern; what else it gives is not."""
+    is_replacement = words[1].upper() == "REPLACE"
+    text = replace_plain("".join(words[5:]), words[2], words[3]) if is_replacement else None
+    call.set(words[4 if is_replacement else 3], text or "", known=known and text is not None)
+
+
+def set_unknown(call: CommandCall) -> None:
+    """Set what a command finds out in a build: its variable is the first argument."""
+    for name in call.words[:1]:
+        call.set(name, "", known=False)
+
+
+def run_process(call: CommandCall) -> None:
+    """Set the variables of `execute_process`: what a process says is not known."""
+    for word, name in pairwise(call.words):
+        if word in {"OUTPUT_VARIABLE", "RESULT_VARIABLE", "ERROR_VARIABLE"}:
+            call.set(name, "", known=False)
+
+
+def evaluate_expression(call: CommandCall) -> None:
+    """Set the variable of `math(EXPR …)`, whose value is not worked out."""
+    for name in call.words[1:2]:
+        call.set(name, "", known=False)
+
+
+def get_path_part(call: CommandCall) -> None:
+    """Carry out `cmake_path(GET path part [LAST_ONLY] result)`."""
+    words = [word for word in call.words if word != "LAST_ONLY"]
+    if len(words) == 4 and words[0] == "GET":  # noqa: PLR2004 - GET, variable, part, result
+        value = call.scope.variables.get(words[1], VariableValue("", known=False))
+        path, is_last = PurePath(value.text), "LAST_ONLY" in call.words
+        stem = path.stem if is_last else path.name.split(".")[0]
+        parts = {"FILENAME": path.name, "STEM": stem, "PARENT_PATH": str(path.parent)}
+        part = parts.get(words[2])
+        call.set(words[3], part or "", known=value.known and part is not None)
 
 
 def get_filename_component(call: CommandCall) -> None:
@@ -89,6 +154,8 @@ def get_filename_component(call: CommandCall) -> None:
     parts = {
         "NAME": path.name,
         "NAME_WE": path.name.split(".")[0],
+        "NAME_WLE": path.stem,
+        "LAST_EXT": path.suffix,
         "EXT": path.name[len(path.name.split(".")[0]) :],
         "PATH": str(path.parent),
         "DIRECTORY": str(path.parent),
@@ -102,6 +169,8 @@ def get_filename_component(call: CommandCall) -> None:
 def glob_files(call: CommandCall) -> None:
     """Carry out `file GLOB` and `file GLOB_RECURSE`, inside the package."""
     words = call.words
+    if words[:1] in (["READ"], ["STRINGS"]) and words[2:]:
+        call.set(words[2], "", known=False)
     if len(words) < 2 or words[0].upper() not in {"GLOB", "GLOB_RECURSE"}:  # noqa: PLR2004
         return
     recursive, patterns, start = words[0].upper() == "GLOB_RECURSE", words[2:], None
@@ -134,33 +203,24 @@ def set_empty(call: CommandCall) -> None:
 
 
 def _replace_text(text: str, old: str, new: str) -> str:
-    if not old or text.count(old) * len(new) > MAX_LENGTH:
-        raise BoundsError("a value becomes too long")
+    _check_length(text.count(old) * len(new) if old else MAX_LENGTH + 1)
     return text.replace(old, new)
 
 
-def _remove_items(old: list[str], rest: list[str]) -> list[str]:
-    removed = set(rest)
-    return [text for text in old if text not in removed]
+def _check_length(length: int) -> None:
+    if length > MAX_LENGTH:
+        raise BoundsError("a value becomes too long")
 
 
-def _insert(old: list[str], rest: list[str]) -> list[str]:
-    return [*old, *rest[1:]]
-
-
+_STRING_RESULTS: Mapping[str, int] = {
+    **{"FIND": 3, "SUBSTRING": 4, "REPEAT": 3, "LENGTH": 2, "MAKE_C_IDENTIFIER": 2},
+    **{"CONFIGURE": 2, "GENEX_STRIP": 2, "TIMESTAMP": 1, "UUID": 1, "JSON": 1},
+}
+"""Where operations that are not carried out have the variable of their result."""
 _CASE_OPERATIONS: Mapping[str, Callable[[str], str]] = {
     "TOLOWER": str.lower,
     "TOUPPER": str.upper,
     "STRIP": str.strip,
-}
-_LIST_OPERATIONS: Mapping[str, Callable[[list[str], list[str]], list[str]]] = {
-    "APPEND": lambda old, rest: [*old, *rest],
-    "PREPEND": lambda old, rest: [*rest, *old],
-    "INSERT": _insert,
-    "REMOVE_ITEM": _remove_items,
-    "REMOVE_DUPLICATES": lambda old, _: list(dict.fromkeys(old)),
-    "REVERSE": lambda old, _: old[::-1],
-    "SORT": lambda old, _: sorted(old),
 }
 VARIABLE_COMMANDS: Mapping[str, Handler] = {
     "set": set_variable,
@@ -171,6 +231,10 @@ VARIABLE_COMMANDS: Mapping[str, Handler] = {
     "get_filename_component": get_filename_component,
     "file": glob_files,
     "aux_source_directory": source_directory,
+    "cmake_path": get_path_part,
+    "execute_process": run_process,
+    "math": evaluate_expression,
+    **dict.fromkeys(("find_program", "find_path", "find_file", "find_library"), set_unknown),
     **dict.fromkeys(
         (f"qt{version}_{command}" for version in "45" for command in ("wrap_cpp", "wrap_ui")),
         set_empty,
