@@ -232,6 +232,13 @@ class Workspace:
         notes = chain.from_iterable((*noted, *manifests, *python))
         return (*notes, *self._problems, *self._taken_as_built)
 
+    def unresolved_in(self, packages: Iterable[str]) -> list[UnresolvedItem]:
+        """Return what is unclear in the build files of some packages, as far as they are read."""
+        used = {self.packages.get(package) for package in packages}
+        folders = tuple(f"{path}/" for path in used if path)
+        notes = self.unresolved()
+        return [n for n in notes if any(e.file.startswith(folders) for e in n.evidence)]
+
     def _header_folders(self, text: str, from_file: Path) -> list[Path]:
         contents = self.contents(self.package_of(from_file) or "")
         ours = (*contents.include_dirs, contents.path / "include") if contents else ()

@@ -46,7 +46,8 @@ class PackageFiles:
     def glob(self, pattern: str, *, recursive: bool) -> tuple[Path, ...]:
         """Return the files and folders that a pattern of CMake's file(GLOB) names, an absolute one.
 
-        A recursive one names no folders; its last part is looked for in all folders below the rest of it.
+        A recursive one names no folders; its last part is looked for in all folders below the rest
+        of it.
         """
         relative = os.path.relpath(os.path.normpath(pattern), self.folder)
         folder, _, last = relative.rpartition("/")

@@ -213,8 +213,10 @@ def _check_length(length: int) -> None:
 
 
 _STRING_RESULTS: Mapping[str, int] = {
-    **{"FIND": 3, "SUBSTRING": 4, "REPEAT": 3, "LENGTH": 2, "MAKE_C_IDENTIFIER": 2},
-    **{"CONFIGURE": 2, "GENEX_STRIP": 2, "TIMESTAMP": 1, "UUID": 1, "JSON": 1},
+    **dict.fromkeys(("TIMESTAMP", "UUID", "JSON"), 1),
+    **dict.fromkeys(("LENGTH", "MAKE_C_IDENTIFIER", "CONFIGURE", "GENEX_STRIP"), 2),
+    **dict.fromkeys(("FIND", "REPEAT"), 3),
+    "SUBSTRING": 4,
 }
 """Where operations that are not carried out have the variable of their result."""
 _CASE_OPERATIONS: Mapping[str, Callable[[str], str]] = {
