@@ -18,6 +18,10 @@ from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
     returning_unknown,
 )
+from rtron.sources.code.library_models.rclcpp.behavior_tree_ros_nodes import (
+    ROS_TREE_CLASSES,
+    ROS_TREE_FUNCTIONS,
+)
 from rtron.sources.code.library_models.rclcpp.behavior_trees import TREE_CLASSES, TREE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.component_manager import COMPONENT_CLASSES
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_FUNCTIONS
@@ -92,6 +96,7 @@ RCLCPP_CLASSES: dict[str, LibraryClass] = {
     **IMAGE_CLASSES,
     **PLUGIN_CLASSES,
     **TREE_CLASSES,
+    **ROS_TREE_CLASSES,
     **COMPONENT_CLASSES,
     **CONTROLLER_CLASSES,
     **MESSAGE_CLASSES,
@@ -105,6 +110,7 @@ RCLCPP_FUNCTIONS = {
         **OVERRIDING_FUNCTIONS,
         **NAMESPACE_FUNCTIONS,
         **TREE_FUNCTIONS,
+        **ROS_TREE_FUNCTIONS,
     }.items()
 }
 RCLCPP_CONSTANTS: dict[str, Value] = {
