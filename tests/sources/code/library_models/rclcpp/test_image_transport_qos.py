@@ -69,14 +69,15 @@ def test_members_of_a_profile_may_be_assigned():
     assert found["/ns/b"] == QoS(depth=10)
 
 
+HINTS = "image_transport::TransportHints h(this);"
 COMPRESSED = "subscribe /ns/i/compressed sensor_msgs/msg/CompressedImage"
 
 
 @pytest.mark.parametrize(
     "call",
     [
-        f'image_transport::TransportHints h(this); {MADE}subscription(this, "i", f, h.getTransport())',
-        f'image_transport::TransportHints h(this); {IT}.subscribe("i", 1, f, nullptr, &h)',
+        f'{HINTS} {MADE}subscription(this, "i", f, h.getTransport())',
+        f'{HINTS} {IT}.subscribe("i", 1, f, nullptr, &h)',
         f'{IT}.subscribe("i", 1, f)',
     ],
 )
