@@ -58,7 +58,7 @@ def _construct(
     return Instance(LIBRARY_CLASSES[name], {"truth": TRUE})
 
 
-def _declare_bond(machine: AbstractMachine, arguments: Arguments) -> None:
+def declare_bond(machine: AbstractMachine, arguments: Arguments) -> None:
     """`bond::Bond(topic, id, node)` publishes and subscribes (bondcpp: bond.cpp)."""
     node, name, type = first_node(arguments.values), arguments.get(0), "bond/msg/Status"
     if node is not None:
@@ -141,7 +141,7 @@ _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
         f"{_NAMESPACES[name]}::{name}": declare
         for name, declare in libraries.LIBRARY_DECLARATIONS.items()
     },
-    "bond::Bond": _declare_bond,
+    "bond::Bond": declare_bond,
     "interactive_markers::InteractiveMarkerServer": _declare_marker_server,
     **dict.fromkeys(
         ("rclcpp::AsyncParametersClient", "rclcpp::SyncParametersClient"),

@@ -27,7 +27,7 @@ from rtron.sources.code.library_models.rclcpp.component_manager import COMPONENT
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.image_transport import IMAGE_CLASSES, IMAGE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.libraries import CONTROLLER_CLASSES, LIBRARY_CLASSES
-from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES
+from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES, NAV2_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.node import NODE_CLASSES
 from rtron.sources.code.library_models.rclcpp.parameters import PARAMETER_CLASSES
 from rtron.sources.code.library_models.rclcpp.pluginlib import PLUGIN_CLASSES
@@ -111,6 +111,7 @@ RCLCPP_FUNCTIONS = {
         **NAMESPACE_FUNCTIONS,
         **TREE_FUNCTIONS,
         **ROS_TREE_FUNCTIONS,
+        **NAV2_FUNCTIONS,
     }.items()
 }
 RCLCPP_CONSTANTS: dict[str, Value] = {
