@@ -46,6 +46,7 @@ from rtron.sources.code.library_models.python_std.registry import (
     command_line_value,
     node_constants,
 )
+from rtron.sources.code.library_models.rclcpp.hardware import HARDWARE_CALLBACKS, hardware_info
 from rtron.sources.code.library_models.rclcpp.node import component_options
 from rtron.sources.code.library_models.rclcpp.registry import (
     RCLCPP_CLASSES,
@@ -142,6 +143,19 @@ def run_component(
     return _run_cpp_program(sources, site, files, start, missing, other_components)
 
 
+def run_hardware(
+    sources: tuple[Path, ...],
+    cls: str,
+    site: NodeSite,
+    files: SourceProvider,
+    other_components: tuple[str, ...] = (),
+) -> NodeInterface:
+    """Return what a hardware component of ros2_control declares: made, then configured."""
+    start = _class_start(cls, partial(_load_hardware, site))
+    missing = (f"hardware {cls}", _MISSING_CLASS_REASON)
+    return _run_cpp_program(sources, site, files, start, missing, other_components)
+
+
 def _class_start(
     cls: str, run: Callable[[CppRuntime, ClassValue], object]
 ) -> Callable[[CppRuntime], _Start | None]:
@@ -191,6 +205,15 @@ def _load_nodelet(runtime: CppRuntime, cls: ClassValue) -> None:
     made = runtime.instantiate(cls, Arguments(frame=frame))
     method = runtime.attribute(made, "onInit", ())
     dispatch(runtime.machine, method or Unknown("onInit"), Arguments(frame=frame))
+
+
+def _load_hardware(site: NodeSite, runtime: CppRuntime, cls: ClassValue) -> None:
+    frame = StackFrame(file=cls.definition.file)
+    made = runtime.instantiate(cls, Arguments(frame=frame))
+    for callback in HARDWARE_CALLBACKS:
+        method = runtime.attribute(made, callback, ())
+        given = Arguments(values=(hardware_info(site),), frame=frame)
+        dispatch(runtime.machine, method or Unknown(callback), given)
 
 
 def _run_to_fixpoint(

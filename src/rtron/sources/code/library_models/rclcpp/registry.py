@@ -25,6 +25,7 @@ from rtron.sources.code.library_models.rclcpp.behavior_tree_ros_nodes import (
 from rtron.sources.code.library_models.rclcpp.behavior_trees import TREE_CLASSES, TREE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.component_manager import COMPONENT_CLASSES
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_FUNCTIONS
+from rtron.sources.code.library_models.rclcpp.hardware import HARDWARE_CLASSES
 from rtron.sources.code.library_models.rclcpp.image_transport import IMAGE_CLASSES, IMAGE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.libraries import CONTROLLER_CLASSES, LIBRARY_CLASSES
 from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES, NAV2_FUNCTIONS
@@ -99,6 +100,7 @@ RCLCPP_CLASSES: dict[str, LibraryClass] = {
     **ROS_TREE_CLASSES,
     **COMPONENT_CLASSES,
     **CONTROLLER_CLASSES,
+    **HARDWARE_CLASSES,
     **MESSAGE_CLASSES,
 }
 RCLCPP_FUNCTIONS = {
