@@ -64,3 +64,13 @@ def test_the_notes_are_those_of_the_workspace(tmp_path):
     found = workspace(tmp_path)
     assert found.executable("p", "n") is None
     assert [note.what for note in found.unresolved()] == ["setup.py"]
+
+
+def test_scripts_of_setup_are_programs_though_they_are_not_executable(tmp_path):
+    setup = "setup(scripts=['bin/go', 'bin/none'])"
+    files = {"setup.py": setup, "bin/go": "import rclpy", "x": "#!"}
+    path = package(tmp_path / "p", files)
+    found = workspace(tmp_path)
+    assert found.executable("p", "go").sources == (path / "bin/go",)
+    assert found.executable("p", "none") is None
+    assert found.program_names("p") == ("go", "x")

@@ -97,7 +97,8 @@ class Workspace:
         if entry is not None:
             return self._entry_point_program(package, *entry)
         script = find_script(type, contents, self.files(package))
-        if script is not None:
+        script = script or self._python_package(package).scripts.get(type)
+        if script is not None and self.files(package).is_file(script):
             return script_program(script, contents)
         return self._left_out(package, type, _executable)
 
@@ -141,7 +142,8 @@ class Workspace:
         made = (c.executable for c in contents.components)
         scripts = (name for name, _ in contents.installed_scripts)
         files = executable_names(self.files(package))
-        found = {*built, *made, *scripts, *files, *self.entry_points(package)}
+        python = self._python_package(package)
+        found = {*built, *made, *scripts, *files, *python.entry_points, *python.scripts}
         return tuple(sorted(filter(None, found)))
 
     def entry_points(self, package: str) -> Mapping[str, tuple[str, str]]:

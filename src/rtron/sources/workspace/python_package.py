@@ -24,10 +24,14 @@ _SCRIPTS = "console_scripts"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PythonPackage:
-    """The folder of a package's modules, and each program's module and function by its name."""
+    """The folder of a package's modules, and each program's module and function by its name.
+
+    `scripts` are the files that are installed as programs, by their names.
+    """
 
     folder: Path
     entry_points: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    scripts: Mapping[str, Path] = field(default_factory=dict)
     unresolved: tuple[UnresolvedItem, ...] = ()
 
 
@@ -52,6 +56,7 @@ def read_python_package(package: Path, name: str) -> PythonPackage:
     return PythonPackage(
         folder=package / (folder or ("" if in_root else "src")),
         entry_points={match[1]: (match[2], match[3]) for match in matched if match},
+        scripts=dict(_installed_files(setup.arguments.get("scripts", ([], 0))[0], package)),
         unresolved=(*notes, *of_config),
     )
 
@@ -91,6 +96,13 @@ def _read_config(text: str) -> configparser.ConfigParser:
     reader.optionxform = str  # type: ignore[assignment, method-assign]
     reader.read_string(text)
     return reader
+
+
+def _installed_files(value: SetupValue, package: Path) -> Iterator[tuple[str, Path]]:
+    for name in value if isinstance(value, list) else ():
+        path = package / name if isinstance(name, str) else package
+        if is_regular(path):
+            yield path.name, path
 
 
 def module_file(folder: Path, dotted: str) -> Path | None:
