@@ -8,15 +8,17 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
-from rtron.sources.workspace.cmake.ament import AMENT_COMMANDS
 from rtron.sources.workspace.cmake.blocks import Branch, CommandBlock, Statement, nest_blocks
 from rtron.sources.workspace.cmake.build import PackageBuild
 from rtron.sources.workspace.cmake.command_call import CommandCall, StepBudget, VariableScope
+from rtron.sources.workspace.cmake.commands import (
+    COMMANDS,
+    TARGET_MAKERS,
+    initial_variables,
+    note_unknown_command,
+)
 from rtron.sources.workspace.cmake.condition import ConditionContext, Truth, evaluate_condition
-from rtron.sources.workspace.cmake.keyword_arguments import PARSING_COMMANDS
-from rtron.sources.workspace.cmake.targets import TARGET_COMMANDS
 from rtron.sources.workspace.cmake.tokenizer import CMakeCommand, CommandArgument, read_commands
-from rtron.sources.workspace.cmake.unknown_commands import TARGET_MAKERS, note_unknown_command
 from rtron.sources.workspace.cmake.values import (
     BoundsError,
     ExpandedArgument,
@@ -31,7 +33,6 @@ from rtron.sources.workspace.cmake.variable_scope import (
     loop_rounds,
     restore_variables,
 )
-from rtron.sources.workspace.cmake.variables import VARIABLE_COMMANDS
 from rtron.sources.workspace.package_contents import LeftOut, PackageContents
 from rtron.sources.workspace.package_files import PackageFiles
 from rtron.vocabulary import Evidence
@@ -40,14 +41,6 @@ MAX_BYTES = 1024 * 1024
 MAX_DEPTH = 48
 LIST_FILE = "CMakeLists.txt"
 _MAX_SHOWN = 120
-
-_COMMANDS = {**VARIABLE_COMMANDS, **PARSING_COMMANDS, **TARGET_COMMANDS, **AMENT_COMMANDS}
-_PLATFORM_VARIABLES = {
-    **dict.fromkeys(("WIN32", "APPLE", "MSVC", "ANDROID", "CYGWIN", "MINGW", "IOS"), "0"),
-    **dict.fromkeys(("UNIX", "CATKIN_ENABLE_TESTING", "CMAKE_COMPILER_IS_GNUCXX"), "1"),
-    "CMAKE_SYSTEM_NAME": "Linux",
-    "CMAKE_CXX_COMPILER_ID": "GNU",
-}
 
 
 class _Return(Exception):  # noqa: N818 - CMake's return(), no error
@@ -63,7 +56,7 @@ def evaluate_package(
     also what these leave out, and what stands behind a `return()`.
     """
     build = PackageBuild(files=files)
-    scope = VariableScope(folder=files.folder, variables=_initial_variables(name, files.folder))
+    scope = VariableScope(folder=files.folder, variables=initial_variables(name, files.folder))
     path = files.folder / LIST_FILE
     if files.is_file(path):
         _run_list_file(path, scope, build, every_branch=every_branch)
@@ -96,21 +89,6 @@ def _run_list_file(
         build.add_unresolved(path.name, f"{error}; the rest is not read", evidence)
     if flags := scope.variables.get("CMAKE_CXX_FLAGS"):
         build.add_definitions(scope.folder, flags.text)
-
-
-def _initial_variables(name: str, folder: Path) -> dict[str, VariableValue]:
-    variables = {
-        **_PLATFORM_VARIABLES,
-        **dict.fromkeys(("CMAKE_SOURCE_DIR", "CMAKE_CURRENT_SOURCE_DIR"), str(folder)),
-        **dict.fromkeys(("PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR"), str(folder)),
-        **dict.fromkeys(("PROJECT_NAME", "CMAKE_PROJECT_NAME"), name),
-        "CATKIN_PACKAGE_BIN_DESTINATION": f"lib/{name}",
-        "CATKIN_PACKAGE_LIB_DESTINATION": "lib",
-        "CATKIN_PACKAGE_SHARE_DESTINATION": f"share/{name}",
-        "CATKIN_PACKAGE_INCLUDE_DESTINATION": f"include/{name}",
-        "CATKIN_GLOBAL_BIN_DESTINATION": "bin",
-    }
-    return {variable: VariableValue(text) for variable, text in variables.items()}
 
 
 @dataclass(slots=True, kw_only=True)
@@ -294,7 +272,7 @@ class CMakeEvaluator:
         elif command.name == "externalproject_add":
             self._run_superbuild(words)
         else:
-            carry_out = _COMMANDS.get(command.name, note_unknown_command)
+            carry_out = COMMANDS.get(command.name, note_unknown_command)
             carry_out(self._command_call(command, given, scope))
 
     def _run_language(

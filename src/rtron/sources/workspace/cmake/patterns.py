@@ -1,6 +1,6 @@
 """CMake's regular expressions, the plain ones: a stranger's real one could run for ever.
 
-A plain one is made of characters, `.`, `.*` and escaped characters, with `^` and `$` at its ends.
+A plain one is made of characters, `.`, `.*` and escaped characters, with `^` and `$` at its to_end.
 """
 
 import re
@@ -17,36 +17,36 @@ _MAX_LENGTH = 200
 @lru_cache(maxsize=1024)
 def plain_pattern(pattern: str) -> re.Pattern[str] | None:
     """Return what matches the texts in which CMake finds a pattern; None if it is not plain."""
-    begins, ends = pattern.startswith("^"), _ends_with_anchor(pattern)
-    glob = _as_glob(pattern[begins : len(pattern) - ends])
+    from_start, to_end = pattern.startswith("^"), _has_end_anchor(pattern)
+    glob = _as_glob(pattern[from_start : len(pattern) - to_end])
     if glob is None:
         return None
-    return re.compile(translate(f"{'' if begins else '*'}{glob}{'' if ends else '*'}"))
+    return re.compile(translate(f"{'' if from_start else '*'}{glob}{'' if to_end else '*'}"))
 
 
 def replace_plain(text: str, pattern: str, new: str) -> str | None:
     """Return a text with what matches replaced; None where the pattern is not literal."""
-    begins, ends = pattern.startswith("^"), _ends_with_anchor(pattern)
-    inner = pattern[begins : len(pattern) - ends]
-    if ends and inner == _ENDING and "\\" not in new:
+    from_start, to_end = pattern.startswith("^"), _has_end_anchor(pattern)
+    inner = pattern[from_start : len(pattern) - to_end]
+    if to_end and inner == _ENDING and "\\" not in new:
         head, dot, _ = text.rpartition(".")
         return head + new if dot else text
     literal = _as_literal(inner)
     if not literal or "\\" in new or text.count(literal) * len(new) > MAX_LENGTH:
         return None
-    if not (begins or ends):
+    if not (from_start or to_end):
         return text.replace(literal, new)
-    found = text == literal if begins and ends else _stands_at(text, literal, at_end=ends)
+    found = text == literal if from_start and to_end else _stands_at(text, literal, at_end=to_end)
     if not found:
         return text
-    return text[: -len(literal)] + new if ends else new + text[len(literal) :]
+    return text[: -len(literal)] + new if to_end else new + text[len(literal) :]
 
 
 def _stands_at(text: str, literal: str, *, at_end: bool) -> bool:
     return text.endswith(literal) if at_end else text.startswith(literal)
 
 
-def _ends_with_anchor(pattern: str) -> bool:
+def _has_end_anchor(pattern: str) -> bool:
     return pattern.endswith("$") and not pattern.endswith("\\$")
 
 
