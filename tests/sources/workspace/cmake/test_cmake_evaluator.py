@@ -97,6 +97,13 @@ SOURCES_OF_X = [
     ("cmake_language(CALL add_executable x a.cpp)", "a"),
     ("ament_add_gtest(x a.cpp TIMEOUT 60)", "a"),
     ("pybind11_add_module(x MODULE a.cpp NO_EXTRAS)", "a"),
+    ("set(i a.cpp)\nforeach(i b.cpp c.cpp)\nendforeach()\nadd_executable(x ${i})", "a"),
+    (("foreach(i a b c)\nif(i STREQUAL b)\nbreak()\nendif()\nset(S ${i}.cpp)\nendforeach()\n"
+     "add_executable(x ${S})"), "a"),
+    (("foreach(i a b)\nif(i STREQUAL b)\ncontinue()\nendif()\nset(S ${i}.cpp)\nendforeach()\n"
+     "add_executable(x ${S})"), "a"),
+    ("macro(m n)\nset(n b)\nadd_executable(x ${n}.cpp)\nendmacro()\nm(a)", "a"),
+    ("get_filename_component(d a.cpp DIRECTORY)\nadd_executable(x a${d}.cpp)", "a"),
     ("string(TOLOWER A.CPP S)\nadd_executable(x ${S})", "a"),
     ("add_executable(${PROJECT_NAME} a.cpp)\nadd_executable(x b.cpp)", "b"),
     ("project(q)\nadd_executable(${PROJECT_NAME}x a.cpp)\nadd_executable(x b.cpp)", "b"),

@@ -47,6 +47,10 @@ class _Return(Exception):  # noqa: N818 - CMake's return(), no error
     pass
 
 
+class _LoopEnd(Exception):  # noqa: N818 - CMake's break() or continue(), no error
+    pass
+
+
 def evaluate_package(
     name: str, files: PackageFiles, *, every_branch: bool = False
 ) -> PackageContents:
@@ -133,7 +137,7 @@ class CMakeEvaluator:
         before = self.build.left_out_by
         try:
             self._run(statements, scope)
-        except _Return:
+        except (_Return, _LoopEnd):
             return
         finally:
             self.build.left_out_by = before
@@ -162,7 +166,7 @@ class CMakeEvaluator:
         elif branch.head.name == "while":
             self._run_alternatives([branch], scope)
         else:
-            given = expand_arguments(branch.head.arguments[:1], scope.variables.get)
+            given = expand_arguments(branch.head.arguments[:1], scope.lookup)
             self._definitions.update((item.text.lower(), branch) for item in given)
 
     def _run_if(self, branches: Sequence[Branch], scope: VariableScope) -> None:
@@ -220,23 +224,34 @@ class CMakeEvaluator:
             is_target=self.build.targets.__contains__,
             exists=lambda path: self._exists(scope.folder / path),
         )
-        return evaluate_condition(expand_arguments(condition, scope.variables.get), facts)
+        return evaluate_condition(expand_arguments(condition, scope.lookup), facts)
 
     def _exists(self, path: Path) -> Truth:
         files = self.build.files
         return files.is_file(path) or files.is_folder(path) or None
 
     def _run_foreach(self, branch: Branch, scope: VariableScope) -> None:
-        given = expand_arguments(branch.head.arguments, scope.variables.get)
+        given = expand_arguments(branch.head.arguments, scope.lookup)
         self.budget.spend(sum(32 + len(item.text) for item in given))
         rounds = loop_rounds(given, scope)
         if not rounds and is_loop_unknown(given[1:], scope) and self._makes_targets(branch.body):
             words = " ".join(argument.text for argument in branch.head.arguments)
             why = "what it goes through is not known: what it makes is missing"
             self._note(f"foreach({words})"[:_MAX_SHOWN], why)
+        before = {name: scope.variables.get(name) for name in rounds[0]} if rounds else {}
         for variables in rounds:
             scope.variables.update(variables)
-            self._run(branch.body, scope)
+            if self._ends_loop(branch.body, scope):
+                break
+        restore_variables(scope, before)
+
+    def _ends_loop(self, body: Sequence[Statement], scope: VariableScope) -> bool:
+        """Carry out a round of a loop; tell whether a break() ends the loop."""
+        try:
+            self._run(body, scope)
+        except _LoopEnd as end:
+            return end.args == ("break",)
+        return False
 
     def _makes_targets(self, body: Iterable[Statement]) -> bool:
         """Tell whether statements make targets, or call a function that may."""
@@ -254,13 +269,15 @@ class CMakeEvaluator:
 
     def _run_command(self, command: CMakeCommand, scope: VariableScope) -> None:
         self.line = command.line
-        given = expand_arguments(command.arguments, scope.variables.get)
+        given = expand_arguments(command.arguments, scope.lookup)
         self.budget.spend(sum(32 + len(item.text) for item in given))
         words = [item.text for item in given if item.text]
         if command.name in self._definitions:
             self._call_definition(self._definitions[command.name], given, scope)
         elif command.name == "return":
             self._return(command)
+        elif command.name in {"break", "continue"}:
+            raise _LoopEnd(command.name)
         elif command.name == "project" and words:
             self._project(words[0], scope)
         elif command.name == "add_subdirectory" and given:
@@ -328,11 +345,11 @@ class CMakeEvaluator:
             [argument.text for argument in branch.head.arguments[1:]], given
         )
         self.budget.spend(8 * len(inner.variables))
-        before = {name: inner.variables.get(name) for name in arguments}
-        inner.variables.update(arguments)
+        before = inner.arguments
+        inner.arguments = arguments if is_macro else {}
+        inner.variables.update({} if is_macro else arguments)
         self._until_return(branch.body, inner)
-        if is_macro:
-            restore_variables(inner, before)
+        inner.arguments = before
 
     def _project(self, name: str, scope: VariableScope) -> None:
         for variable in ("PROJECT_NAME", "CMAKE_PROJECT_NAME"):

@@ -8,8 +8,8 @@ from typing import TypeAlias
 
 from rtron.sources.workspace.cmake.command_call import CommandCall
 from rtron.sources.workspace.cmake.list_operations import LIST_CHANGES, LIST_RESULTS
-from rtron.sources.workspace.cmake.patterns import replace_plain
-from rtron.sources.workspace.cmake.values import MAX_LENGTH, BoundsError, VariableValue, split_list
+from rtron.sources.workspace.cmake.string_operations import string_operation
+from rtron.sources.workspace.cmake.values import VariableValue, split_list
 
 Handler: TypeAlias = Callable[[CommandCall], None]
 
@@ -84,34 +84,18 @@ def _pop(call: CommandCall, name: str, results: list[str], *, known: bool) -> No
 
 
 def change_string(call: CommandCall) -> None:
-    """Carry out `string`, as far as it works on plain text."""
+    """Carry out `string`; what an operation makes that is not known here is unknown."""
     words = [item.text for item in call.items]
-    known = all(item.known for item in call.items)
-    operation = words[0].upper() if words else ""
-    if operation in {"TOLOWER", "TOUPPER", "STRIP"} and len(words) == 3:  # noqa: PLR2004
-        call.set(words[2], _CASE_OPERATIONS[operation](words[1]), known=known)
-    elif operation == "REPLACE" and len(words) > 4:  # noqa: PLR2004
-        call.set(words[3], _replace_text("".join(words[4:]), words[1], words[2]), known=known)
-    elif operation in {"CONCAT", "APPEND"} and len(words) > 1:
-        old = call.scope.variables.get(words[1], _NO_VALUE) if operation == "APPEND" else _NO_VALUE
-        call.set(words[1], old.text + "".join(words[2:]), known=known and old.known)
-    elif operation == "REGEX" and len(words) > 4:  # noqa: PLR2004
-        _apply_pattern(call, words, known=known)
-    elif operation == "PREPEND" and len(words) > 1:
-        old = call.scope.variables.get(words[1], _NO_VALUE)
-        call.set(words[1], "".join(words[2:]) + old.text, known=known and old.known)
-    elif operation == "JOIN" and len(words) > 2:  # noqa: PLR2004
-        _check_length(len(words) * len(words[1]))
-        call.set(words[2], words[1].join(words[3:]), known=known)
-    elif operation in _STRING_RESULTS and len(words) > _STRING_RESULTS[operation]:
-        call.set(words[_STRING_RESULTS[operation]], "", known=False)
-
-
-def _apply_pattern(call: CommandCall, words: list[str], *, known: bool) -> None:
-    """Carry out `string(REGEX …)`: a replacement of a plain pattern; what else it gives is not."""
-    is_replacement = words[1].upper() == "REPLACE"
-    text = replace_plain("".join(words[5:]), words[2], words[3]) if is_replacement else None
-    call.set(words[4 if is_replacement else 3], text or "", known=known and text is not None)
+    known, operation = all(item.known for item in call.items), words[:1]
+    if operation in (["APPEND"], ["PREPEND"]) and len(words) > 1:
+        old, added = call.scope.variables.get(words[1], _NO_VALUE), "".join(words[2:])
+        text = old.text + added if operation == ["APPEND"] else added + old.text
+        call.set(words[1], text, known=known and old.known)
+        return
+    index, make = string_operation(words) or (len(words), None)
+    if make is not None and index < len(words):
+        made = make(words)
+        call.set(words[index], made or "", known=known and made is not None)
 
 
 def set_unknown(call: CommandCall) -> None:
@@ -140,14 +124,14 @@ def get_path_part(call: CommandCall) -> None:
         value = call.scope.variables.get(words[1], VariableValue("", known=False))
         path, is_last = PurePath(value.text), "LAST_ONLY" in call.words
         stem = path.stem if is_last else path.name.split(".")[0]
-        parts = {"FILENAME": path.name, "STEM": stem, "PARENT_PATH": str(path.parent)}
+        parts = {"FILENAME": path.name, "STEM": stem, "PARENT_PATH": _folder(path)}
         part = parts.get(words[2])
         call.set(words[3], part or "", known=value.known and part is not None)
 
 
 def get_filename_component(call: CommandCall) -> None:
     """Carry out `get_filename_component`."""
-    words = call.words
+    words = [item.text for item in call.items]
     if len(words) < 3:  # noqa: PLR2004 - variable, file, part
         return
     path = Path(words[1])
@@ -157,13 +141,18 @@ def get_filename_component(call: CommandCall) -> None:
         "NAME_WLE": path.stem,
         "LAST_EXT": path.suffix,
         "EXT": path.name[len(path.name.split(".")[0]) :],
-        "PATH": str(path.parent),
-        "DIRECTORY": str(path.parent),
+        "PATH": _folder(path),
+        "DIRECTORY": _folder(path),
         "ABSOLUTE": os.path.normpath(call.scope.folder / path),
         "REALPATH": os.path.normpath(call.scope.folder / path),
     }
     known = words[2] in parts and all(item.known for item in call.items)
     call.set(words[0], parts.get(words[2], ""), known=known)
+
+
+def _folder(path: PurePath) -> str:
+    """Return the folder of a path; a name alone has none."""
+    return "" if path.parent == PurePath() else str(path.parent)
 
 
 def glob_files(call: CommandCall) -> None:
@@ -202,28 +191,6 @@ def set_empty(call: CommandCall) -> None:
         call.set(name, "")
 
 
-def _replace_text(text: str, old: str, new: str) -> str:
-    _check_length(text.count(old) * len(new) if old else MAX_LENGTH + 1)
-    return text.replace(old, new)
-
-
-def _check_length(length: int) -> None:
-    if length > MAX_LENGTH:
-        raise BoundsError("a value becomes too long")
-
-
-_STRING_RESULTS: Mapping[str, int] = {
-    **dict.fromkeys(("TIMESTAMP", "UUID", "JSON"), 1),
-    **dict.fromkeys(("LENGTH", "MAKE_C_IDENTIFIER", "CONFIGURE", "GENEX_STRIP"), 2),
-    **dict.fromkeys(("FIND", "REPEAT"), 3),
-    "SUBSTRING": 4,
-}
-"""Where operations that are not carried out have the variable of their result."""
-_CASE_OPERATIONS: Mapping[str, Callable[[str], str]] = {
-    "TOLOWER": str.lower,
-    "TOUPPER": str.upper,
-    "STRIP": str.strip,
-}
 VARIABLE_COMMANDS: Mapping[str, Handler] = {
     "set": set_variable,
     "unset": unset,
