@@ -17,6 +17,7 @@ add_executable(generated ${GENERATED})
 mystery_executable(odd a.cpp)
 add_library(parts a.cpp)
 rclcpp_components_register_nodes(parts "own::Camera")
+rclcpp_components_register_nodes(absent "own::Absent")
 install(PROGRAMS tool.pl RENAME tool DESTINATION lib/own)
 """
 SETUP = "setup(entry_points={'console_scripts': ['away = own.away:main']})"
@@ -78,6 +79,12 @@ def test_a_component_that_its_package_does_not_register(packages):
     item = note(packages, "own", "own::Camra", container="/box")
     assert item.why.endswith("registers no class of this name: did you mean own::Camera?")
     assert item.missing == "own/own::Camra"
+
+
+def test_a_component_of_a_library_that_its_package_does_not_make(packages):
+    item = note(packages, "own", "own::Absent", container="/box")
+    assert item.why.endswith("registers it in a library that is not made there")
+    assert not item.missing
 
 
 @pytest.mark.parametrize(

@@ -30,6 +30,7 @@ _NOT_HERE = "its package is not here: give the folder of its source too"
 _NO_SOURCE = "no source of it is here, and no model"
 _NOT_UNDERSTOOD = "the build files of its package name its program in a way that is not understood"
 _NOT_READ = "its package is here, and what this program is written in is not read"
+_NO_LIBRARY = "its package is here, and registers it in a library that is not made there"
 _NO_FILES = "its package is here, and none of the sources of this program: generated or missing"
 _KINDS = {
     ProgramLanguage.CPP: TaskKind.CPP,
@@ -110,6 +111,8 @@ def _why_not_read(node: AppNode, workspace: Workspace) -> str:
     entry = workspace.entry_points(node.package).get(node.type)
     if entry is not None:
         return f"its package is here, and the module {entry[0]} of this program is not"
+    if node.container and node.type in workspace.component_names(node.package):
+        return _NO_LIBRARY
     is_named = is_in_build_files(workspace.files(node.package), node.type)
     return _NOT_UNDERSTOOD if is_named else ""
 
