@@ -150,7 +150,8 @@ class SetupScript:
         name = getattr(function, "id", "")
         if name == "dict" and not given:
             return {w.arg: self._value(w.value, depth) for w in node.keywords if w.arg}
-        return given[0] if name in {"list", "sorted", "tuple", "set"} and given else None
+        is_copy = name in {"list", "sorted", "tuple", "set"} and bool(given)
+        return self._items(given[0]) if is_copy else None
 
     def _comprehension(self, node: ast.ListComp | ast.GeneratorExp, depth: int) -> SetupValue:
         found: list[SetupValue] = []
