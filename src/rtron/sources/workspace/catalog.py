@@ -313,7 +313,8 @@ class Workspace:
 
 def _executable(name: str, contents: PackageContents) -> Program | None:
     script = dict(contents.installed_scripts).get(name)
-    return _built_executable(name, contents) or (script and script_program(script, contents))
+    installed = script_program(script, contents) if script is not None else None
+    return _built_executable(name, contents) or installed
 
 
 def _built_executable(name: str, contents: PackageContents) -> Program | None:

@@ -189,7 +189,7 @@ class SetupScript:
 
     def _items(self, value: SetupValue) -> list[SetupValue]:
         """Return what a loop goes through: once through nothing known, where that is not known."""
-        found = list(value) if isinstance(value, (list, dict)) else [None]
+        found: list[SetupValue] = list(value) if isinstance(value, (list, dict)) else [None]
         self._step(64 * len(found))
         return found
 

@@ -111,13 +111,14 @@ class AppNodeBuilder:
         node = ros2_verb_node(process) or controller_command(process)
         node = node or installed_program_node(process)
         words, loaded = process.arguments, list(component_command(process))
-        *started, component = loaded or [None]
-        for container in started:
+        for container in loaded[:-1]:
             yield self._node(container)
-        if component is not None:
-            known = next(iter(started), containers.get(component.container))
+        for component in loaded[-1:]:
+            known = next(iter(loaded[:-1]), containers.get(component.container))
             yield self._component(component, known)
-        elif server is not None:
+        if loaded:
+            return
+        if server is not None:
             self.gazebo_servers.append(server)
         elif node is not None:
             yield self._node(node)

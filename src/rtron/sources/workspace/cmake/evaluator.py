@@ -241,11 +241,11 @@ class CMakeEvaluator:
         before = {name: scope.variables.get(name) for name in rounds[0]} if rounds else {}
         for variables in rounds:
             scope.variables.update(variables)
-            if self._ends_loop(branch.body, scope):
+            if self._is_last_round(branch.body, scope):
                 break
         restore_variables(scope, before)
 
-    def _ends_loop(self, body: Sequence[Statement], scope: VariableScope) -> bool:
+    def _is_last_round(self, body: Sequence[Statement], scope: VariableScope) -> bool:
         """Carry out a round of a loop; tell whether a break() ends the loop."""
         try:
             self._run(body, scope)

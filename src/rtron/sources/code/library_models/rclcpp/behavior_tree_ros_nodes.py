@@ -104,7 +104,9 @@ def _is_params(value: Value) -> bool:
 
 def _register_plugin(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`RegisterRosNode(factory, path, params)`."""
-    register_library(machine, arguments, REGISTER_FUNCTION)
+    factory = arguments.get(0)
+    if isinstance(factory, Instance):
+        register_library(machine, factory, arguments.without_first(1), REGISTER_FUNCTION)
     return Scalar(None)
 
 

@@ -72,8 +72,7 @@ def _note_unread(machine: AbstractMachine, owner: Instance, at: Arguments) -> No
 
 def _register_plugin(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`registerFromPlugin(library)`: what the library's source registers."""
-    given = arguments.with_values(owner, *arguments.values)
-    register_library(machine, given, REGISTER_FUNCTION)
+    register_library(machine, owner, arguments, REGISTER_FUNCTION)
     return NONE
 
 
@@ -83,30 +82,32 @@ _REGISTER_MACROS = {
 }
 
 
-def register_library(machine: AbstractMachine, arguments: Arguments, function: str) -> None:
+def register_library(
+    machine: AbstractMachine, owner: Instance, arguments: Arguments, function: str
+) -> None:
     """Run what a library registers: its function gets the factory, and what follows the name."""
-    owner, files = arguments.get(0), machine.runtime.files
-    for name in options(arguments.value(1)) if isinstance(owner, Instance) else ():
+    files = machine.runtime.files
+    given = arguments.with_values(owner, *arguments.values[1:])
+    for name in options(arguments.value(0)):
         if isinstance(name, Scalar):
-            _register_sources(machine, files.library_sources(str(name.value)), arguments, function)
+            _register_sources(machine, files.library_sources(str(name.value)), given, function)
         else:
             for sources in files.libraries_containing(_REGISTER_MACROS[function]):
-                _register_sources(machine, sources, arguments, function)
+                _register_sources(machine, sources, given, function)
 
 
 def _register_sources(
-    machine: AbstractMachine, sources: tuple[Path, ...], at: Arguments, name: str
+    machine: AbstractMachine, sources: tuple[Path, ...], given: Arguments, name: str
 ) -> None:
-    owner = at.get(0)
+    owner = given.values[0]
     for function in cpp_runtime(machine).load_functions(sources, name):
-        key = f"{_LIBRARY_PREFIX}{function.file}"
+        key, fields = f"{_LIBRARY_PREFIX}{function.file}", getattr(owner, "fields", {})
         if machine.recorder.site.parameters_complete:
-            known = key in owner.fields
+            known = key in fields
         else:
             known = function.key in machine.executed_functions
         if not known:
-            machine.undo_log.set(owner.fields, key, TRUE)
-            given = at.with_values(owner, *at.values[2:])
+            machine.undo_log.set(fields, key, TRUE)
             machine.call(FunctionValue(function), given)
 
 

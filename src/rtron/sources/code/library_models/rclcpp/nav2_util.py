@@ -104,7 +104,7 @@ def _plugin_type(machine: AbstractMachine, _: object, arguments: Arguments) -> V
     return read_node_parameter(machine, node, name)
 
 
-_NODE_METHODS = {
+_NODE_METHODS: dict[str, Callable[..., Value]] = {
     **LIFECYCLE_NODE.methods,
     "createBond": _create_bond,
     "add_parameter": declare_parameter,
@@ -112,14 +112,15 @@ _NODE_METHODS = {
     "create_action_server": partial(create_endpoint, DeclarationKind.ACTION_SERVER),
     "create_action_client": partial(create_endpoint, DeclarationKind.ACTION_CLIENT),
 }
+_MAKERS: Mapping[str, Callable[..., Value]] = {
+    "ServiceClient": partial(_make_client, DeclarationKind.SERVICE_CLIENT, 1),
+    "ServiceServer": partial(_make_client, DeclarationKind.SERVICE, 1),
+    "LifecycleServiceClient": _make_transition_client,
+    "SimpleActionServer": _make_action_server,
+}
 _CLASSES: Mapping[str, LibraryClass] = {
     name: LibraryClass(f"nav2_util::{name}", make, over_source=False)
-    for name, make in {
-        "ServiceClient": partial(_make_client, DeclarationKind.SERVICE_CLIENT, 1),
-        "ServiceServer": partial(_make_client, DeclarationKind.SERVICE, 1),
-        "LifecycleServiceClient": _make_transition_client,
-        "SimpleActionServer": _make_action_server,
-    }.items()
+    for name, make in _MAKERS.items()
 }
 _NODE = LibraryClass(
     "nav2_util::LifecycleNode",
