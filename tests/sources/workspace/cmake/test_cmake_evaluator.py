@@ -95,7 +95,8 @@ SOURCES_OF_X = [
      "sub/d"),
     ("add_executable(x $<$<BOOL:${WITH}>:a.cpp> $<$<CONFIG:Debug>:b.cpp>)", "a b"),
     ("cmake_language(CALL add_executable x a.cpp)", "a"),
-    ("ament_add_gtest(x a.cpp TIMEOUT 60)", "a"),
+    ("catkin_add_gtest(x a.cpp WORKING_DIRECTORY test TIMEOUT 9)", "a"),
+    ("add_executable(x a.cpp)\nament_add_gtest(test_x b.cpp TIMEOUT 60)", "a"),
     ("pybind11_add_module(x MODULE a.cpp NO_EXTRAS)", "a"),
     ("set(i a.cpp)\nforeach(i b.cpp c.cpp)\nendforeach()\nadd_executable(x ${i})", "a"),
     (("foreach(i a b c)\nif(i STREQUAL b)\nbreak()\nendif()\nset(S ${i}.cpp)\nendforeach()\n"

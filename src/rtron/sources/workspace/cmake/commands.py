@@ -23,7 +23,8 @@ _PLATFORM_VARIABLES = {
 }
 _MAKES_PROGRAM = re.compile("add_executable|_executable$|add_node|_node$|add_component|_component$")
 _MAKES_NONE = re.compile(
-    "lint|format|check|message|doc|tidy|uncrustify|copyright|translation|export|test|try_"
+    "lint|format|check|message|doc|tidy|uncrustify|copyright|translation|export"
+    "|test|gmock|benchmark|try_"
     "|^(?:source_group|set_source_files_properties|add_custom_\\w+|configure_file|add_dependencies)$"
 )
 TARGET_MAKERS = frozenset(

@@ -14,8 +14,9 @@ from rtron.sources.workspace.package_contents import TargetKind
 _EXECUTABLE = (
     *("add_executable", "cuda_add_executable", "cs_add_executable", "cs_cuda_add_executable"),
     *("rosbuild_add_executable", "rosbuild_add_gtest", "rosbuild_add_gtest_build_flags"),
-    *("catkin_add_gtest", "catkin_add_gmock", "catkin_add_executable_with_gtest"),
+    "catkin_add_executable_with_gtest",
 )
+_CATKIN_TESTS = ("catkin_add_gtest", "catkin_add_gmock")
 _LIBRARY = (
     *("add_library", "cuda_add_library", "cs_add_library", "cs_cuda_add_library"),
     "rosbuild_add_library",
@@ -23,10 +24,6 @@ _LIBRARY = (
 _PYTHON_MODULE = (
     *("pybind11_add_module", "nanobind_add_module"),
     *("python_add_library", "python3_add_library"),
-)
-_GTEST = (
-    *("ament_add_gtest", "ament_add_gmock", "ament_auto_add_gtest", "ament_add_google_benchmark"),
-    *("ament_add_gtest_executable", "ament_add_gmock_executable"),
 )
 _ROSTEST = ("add_rostest_gtest", "add_rostest_gmock")
 _TYPES = frozenset({"STATIC", "SHARED", "MODULE", "OBJECT", "INTERFACE", "UNKNOWN", "GLOBAL"})
@@ -69,8 +66,12 @@ def add_target(kind: TargetKind, call: CommandCall) -> None:
 
 def add_from_sources(kind: TargetKind, call: CommandCall) -> None:
     """Carry out a command with words of its own: of its arguments the sources alone count."""
-    items = (i for i in call.items[1:] if "<" in i.text or PurePath(i.text).suffix in COMPILED)
+    items = (item for item in call.items[1:] if not item.known or _is_source(item.text))
     add_target(kind, replace(call, items=(*call.items[:1], *items)))
+
+
+def _is_source(text: str) -> bool:
+    return "<" in text or PurePath(text).suffix.lower() in COMPILED
 
 
 def add_rostest(call: CommandCall) -> None:
@@ -210,7 +211,7 @@ TARGET_COMMANDS: Mapping[str, Handler] = {
     **dict.fromkeys(_EXECUTABLE, partial(add_target, TargetKind.EXECUTABLE)),
     **dict.fromkeys(_LIBRARY, partial(add_target, TargetKind.LIBRARY)),
     **dict.fromkeys(_ROSTEST, add_rostest),
-    **dict.fromkeys(_GTEST, partial(add_from_sources, TargetKind.EXECUTABLE)),
+    **dict.fromkeys(_CATKIN_TESTS, partial(add_from_sources, TargetKind.EXECUTABLE)),
     **dict.fromkeys(_PYTHON_MODULE, partial(add_from_sources, TargetKind.LIBRARY)),
     "target_sources": add_sources,
     "target_link_libraries": link_libraries,
