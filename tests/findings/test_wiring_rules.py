@@ -391,9 +391,9 @@ class TestSimTime:
 
 
 class TestMissingProgram:
-    def graph(self, *places, what="node /slam", missing="slam/slam"):
+    def graph(self, *places, what="node /slam", missing="slam/slam", why="it is not there"):
         notes = (
-            UnresolvedItem(what=what, why="it is not there", missing=missing, evidence=(place,))
+            UnresolvedItem(what=what, why=why, missing=missing, evidence=(place,))
             for place in places
         )
         nodes = (Node(name="/slam", package="slam", executable="slam"),)
@@ -406,6 +406,11 @@ class TestMissingProgram:
         assert finding.summary == "/slam does not start"
         assert finding.cause == "no build file of its package makes or installs slam/slam"
         assert finding.evidence == places
+
+    def test_tells_the_nearest_program(self):
+        graph = self.graph(Evidence(file="a"), why="no program: did you mean slam_node?")
+        remedy = the_finding("missing_program", graph).remedy
+        assert remedy.endswith("build and install the program; did you mean slam_node?")
 
     def test_the_nodes_of_one_program_are_one_finding(self):
         graph = self.graph(Evidence(file="a", line=1), Evidence(file="a", line=2))

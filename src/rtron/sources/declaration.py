@@ -95,6 +95,14 @@ class ComponentLoading:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class HardwareDescription:
+    """What a robot description says of a hardware component: its name and its parameters."""
+
+    name: str
+    parameters: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NodeSite:
     """A node where it runs: its full name, its command line and the parameters of the launch.
 
@@ -107,6 +115,7 @@ class NodeSite:
     the process's arguments. Of a component that is loaded (`loading`) they are its container's;
     `args` and `overrides` are its own, the arguments and the parameters of the options that it is
     loaded with. `remap_rules` are remap rules as written, of which the first that fits counts.
+    `hardware` is the component of ros2_control that runs in the process.
     """
 
     name: str
@@ -122,6 +131,7 @@ class NodeSite:
     overrides: tuple[tuple[str, ParameterValue], ...] = ()
     loading: ComponentLoading | None = None
     remap_rules: tuple[tuple[str, str], ...] = ()
+    hardware: HardwareDescription | None = None
 
     @property
     def process_name(self) -> str:

@@ -76,6 +76,56 @@ def test_an_installed_script_has_its_new_name(tmp_path):
     assert workspace(tmp_path).executable("p", "n").sources == (path / "s/a.py",)
 
 
+LEFT_OUT = {
+    "option(ARM)\nif(ARM)\nadd_executable(n n.cpp)\nendif()": "if(ARM)",
+    "option(S x ON)\nif(NOT S)\nadd_executable(n n.cpp)\nendif()": "if(NOT S)",
+    "if(UNIX)\nadd_library(o n.cpp)\nelse()\nadd_executable(n n.cpp)\nendif()": "else()",
+    "option(S x ON)\nif(S)\nreturn()\nendif()\nadd_executable(n n.cpp)": "return()",
+    "option(S x ON)\nif(S)\ninclude(all)\nreturn()\nendif()\nadd_subdirectory(in)": "return()",
+    "option(X)\nif(X)\ninstall(PROGRAMS n.py RENAME n)\nendif()": "if(X)",
+    ("option(X)\nif(X)\nadd_executable(m n.cpp)\n"
+     "set_target_properties(m PROPERTIES OUTPUT_NAME n)\nendif()"): "if(X)",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("cmake", LEFT_OUT)
+def test_a_program_that_the_defaults_leave_out_counts_and_is_noted(tmp_path, cmake):
+    files = {"in/CMakeLists.txt": "add_executable(n ../n.cpp)", "n.cpp": "", "n.py": ""}
+    path = package(tmp_path / "p", {"CMakeLists.txt": cmake, **files})
+    found = workspace(tmp_path)
+    assert found.executable("p", "n") == found.executable("p", "n")
+    (source,) = found.executable("p", "n").sources
+    assert source in {path / "n.cpp", path / "n.py"}
+    (note,) = found.unresolved()
+    assert (note.what, LEFT_OUT[cmake] in note.why) == ("program p/n", True)
+    line = 1 + cmake.split("\n").index(LEFT_OUT[cmake])
+    assert [(each.file, each.line) for each in note.evidence] == [(f"{path}/CMakeLists.txt", line)]
+    assert found.executable("p", "none") is None
+
+
+def test_a_component_that_the_defaults_leave_out_is_noted(tmp_path):
+    cmake = (
+        "option(X)\nif(X)\nadd_library(l n.cpp)\n"
+        'rclcpp_components_register_node(l PLUGIN "N" EXECUTABLE n)\nendif()'
+    )
+    package(tmp_path / "p", {"CMakeLists.txt": cmake, "n.cpp": ""})
+    found = workspace(tmp_path)
+    assert found.component("p", "N").entry == "N"
+    assert [note.what for note in found.unresolved()] == ["program p/N"]
+
+
+def test_the_programs_of_a_package_have_names(tmp_path):
+    cmake = (
+        "add_executable(a n.cpp)\nadd_library(l n.cpp)\ninstall(PROGRAMS n.cpp RENAME b)\n"
+        "rclcpp_components_register_node(l PLUGIN N EXECUTABLE c)"
+    )
+    setup = "setup(entry_points={'console_scripts': ['d = p.d:main']})"
+    files = {"CMakeLists.txt": cmake, "n.cpp": "", "setup.py": setup, "e": PYTHON}
+    package(tmp_path / "p", files)
+    assert workspace(tmp_path).program_names("p") == ("a", "b", "c", "d", "e")
+    assert workspace(tmp_path).program_names("q") == ()
+
+
 @pytest.mark.parametrize(
     "description",
     [

@@ -75,12 +75,13 @@ def _launch_file(name: str, notes: list[UnresolvedItem]) -> Finding:
 
 
 def _program(program: str, nodes: list[str], notes: list[UnresolvedItem], ros: int) -> Finding:
+    nearest = next(filter(None, (note.why.partition(": ")[2] for note in notes)), "")
     return make_finding(
         RULE.name,
         nodes[0],
         summary=f"{join_names(nodes)} {'do' if nodes[1:] else 'does'} not start",
         cause=_CAUSES[ros].format(program),
-        remedy=_REMEDIES[ros],
+        remedy="; ".join(filter(None, (_REMEDIES[ros], nearest))),
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
         nodes=nodes,

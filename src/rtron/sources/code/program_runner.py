@@ -31,6 +31,10 @@ from rtron.sources.code.interpreter.execution.statements import EXECUTORS
 from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 from rtron.sources.code.ir import SourceProblem
+from rtron.sources.code.library_models.common.other_ros import (
+    OTHER_CPP_CLASSES,
+    OTHER_CPP_FUNCTIONS,
+)
 from rtron.sources.code.library_models.cpp_std.registry import (
     CONSTANTS,
     CPP_STD_CLASSES,
@@ -42,6 +46,7 @@ from rtron.sources.code.library_models.python_std.registry import (
     command_line_value,
     node_constants,
 )
+from rtron.sources.code.library_models.rclcpp.hardware import HARDWARE_CALLBACKS, hardware_info
 from rtron.sources.code.library_models.rclcpp.node import component_options
 from rtron.sources.code.library_models.rclcpp.registry import (
     RCLCPP_CLASSES,
@@ -138,6 +143,19 @@ def run_component(
     return _run_cpp_program(sources, site, files, start, missing, other_components)
 
 
+def run_hardware(
+    sources: tuple[Path, ...],
+    cls: str,
+    site: NodeSite,
+    files: SourceProvider,
+    other_components: tuple[str, ...] = (),
+) -> NodeInterface:
+    """Return what a hardware component of ros2_control declares: made, then configured."""
+    start = _class_start(cls, partial(_load_hardware, site))
+    missing = (f"hardware {cls}", _MISSING_CLASS_REASON)
+    return _run_cpp_program(sources, site, files, start, missing, other_components)
+
+
 def _class_start(
     cls: str, run: Callable[[CppRuntime, ClassValue], object]
 ) -> Callable[[CppRuntime], _Start | None]:
@@ -189,6 +207,15 @@ def _load_nodelet(runtime: CppRuntime, cls: ClassValue) -> None:
     dispatch(runtime.machine, method or Unknown("onInit"), Arguments(frame=frame))
 
 
+def _load_hardware(site: NodeSite, runtime: CppRuntime, cls: ClassValue) -> None:
+    frame = StackFrame(file=cls.definition.file)
+    made = runtime.instantiate(cls, Arguments(frame=frame))
+    for callback in HARDWARE_CALLBACKS:
+        method = runtime.attribute(made, callback, ())
+        given = Arguments(values=(hardware_info(site),), frame=frame)
+        dispatch(runtime.machine, method or Unknown(callback), given)
+
+
 def _run_to_fixpoint(
     run: Callable[[frozenset[str]], AbstractMachine], other_components: tuple[str, ...] = ()
 ) -> NodeInterface:
@@ -217,9 +244,14 @@ def _create_cpp_machine(
         symbols=symbols,
         library_functions={
             **CPP_STD_FUNCTIONS,
+            **OTHER_CPP_FUNCTIONS[site.ros],
             **(RCLCPP_FUNCTIONS if ros2 else ROSCPP_FUNCTION_VALUES),
         },
-        library_classes={**CPP_STD_CLASSES, **(RCLCPP_CLASSES if ros2 else ROSCPP_CLASSES)},
+        library_classes={
+            **CPP_STD_CLASSES,
+            **OTHER_CPP_CLASSES[site.ros],
+            **(RCLCPP_CLASSES if ros2 else ROSCPP_CLASSES),
+        },
         library_constants={**CONSTANTS, **(RCLCPP_CONSTANTS if ros2 else {})},
     )
     machine = _create_machine(runtime, site, volatile)

@@ -53,8 +53,11 @@ ROS2_CPP_API = _ROS2_API | {
     *("createSharedInstance", "createUniqueInstance", "createUnmanagedInstance"),
     *("registerFromPlugin", "registerNodeType", "registerBuilder", "InteractiveMarkerServer"),
     *("CameraInfoManager", "ParameterEventHandler", "AsyncParametersClient"),
-    *("SyncParametersClient", "popen", "ServiceClient", "SimpleActionServer"),
-    *("shared_from_this", "weak_from_this"),
+    *("SyncParametersClient", "popen", "createBond", "create_action_server"),
+    *("create_action_client", "ServiceClient", "ServiceServer", "LifecycleServiceClient"),
+    *("SimpleActionServer", "declare_parameter_if_not_declared", "declare_or_get_parameter"),
+    *("get_plugin_type_param", "add_parameter", "shared_from_this", "weak_from_this"),
+    "RegisterRosNode",
 }
 """The same for ROS 2; parameters decide names there, so declaring one counts."""
 ROS2_PYTHON_API = _ROS2_API | {

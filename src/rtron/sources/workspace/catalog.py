@@ -1,7 +1,7 @@
 """The packages of a workspace: programs, plugins, headers and modules, found without a build."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from itertools import chain
@@ -28,8 +28,8 @@ from rtron.sources.workspace.plugin_description import (
 )
 from rtron.sources.workspace.program import Program, ProgramLanguage
 from rtron.sources.workspace.program_builder import script_program, target_program
-from rtron.sources.workspace.python_package import entry_points, module_file, module_folder
-from rtron.sources.workspace.scripts import find_script
+from rtron.sources.workspace.python_package import PythonPackage, module_file, read_python_package
+from rtron.sources.workspace.scripts import executable_names, find_script
 from rtron.vocabulary import Evidence, Trust, UnresolvedItem
 
 NODELET = "nodelet"
@@ -52,7 +52,9 @@ class Workspace:
         self._headers: dict[tuple[str, Path], Path | None] = {}
         self._messages: dict[str, frozenset[str]] = {}
         self._package_by_folder: dict[Path, str | None] = {}
-        self._entry_points: dict[str, Mapping[str, tuple[str, str]]] = {}
+        self._python_packages: dict[str, PythonPackage] = {}
+        self._every_branch: dict[str, PackageContents] = {}
+        self._taken_as_built: dict[UnresolvedItem, None] = {}
         self._problems: list[UnresolvedItem] = []
 
     def trust(self, package: str) -> Trust:
@@ -81,41 +83,81 @@ class Workspace:
         return self._manifests[package]
 
     def executable(self, package: str, type: str) -> Program | None:
-        """Return what `<node pkg=… type=…>` runs: a target of this name, else a script."""
+        """Return what `<node pkg=… type=…>` runs: a target of this name, else a script.
+
+        One that a build with the options' defaults leaves out counts too, with a note.
+        """
         contents = self.contents(package)
         if contents is None:
             return None
-        target = contents.target(type, TargetKind.EXECUTABLE)
-        if target is not None:
-            return target_program(target, contents)
-        made = next((c for c in contents.components if c.executable == type), None)
-        if made is not None:
-            return self.component(package, made.class_name)
+        built = _built_executable(type, contents)
+        if built is not None:
+            return built
         entry = self.entry_points(package).get(type)
         if entry is not None:
             return self._entry_point_program(package, *entry)
         script = find_script(type, contents, self.files(package))
-        if script is None:
-            return None
-        return script_program(script, contents)
+        script = script or self._python_package(package).scripts.get(type)
+        if script is not None and self.files(package).is_file(script):
+            return script_program(script, contents)
+        return self._left_out(package, type, _executable)
 
     def component(self, package: str, cls: str) -> Program | None:
         """Return the library that holds a component's class, with that class as `entry` (ROS 2)."""
         contents = self.contents(package)
-        found = [c for c in contents.components if c.class_name == cls] if contents else []
-        if contents is None or not found:
+        if contents is None:
             return None
-        target = contents.target(found[0].library, TargetKind.LIBRARY)
-        return replace(target_program(target, contents), entry=cls) if target else None
+        return _component(cls, contents) or self._left_out(package, cls, _component)
+
+    def component_names(self, package: str) -> tuple[str, ...]:
+        """Return the classes that a package registers as components (ROS 2)."""
+        contents = self.contents(package)
+        return tuple(dict.fromkeys(c.class_name for c in contents.components)) if contents else ()
+
+    def _left_out(
+        self, package: str, name: str, find: Callable[[str, PackageContents], Program | None]
+    ) -> Program | None:
+        """Return what a build with the options' defaults leaves out: a launch counts on it."""
+        if package not in self._every_branch:
+            files = self.files(package)
+            self._every_branch[package] = evaluate_package(package, files, every_branch=True)
+        contents = self._every_branch[package]
+        program = find(name, contents)
+        names = (name, program.name) if program is not None else ()
+        for why in [contents.left_out[each] for each in names if each in contents.left_out][:1]:
+            note = UnresolvedItem(
+                what=f"program {package}/{name}",
+                why=f"a build with the defaults leaves it out ({why.by}); taken as built",
+                evidence=(why.evidence,),
+            )
+            self._taken_as_built[note] = None
+        return program
+
+    def program_names(self, package: str) -> tuple[str, ...]:
+        """Return the programs that a package makes or installs, in alphabetical order."""
+        contents = self.contents(package)
+        if contents is None:
+            return ()
+        built = (t.output_name for t in contents.targets if t.kind is TargetKind.EXECUTABLE)
+        made = (c.executable for c in contents.components)
+        scripts = (name for name, _ in contents.installed_scripts)
+        files = executable_names(self.files(package))
+        python = self._python_package(package)
+        found = {*built, *made, *scripts, *files, *python.entry_points, *python.scripts}
+        return tuple(sorted(filter(None, found)))
 
     def entry_points(self, package: str) -> Mapping[str, tuple[str, str]]:
         """Return the module and function of each program that a Python package installs."""
-        if package not in self._entry_points:
-            self._entry_points[package] = entry_points(self.packages[package])
-        return self._entry_points[package]
+        return self._python_package(package).entry_points
+
+    def _python_package(self, package: str) -> PythonPackage:
+        if package not in self._python_packages:
+            found = read_python_package(self.packages[package], package)
+            self._python_packages[package] = found
+        return self._python_packages[package]
 
     def _entry_point_program(self, package: str, module: str, function: str) -> Program | None:
-        path = module_file(self._module_folders[package], module)
+        path = module_file(self._python_package(package).folder, module)
         contents = self.contents(package)
         if path is None or contents is None or not is_inside(path, self._allowed_folders):
             return None
@@ -188,7 +230,16 @@ class Workspace:
         noted = (contents.unresolved for contents in self._contents.values())
         packages = dict.fromkeys((*self._contents, *self._manifests))
         manifests = (self.manifest(package).unresolved for package in packages)
-        return (*chain.from_iterable(noted), *chain.from_iterable(manifests), *self._problems)
+        python = (found.unresolved for found in self._python_packages.values())
+        notes = chain.from_iterable((*noted, *manifests, *python))
+        return (*notes, *self._problems, *self._taken_as_built)
+
+    def unresolved_in(self, packages: Iterable[str]) -> list[UnresolvedItem]:
+        """Return what is unclear in the build files of some packages, as far as they are read."""
+        used = {self.packages.get(package) for package in packages}
+        folders = tuple(f"{path}/" for path in used if path)
+        notes = self.unresolved()
+        return [n for n in notes if any(e.file.startswith(folders) for e in n.evidence)]
 
     def _header_folders(self, text: str, from_file: Path) -> list[Path]:
         contents = self.contents(self.package_of(from_file) or "")
@@ -210,7 +261,7 @@ class Workspace:
 
     @cached_property
     def _module_folders(self) -> Mapping[str, Path]:
-        return {name: module_folder(path, name) for name, path in self.packages.items()}
+        return {name: self._python_package(name).folder for name in self.packages}
 
     @cached_property
     def _module_folders_by_name(self) -> Mapping[str, tuple[Path, ...]]:
@@ -258,6 +309,26 @@ class Workspace:
         if not is_inside(path, self._allowed_folders):
             raise InputError("is not there, or not in a package", path=str(path))
         return path
+
+
+def _executable(name: str, contents: PackageContents) -> Program | None:
+    script = dict(contents.installed_scripts).get(name)
+    installed = script_program(script, contents) if script is not None else None
+    return _built_executable(name, contents) or installed
+
+
+def _built_executable(name: str, contents: PackageContents) -> Program | None:
+    target = contents.target(name, TargetKind.EXECUTABLE)
+    if target is not None:
+        return target_program(target, contents)
+    made = next((c for c in contents.components if c.executable == name), None)
+    return _component(made.class_name, contents) if made else None
+
+
+def _component(cls: str, contents: PackageContents) -> Program | None:
+    found = next((c for c in contents.components if c.class_name == cls), None)
+    target = contents.target(found.library, TargetKind.LIBRARY) if found else None
+    return replace(target_program(target, contents), entry=cls) if target else None
 
 
 def read_workspace(folders: Iterable[Path], environ: Mapping[str, str] = os.environ) -> Workspace:

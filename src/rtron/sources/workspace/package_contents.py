@@ -1,6 +1,7 @@
 """What a package builds and installs."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.vocabulary import Evidence, StringEnum, UnresolvedItem
@@ -44,12 +45,22 @@ class ComponentClass:
     evidence: Evidence
 
 
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """Why a build with the options' defaults leaves something out: `if(WITH_ARM)`, `return()`."""
+
+    by: str
+    evidence: Evidence
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PackageContents:
     """What a package's CMake files build and install.
 
     `installed_scripts` are scripts with the name under which they are installed;
     `plugin_descriptions` are descriptions of plugins with the package of their base class (ROS 2).
+    `left_out` says of programs, libraries and classes by name why a build with the defaults leaves
+    them out.
     """
 
     name: str
@@ -59,6 +70,7 @@ class PackageContents:
     installed_scripts: tuple[tuple[str, Path], ...] = ()
     components: tuple[ComponentClass, ...] = ()
     plugin_descriptions: tuple[tuple[str, Path], ...] = ()
+    left_out: Mapping[str, LeftOut] = field(default_factory=dict)
     unresolved: tuple[UnresolvedItem, ...] = ()
 
     def target(self, name: str, kind: TargetKind) -> BuildTarget | None:

@@ -44,20 +44,30 @@ class PackageFiles:
         return is_inside(path, self.roots) and path.is_dir()
 
     def glob(self, pattern: str, *, recursive: bool) -> tuple[Path, ...]:
-        """Return the files that a pattern of CMake's file(GLOB) names, an absolute one.
+        """Return the files and folders that a pattern of CMake's file(GLOB) names, an absolute one.
 
-        A recursive one's last part is looked for in all folders below the rest of it.
+        A recursive one names no folders; its last part is looked for in all folders below the rest
+        of it.
         """
         relative = os.path.relpath(os.path.normpath(pattern), self.folder)
         folder, _, last = relative.rpartition("/")
         parts = folder.split("/") if folder else []
-        return tuple(
+        folders = [] if recursive else self._folders_in(folder, last)
+        files = tuple(
             self.folder / below / name
             for below, names in self._by_folder.items()
             if _matches_folder(below.split("/") if below else [], parts, recursive=recursive)
             for name in names
             if _pattern(last).match(name)
         )
+        return (*files, *folders)
+
+    def _folders_in(self, folder: str, pattern: str) -> list[Path]:
+        """Return the folders right in a folder that a pattern names; of plain folders alone."""
+        start = f"{folder}/" if folder else ""
+        below = (path.removeprefix(start) for path in self._by_folder if path.startswith(start))
+        names = sorted({path.partition("/")[0] for path in below if path})
+        return [self.folder / folder / name for name in names if _pattern(pattern).match(name)]
 
 
 def list_files(folder: Path, roots: tuple[Path, ...]) -> PackageFiles:

@@ -1,31 +1,108 @@
-"""Where a package's Python modules lie: what its setup.py says (ROS wiki: catkin, Python)."""
+"""A package's Python modules and programs: what its setup.py and setup.cfg say.
+
+Sources: ROS wiki, catkin, Python; setuptools, entry points. setup.py is parsed, never run.
+"""
 
 import ast
 import configparser
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.workspace.package_files import is_regular
+from rtron.sources.workspace.setup_script import HOLE, SetupScript, SetupValue, is_known
+from rtron.vocabulary import Evidence, UnresolvedItem
 
 MAX_BYTES = 1024 * 1024
 
-_SETUP_CALLS = frozenset({"generate_distutils_setup", "setup", "dict"})
+_ENTRY = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+)\s*:\s*(\w+)")
+_SCRIPTS = "console_scripts"
 
 
-def module_folder(package: Path, name: str) -> Path:
-    """Return the folder of a package's modules: setup.py's `package_dir`, or `src`.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PythonPackage:
+    """The folder of a package's modules, and each program's module and function by its name.
+
+    `scripts` are the files that are installed as programs, by their names.
+    """
+
+    folder: Path
+    entry_points: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    scripts: Mapping[str, Path] = field(default_factory=dict)
+    unresolved: tuple[UnresolvedItem, ...] = ()
+
+
+def read_python_package(package: Path, name: str) -> PythonPackage:
+    """Return what the setup.py and setup.cfg of a package say; what is not understood is noted.
 
     In ROS 2 the modules' folder is called like the package and stands in its root; the folder of
-    the package itself may be called otherwise.
-
-    setup.py is parsed, never run.
+    the package itself may be called otherwise. In ROS 1 it lies in `src`.
     """
-    if (package / name / "__init__.py").is_file():
-        return package / (_package_dir(package / "setup.py") or "")
-    return package / (_package_dir(package / "setup.py") or "src")
+    setup, notes = _read_setup_script(package / "setup.py")
+    configured, of_config = _read_setup_config(package / "setup.cfg")
+    value, line = setup.arguments.get("entry_points", ({}, 0))
+    try:
+        written = [*_scripts(value), *configured]
+    except configparser.Error:
+        value, written = None, configured
+    if not (is_known(value) and setup.is_complete):
+        notes.append(_note(package / "setup.py", line, _ENTRIES_REASON))
+    matched = (_ENTRY.match(text.replace(HOLE, "")) for text in written)
+    in_root = (package / name / "__init__.py").is_file()
+    folder = _root_folder(setup.arguments.get("package_dir", (None, 0))[0])
+    return PythonPackage(
+        folder=package / (folder or ("" if in_root else "src")),
+        entry_points={match[1]: (match[2], match[3]) for match in matched if match},
+        scripts=dict(_installed_files(setup.arguments.get("scripts", ([], 0))[0], package)),
+        unresolved=(*notes, *of_config),
+    )
+
+
+_ENTRIES_REASON = "not all of its entry points are understood: programs of it may be missing"
+
+
+def _note(path: Path, line: int, why: str) -> UnresolvedItem:
+    return UnresolvedItem(what=path.name, why=why, evidence=(Evidence(file=str(path), line=line),))
+
+
+def _read_setup_script(path: Path) -> tuple[SetupScript, list[UnresolvedItem]]:
+    setup = SetupScript()
+    if not is_regular(path):
+        return setup, []
+    try:
+        tree = ast.parse(read_regular_file(path, MAX_BYTES))
+    except (InputError, SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        line = getattr(error, "lineno", getattr(error, "line", 0)) or 0
+        return setup, [_note(path, line, f"cannot be read: {type(error).__name__}")]
+    setup.read(tree)
+    return setup, []
+
+
+def _scripts(value: SetupValue) -> Iterator[str]:
+    """Yield the entries of `console_scripts`, also of a text like an INI file."""
+    if isinstance(value, str):
+        section = _read_config(value.replace(HOLE, ""))
+        yield from (f"{name}={entry}" for name, entry in section.items(_SCRIPTS))
+    found = value.get(_SCRIPTS) if isinstance(value, dict) else None
+    for entries in found if isinstance(found, list) else [found]:
+        yield from entries.splitlines() if isinstance(entries, str) else ()
+
+
+def _read_config(text: str) -> configparser.ConfigParser:
+    reader = configparser.ConfigParser(interpolation=None)
+    reader.optionxform = str  # type: ignore[assignment, method-assign]
+    reader.read_string(text)
+    return reader
+
+
+def _installed_files(value: SetupValue, package: Path) -> Iterator[tuple[str, Path]]:
+    for name in value if isinstance(value, list) else ():
+        path = package / name if isinstance(name, str) else package
+        if is_regular(path):
+            yield path.name, path
 
 
 def module_file(folder: Path, dotted: str) -> Path | None:
@@ -38,89 +115,21 @@ def module_file(folder: Path, dotted: str) -> Path | None:
     return next(filter(is_regular, candidates), None)
 
 
-def _nodes(setup: Path) -> Iterator[ast.AST]:
-    """Yield the parts of a setup.py; none if it is not there, or no Python."""
+def _root_folder(package_dir: SetupValue) -> str | None:
+    """Return the folder of the root, or the one around the first package."""
+    texts = package_dir if isinstance(package_dir, dict) else {}
+    folders = {name: folder for name, folder in texts.items() if isinstance(folder, str)}
+    around = (str(Path(folder).parent) for folder in folders.values())
+    return folders.get("") or next(around, None)
+
+
+def _read_setup_config(path: Path) -> tuple[list[str], list[UnresolvedItem]]:
+    if not is_regular(path):
+        return [], []
     try:
-        tree = ast.parse(read_regular_file(setup, MAX_BYTES) if setup.is_file() else b"")
-    except (InputError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return
-    yield from ast.walk(tree)
-
-
-def _package_dir(setup: Path) -> str | None:
-    calls = (node for node in _nodes(setup) if isinstance(node, ast.Call))
-    named = (call for call in calls if getattr(call.func, "id", "") in _SETUP_CALLS)
-    words = (word for call in named for word in call.keywords if word.arg == "package_dir")
-    return next(filter(None, (_root_folder(word.value) for word in words)), None)
-
-
-def _root_folder(node: ast.expr) -> str | None:
-    """Return the folder of the root, or the one around the first package, in a literal dict."""
-    if not isinstance(node, ast.Dict):
-        return None
-    pairs = [
-        (key.value, value.value)
-        for key, value in zip(node.keys, node.values, strict=True)
-        if isinstance(key, ast.Constant) and isinstance(value, ast.Constant)
-    ]
-    texts = {name: folder for name, folder in pairs if isinstance(folder, str)}
-    around = (str(Path(folder).parent) for folder in texts.values())
-    return texts.get("") or next(around, None)
-
-
-_ENTRY = re.compile(r"\s*([\w.-]+)\s*=\s*([\w.]+)\s*:\s*(\w+)")
-_SCRIPTS = "console_scripts"
-_MAX_DEPTH = 32
-
-
-def entry_points(package: Path) -> Mapping[str, tuple[str, str]]:
-    """Return each program's module and function, by the program's name."""
-    found = (*_setup_py_entries(package / "setup.py"), *_setup_cfg_entries(package / "setup.cfg"))
-    matched = (_ENTRY.match(text) for text in found)
-    return {match[1]: (match[2], match[3]) for match in matched if match}
-
-
-def _setup_py_entries(path: Path) -> Iterator[str]:
-    nodes = list(_nodes(path))
-    variables = dict(pair for node in nodes for pair in _assigned_text(node))
-    for node in nodes:
-        if isinstance(node, ast.Dict):
-            for key, value in zip(node.keys, node.values, strict=True):
-                if isinstance(key, ast.Constant) and key.value == _SCRIPTS:
-                    yield from (_text(inner, variables) for inner in ast.walk(value))
-
-
-def _assigned_text(node: ast.AST) -> Iterator[tuple[str, str]]:
-    """Yield the variable and the text of an assignment such as `package_name = "robot"`."""
-    if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant):
-        names = (target.id for target in node.targets if isinstance(target, ast.Name))
-        yield from ((name, str(node.value.value)) for name in names)
-
-
-def _text(node: ast.AST, variables: Mapping[str, str], depth: int = 0) -> str:
-    """Return the text of a string, an f-string or a sum of them; what is not known is empty."""
-    if isinstance(node, ast.Constant):
-        return node.value if isinstance(node.value, str) else ""
-    if isinstance(node, ast.Name):
-        return variables.get(node.id, "")
-    return "".join(_text(part, variables, depth + 1) for part in _parts(node, depth))
-
-
-def _parts(node: ast.AST, depth: int) -> list[ast.expr]:
-    """Return what a text is put together from, as deep as anybody writes it."""
-    if depth == _MAX_DEPTH:
-        return []
-    if isinstance(node, ast.FormattedValue):
-        return [node.value]
-    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
-        return [node.left, node.right]
-    return node.values if isinstance(node, ast.JoinedStr) else []
-
-
-def _setup_cfg_entries(path: Path) -> list[str]:
-    reader = configparser.ConfigParser(interpolation=None)
-    try:
-        reader.read_string(read_regular_file(path, MAX_BYTES).decode("utf-8", "replace"))
-    except (InputError, configparser.Error):
-        return []
-    return reader.get("options.entry_points", _SCRIPTS, fallback="").splitlines()
+        text = read_regular_file(path, MAX_BYTES).decode("utf-8", "replace")
+        entries = _read_config(text).get("options.entry_points", _SCRIPTS, fallback="")
+        return entries.splitlines(), []
+    except (InputError, configparser.Error) as error:
+        why = f"cannot be read: {type(error).__name__}"
+        return [], [_note(path, getattr(error, "lineno", 0) or 0, why)]

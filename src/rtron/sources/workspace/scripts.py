@@ -32,6 +32,12 @@ def find_script(name: str, contents: PackageContents, files: PackageFiles) -> Pa
     return min(runnable, key=lambda path: _folder_rank(path, files.folder), default=None)
 
 
+def executable_names(files: PackageFiles) -> tuple[str, ...]:
+    """Return the names of the executable files of a package."""
+    found = (files.folder / name for name in files.names)
+    return tuple(path.name for path in found if is_executable(path))
+
+
 def has_executable_files(files: PackageFiles) -> bool:
     """Return whether any file of a package is executable."""
     return any(is_executable(files.folder / name) for name in files.names)

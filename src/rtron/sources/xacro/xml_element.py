@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
 from xml.sax.saxutils import escape, quoteattr
@@ -72,6 +72,28 @@ def parse_element(text: str, path: str) -> XmlElement:
     if len(data) > MAX_BYTES:
         raise InputError("a description is too large", path=path)
     return _with_namespaces(parse_xml_bytes(_DECLARATION.sub(b"", data), path), path)
+
+
+_SHAPES = frozenset({"visual", "collision", "inertial", "material"})
+
+
+def without_shapes(root: XmlElement) -> XmlElement:
+    """Return a description without what its links look like and weigh, and without its blanks."""
+    children = (
+        child if isinstance(child, str) else without_shapes(child)
+        for child in root.children
+        if not (child.isspace() if isinstance(child, str) else child.tag in _SHAPES)
+    )
+    return replace(root, children=tuple(children))
+
+
+def shorten_description(text: str, path: str) -> str:
+    """Return a large description's text without shapes; raise InputError where it is none."""
+    data = _DECLARATION.sub(b"", text.encode(errors="replace"))
+    root = _with_namespaces(parse_xml_bytes(data, path), path)
+    if root.tag != "robot":
+        raise InputError(f"begins with <{root.tag}>, not with <robot>", path=path)
+    return xml_text(without_shapes(root))
 
 
 def _with_namespaces(source: Element, path: str) -> XmlElement:

@@ -141,7 +141,7 @@ def test_every_endpoint_of_nav2_has_its_quality_of_service():
         nav2 = name.startswith(("nav2_", "opennav_")) and kind in {"node", "part", "plugin"}
         for entry in model.walk() if nav2 else ():
             joins = entry.publish or entry.subscribe
-            assert entry.qos or not joins or "bond" in joins, (name, entry)
+            assert entry.qos or not joins, (name, entry)
 
 
 PLACELESS = {

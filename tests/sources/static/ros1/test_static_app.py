@@ -78,7 +78,8 @@ def test_a_nodelet_talks_through_its_manager(folder):
     assert ends(graph, "/filter") == set()
     assert "> /manager/bond" in ends(graph, "/filter", implicit=True)
     notes = {note.what: note.why for note in graph.unresolved}
-    assert notes["nodelet robot/Unknown"] == "no source of it is here, and no model"
+    reason = "its package is here, and registers no class of this name: choose from robot/Filter"
+    assert notes["nodelet robot/Unknown"] == reason
     assert notes["node /elsewhere"] == "no launch file that is read starts it"
 
 
@@ -96,7 +97,7 @@ def test_what_nodes_start_is_read_once_however_it_circles(folder):
     notes = " ".join(f"{note.what}: {note.why}" for note in app.graph.unresolved)
     assert "none.launch" in notes
     assert "roslaunch $PACKAGE x.launch" in notes
-    assert "node /thing (nowhere/thing): no source" in notes
+    assert "node /thing (nowhere/thing): its package is not here" in notes
 
 
 @pytest.mark.parametrize(

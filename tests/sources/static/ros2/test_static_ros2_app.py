@@ -187,3 +187,18 @@ def test_a_program_that_makes_no_node_that_is_seen_is_noted(tmp_path):
     (note,) = graph.unresolved
     assert note.what == "node /drive (app/drive.py)"
     assert "no node is seen that it makes" in note.why
+
+
+def test_what_is_not_understood_in_build_files_of_its_packages_is_noted(tmp_path):
+    cmake = "option(ARM)\nif(ARM)\nadd_executable(arm a.cpp)\nendif()\nmy_node(x a.cpp)\n"
+    for name, text in {"p": cmake, "other": "my_node(x a.cpp)"}.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "package.xml").write_text(f"<package><name>{name}</name></package>")
+        (tmp_path / name / "CMakeLists.txt").write_text(text)
+        (tmp_path / name / "a.cpp").write_text("int main() {}")
+    launch = tmp_path / "a.launch.xml"
+    launch.write_text('<launch><node pkg="p" exec="arm"/></launch>')
+    notes = scan_ros2_app([tmp_path], [(launch, {})], {}, ONE).unresolved
+    found = {note.what: (note.evidence[0].file, note.evidence[0].line) for note in notes}
+    assert found["my_node(x …)"] == (f"{tmp_path}/p/CMakeLists.txt", 5)
+    assert found["program p/arm"] == (f"{tmp_path}/p/CMakeLists.txt", 2)

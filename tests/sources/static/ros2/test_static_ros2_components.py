@@ -186,3 +186,51 @@ def test_a_container_is_named_by_the_launch_or_called_like_its_class(scanned, co
     own = {one.name.removeprefix(f"{name}/") for one in graph.services if one.node == name}
     loading = {f"_container/{verb}" for verb in ("load_node", "unload_node", "list_nodes")}
     assert own == {"get_type_description", *loading}
+
+
+@pytest.fixture
+def commanded(scanned):
+    """Return the graph of a launch that starts a container, and runs a command."""
+    launch = f'<launch>{BOX}</node_container><executable cmd="{{}}"/></launch>'
+    return lambda line: scanned(launch.format(line))
+
+
+CALL = "ros2 component load /far/box cells cells::Other"
+
+
+@pytest.mark.parametrize(
+    ("line", "name", "topic"),
+    [
+        (CALL, "/other", "/other"),
+        (f"{CALL} -n late --node-namespace /robot", "/robot/late", "/robot/other"),
+        (f"{CALL} -r other:=moved -r __node:=x -q --spin-time 2", "/x", "/moved"),
+        ("ros2 component load far/box cells cells::Cell -p out:=told", "/written/cell", None),
+    ],
+)
+def test_a_command_loads_a_component(commanded, line, name, topic):
+    graph = commanded(line)
+    assert [(node.name, node.package) for node in graph.nodes][1:2] == [(name, "cells")]
+    sent = {e.topic for e in graph.endpoints if e.node == name and not e.implicit}
+    assert sent == {topic or "/written/told"}
+    assert not [note for note in graph.unresolved if "not looked into" in note.why]
+
+
+def test_a_command_starts_a_container_of_its_own(commanded):
+    graph = commanded("ros2 component standalone cells cells::Other -c solo")
+    assert {"/solo", "/other"} <= {node.name for node in graph.nodes}
+    (loading,) = [s for s in graph.services if s.name == "/solo/_container/load_node"]
+    assert loading.node == "/solo"
+    unnamed = commanded("ros2 component standalone cells cells::Other")
+    assert "/standalone_container_{id}" in {node.name for node in unnamed.nodes}
+
+
+@pytest.mark.parametrize("line", ["ros2 component load", "ros2 component list", f"{CALL} -n"])
+def test_a_command_that_loads_nothing_is_noted(commanded, line):
+    graph = commanded(line)
+    assert [node.name for node in graph.nodes] == ["/far/box"]
+    assert [note.what for note in graph.unresolved] == ["process ros2 component"]
+
+
+def test_a_command_into_a_container_that_is_not_here_is_noted(commanded):
+    graph = commanded(CALL.replace("/far/box", "/none"))
+    assert any("its container is /none" in note.why for note in graph.unresolved)

@@ -58,6 +58,7 @@ LAUNCH = """<launch>
   <node pkg="controller_manager" exec="ros2_control_node">
     <param from="$(find-pkg-share own)/control.yaml"/></node>
   <node pkg="controller_manager" exec="spawner" args="lamp {more}"/>
+  {command}
 </launch>"""
 YAML = """controller_manager:
   ros__parameters:
@@ -80,8 +81,9 @@ def launched(tmp_path):
     for name, text in files.items():
         (top / name).write_text(text)
 
-    def scan(more=""):
-        (top / "app.launch.xml").write_text(LAUNCH.format(more=more))
+    def scan(more="", command=""):
+        written = f'<executable cmd="{command}"/>' if command else ""
+        (top / "app.launch.xml").write_text(LAUNCH.format(more=more, command=written))
         launches = [(top / "app.launch.xml", {})]
         return scan_ros2_app([top], launches, {}, ScanOptions(workers=1))
 
@@ -110,3 +112,15 @@ def test_a_controller_is_read_from_its_source(launched):
 def test_a_controller_of_which_there_is_no_source_is_noted(launched):
     graph = launched("missing")
     assert [note.why for note in graph.unresolved] == ["no model of own/None"]
+
+
+@pytest.mark.parametrize("options", ["", "-c /controller_manager --set-state active"])
+def test_a_command_loads_a_controller(launched, options):
+    graph = launched(command=f"ros2 control load_controller {options} second")
+    assert ends(graph, "/second") == {("publish", "/second/other")}
+    assert {client.name for client in graph.clients if client.node == "/_ros2cli_{pid}"} >= {
+        "/controller_manager/load_controller"
+    }
+    assert graph.unresolved == ()
+    (note,) = launched(command="ros2 control list_controllers").unresolved
+    assert note.what == "process ros2 control"

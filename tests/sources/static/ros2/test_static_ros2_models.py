@@ -278,3 +278,17 @@ FORWARDED = '<extra_arg name="forward_global_arguments" value="true"/>'
 def test_what_a_container_is_given_counts_for_a_component_if_it_is_forwarded(launched, extra, type):
     graph = launched({"app.launch.xml": HOSTED.format(extra=extra)})
     assert f"> /cmd_vel_smoothed geometry_msgs/msg/{type}" in ends(graph, "/smoother")
+
+
+def test_the_bond_of_nav2_is_a_topic_of_each_namespace(launched):
+    group = """<group><push_ros_namespace namespace="{0}"/>
+      <node pkg="nav2_lifecycle_manager" exec="lifecycle_manager" name="manager"/>
+      <node pkg="nav2_controller" exec="controller_server" name="controller"/></group>"""
+    graph = launched({"app.launch.xml": f"<launch>{group.format('a')}{group.format('b')}</launch>"})
+    bonds = {topic.name for topic in graph.topics if topic.name.endswith("bond")}
+    assert bonds == {"/a/bond", "/b/bond"}
+    for robot in "ab":
+        nodes = {f"/{robot}/manager", f"/{robot}/controller"}
+        assert {end.node for end in graph.publishers(f"/{robot}/bond")} == nodes
+        assert {end.node for end in graph.subscribers(f"/{robot}/bond")} == nodes
+        assert {end.qos.depth for end in graph.publishers(f"/{robot}/bond")} == {5}

@@ -4,7 +4,7 @@ import pytest
 from workspace_tree import evaluate_cmake, package, sources, workspace
 
 from rtron.sources.workspace import ProgramLanguage, Workspace
-from rtron.sources.workspace.python_package import entry_points
+from rtron.sources.workspace.python_package import read_python_package
 
 
 def test_components_have_their_class_library_and_executable(tmp_path):
@@ -91,7 +91,7 @@ CONFIG = "[options.entry_points]\nconsole_scripts =\n    talk = p.talker:main\n"
 )
 def test_entry_points_are_read(tmp_path, name, text, expected):
     (tmp_path / name).write_text(text)
-    assert entry_points(tmp_path) == expected
+    assert read_python_package(tmp_path, "p").entry_points == expected
 
 
 def test_an_entry_point_is_a_program(tmp_path):

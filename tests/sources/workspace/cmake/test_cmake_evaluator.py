@@ -63,9 +63,48 @@ SOURCES_OF_X = [
     (('option(SUPER "all" ON)\nif(SUPER)\nExternalProject_Add(ep DEPENDS other SOURCE_DIR\n'
       "${PROJECT_SOURCE_DIR} CMAKE_ARGS -DSUPER:BOOL=OFF -DS=a.cpp)\nreturn()\nendif()\n"
       "add_executable(x ${S})"), "a"),
+    (('option(SUPER "all" ON)\nif(SUPER)\nExternalProject_Add(ep SOURCE_DIR\n'
+      "${CMAKE_CURRENT_LIST_DIR}/sub/.. CMAKE_CACHE_ARGS -DSUPER:BOOL=OFF)\nreturn()\nendif()\n"
+      "add_executable(x a.cpp)"), "a"),
     ("ExternalProject_Add(ep SOURCE_DIR ${PROJECT_SOURCE_DIR})\nadd_executable(x a.cpp)", "a"),
     (("ExternalProject_Add(ep SOURCE_DIR /else CMAKE_ARGS -DX=1)\nif(X)\nset(S b.cpp)\nendif()\n"
       "add_executable(x a.cpp)"), "a"),
+    ("set(L x b a)\nlist(GET L -1 n)\nadd_executable(x ${n})", "a"),
+    ("set(L a cpp)\nlist(JOIN L . S)\nadd_executable(x ${S})", "a"),
+    ("set(L c.cpp b.cpp a.cpp)\nlist(SUBLIST L 1 2 S)\nadd_executable(x ${S})", "b a"),
+    ("set(L c.cpp b.cpp)\nlist(POP_FRONT L f)\nadd_executable(x ${L} ${f})", "b c"),
+    ("set(L c.cpp b.cpp)\nlist(REMOVE_AT L 0)\nadd_executable(x ${L})", "b"),
+    ('file(GLOB S *.cpp)\nlist(FILTER S EXCLUDE REGEX ".*/b\\\\.cpp$")\nadd_executable(x ${S})',
+     "a c"),
+    ('set(L a.cc)\nlist(TRANSFORM L REPLACE "\\\\.cc$" ".cpp")\nadd_executable(x ${L})', "a"),
+    ("set(L a b)\nlist(TRANSFORM L APPEND .cpp)\nadd_executable(x ${L})", "a b"),
+    ('string(REGEX REPLACE "\\\\.[^.]*$" "" n x.cpp)\nadd_executable(${n} a.cpp)', "a"),
+    ('string(REGEX REPLACE "^my_" "" n my_x)\nadd_executable(${n} a.cpp)', "a"),
+    ("string(JOIN . n a cpp)\nadd_executable(x ${n})", "a"),
+    ("set(n x.a.cpp)\nget_filename_component(s ${n} NAME_WLE)\nadd_executable(x a ${s})", "a"),
+    ("set(p sub/x.cpp)\ncmake_path(GET p STEM n)\nadd_executable(${n} a.cpp)", "a"),
+    ("foreach(n s IN ZIP_LISTS N S)\nendforeach()\nadd_executable(x a.cpp)", "a"),
+    (("set(N x y)\nset(S a b)\nforeach(n s IN ZIP_LISTS N S)\nadd_executable(${n} ${s}.cpp)\n"
+     "endforeach()"), "a"),
+    (("set(N x y)\nset(S a b)\nforeach(i IN ZIP_LISTS N S)\nadd_executable(${i_0} ${i_1}.cpp)\n"
+     "endforeach()"), "a"),
+    (('if("${PROJECT_NAME}.x" MATCHES "^p.*\\\\.x$")\nset(S a.cpp)\nelse()\nset(S b.cpp)\nendif()\n'
+     "add_executable(x ${S})"), "a"),
+    (("file(GLOB L RELATIVE ${PROJECT_SOURCE_DIR} *)\nforeach(n ${L})\n"
+     "if(n STREQUAL sub)\nset(S ${n}/d.cpp)\nendif()\nendforeach()\nadd_executable(x ${S})"),
+     "sub/d"),
+    ("add_executable(x $<$<BOOL:${WITH}>:a.cpp> $<$<CONFIG:Debug>:b.cpp>)", "a b"),
+    ("cmake_language(CALL add_executable x a.cpp)", "a"),
+    ("catkin_add_gtest(x a.cpp WORKING_DIRECTORY test TIMEOUT 9)", "a"),
+    ("add_executable(x a.cpp)\nament_add_gtest(test_x b.cpp TIMEOUT 60)", "a"),
+    ("pybind11_add_module(x MODULE a.cpp NO_EXTRAS)", "a"),
+    ("set(i a.cpp)\nforeach(i b.cpp c.cpp)\nendforeach()\nadd_executable(x ${i})", "a"),
+    (("foreach(i a b c)\nif(i STREQUAL b)\nbreak()\nendif()\nset(S ${i}.cpp)\nendforeach()\n"
+     "add_executable(x ${S})"), "a"),
+    (("foreach(i a b)\nif(i STREQUAL b)\ncontinue()\nendif()\nset(S ${i}.cpp)\nendforeach()\n"
+     "add_executable(x ${S})"), "a"),
+    ("macro(m n)\nset(n b)\nadd_executable(x ${n}.cpp)\nendmacro()\nm(a)", "a"),
+    ("get_filename_component(d a.cpp DIRECTORY)\nadd_executable(x a${d}.cpp)", "a"),
     ("string(TOLOWER A.CPP S)\nadd_executable(x ${S})", "a"),
     ("add_executable(${PROJECT_NAME} a.cpp)\nadd_executable(x b.cpp)", "b"),
     ("project(q)\nadd_executable(${PROJECT_NAME}x a.cpp)\nadd_executable(x b.cpp)", "b"),
@@ -97,11 +136,27 @@ def test_a_target_has_kind_links_definitions_and_place(tmp_path):
     assert contents.target("other", TargetKind.EXECUTABLE) is None
 
 
+@pytest.mark.parametrize(
+    "written",
+    ["$<BUILD_INTERFACE:core>", "$<$<BOOL:1>:p::core>", "$<$<NOT:$<BOOL:0>>:core>", "core"],
+)
+def test_links_stand_in_generator_expressions_too(tmp_path, written):
+    cmake = f"add_library(core a.cpp)\nadd_executable(x b.cpp)\ntarget_link_libraries(x {written})"
+    *_, target = evaluate_cmake(tmp_path, cmake).targets
+    assert {"core", "p::core"} & set(target.links)
+
+
 def test_subfolders_and_included_files_are_carried_out(tmp_path):
     write(tmp_path / "sub", {"CMakeLists.txt": "add_library(s d.cpp)\nset(S a.cpp)", "d.cpp": ""})
     write(tmp_path / "cmake", {"m.cmake": "set(T b.cpp)"})
     cmake = "add_subdirectory(sub)\ninclude(cmake/m.cmake)\nadd_executable(x c.cpp ${T})"
     assert sources(evaluate_cmake(tmp_path, cmake)) == {"s": ["sub/d.cpp"], "x": ["c.cpp", "b.cpp"]}
+
+
+def test_a_superbuild_builds_folders_of_the_package(tmp_path):
+    write(tmp_path / "sub", {"CMakeLists.txt": "add_executable(x ${S})", "d.cpp": ""})
+    cmake = "ExternalProject_Add(ep SOURCE_DIR ${PROJECT_SOURCE_DIR}/sub CMAKE_ARGS -DS=d.cpp)"
+    assert sources(evaluate_cmake(tmp_path, cmake)) == {"x": ["sub/d.cpp"]}
 
 
 def test_modules_are_found_by_the_module_path(tmp_path):
@@ -126,6 +181,23 @@ def test_include_folders_and_installed_scripts(tmp_path):
     ("cmake", "line", "why"),
     [
         ("add_executable(x a.cpp gone.cpp)", 2, "generated or missing"),
+        ("add_subdirectory(gone)", 2, "has no CMakeLists.txt here"),
+        ("add_subdirectory(${GONE})", 2, "which folder it is, is not known"),
+        ("include(cmake/gone.cmake)", 2, "is not in the package"),
+        ("foreach(n ${UNSET})\nadd_executable(${n} a.cpp)\nendforeach()", 2,
+         "goes through is not known"),
+        (('set(L "")\nexecute_process(COMMAND ls OUTPUT_VARIABLE L)\nforeach(n IN LISTS L)\n'
+         "add_executable(${n} a.cpp)\nendforeach()"), 4, "goes through is not known"),
+        ('set(L x a.cpp)\nlist(TRANSFORM L REPLACE "(x|y)" z)\nadd_executable(${L})', 4,
+         "is not set"),
+        ('string(REGEX MATCH "[a-z]+" n x1)\nadd_executable(${n} a.cpp)', 3, "is not set"),
+        ("my_node(x a.cpp)", 2, "not known here: what it makes of a.cpp"),
+        ("install(PROGRAMS gone.py DESTINATION lib/pkg)", 2, "generated or missing"),
+        ("install(PROGRAMS ${UNSET} DESTINATION lib/pkg)", 2, "does not set"),
+        ("add_executable(x a.cpp $<$<BOOL:${X}>:gone.cpp>)", 2, "a generator expression"),
+        ('cmake_language(EVAL CODE "add_executable(x a.cpp)")', 2, "is not carried out"),
+        ("add_library(l a.cpp)\nrclcpp_components_register_node(l PLUGIN ${UNSET})", 3,
+         "is not set"),
         ("add_executable(x a.cpp ${UNSET})", 2, "does not set"),
         ("\nadd_executable(${UNSET}_x a.cpp)", 3, "is not set"),
         ('add_executable(x a.cpp)\nset(y "z', 3, "does not end"),

@@ -33,6 +33,10 @@ class LaunchCollector(ABC):
         """Return the full name of the container that an action loads components into."""
         return ""
 
+    def accept(self, root: Element, _: str) -> Element:
+        """Return what is read of an XML or YAML file, the second argument."""
+        return root
+
     def read_python(self, _: str) -> Element | None:
         """Return what a Python launch file describes, None where it is not looked into."""
         return None

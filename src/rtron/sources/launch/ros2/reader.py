@@ -132,7 +132,7 @@ class LaunchReader:
         if path.endswith(".py"):
             return self._collector.read_python(path)
         if path not in self._elements_by_path:
-            self._elements_by_path[path] = parse_elements(path)
+            self._elements_by_path[path] = self._collector.accept(parse_elements(path), path)
         return self._elements_by_path[path]
 
     def _actions(

@@ -26,6 +26,7 @@ from rtron.sources.launch.ros2.result import DeclaredArgument, LaunchStart, Star
 from rtron.sources.launch.ros2.shell import split_commands
 from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml.parser import read_ros1_syntax
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
 GLOBAL_PARAMETER_TAGS = frozenset({"set_parameter", "set_parameters_from_file"})
@@ -47,6 +48,12 @@ class StartCollector(LaunchCollector):
     read_python_file: Callable[[str], Element]
     starts: list[LaunchStart] = field(default_factory=list)
     arguments: list[DeclaredArgument] = field(default_factory=list)
+
+    def accept(self, root: Element, path: str) -> Element:
+        """Return a file with ROS 1's syntax in it noted, and read as it is meant."""
+        translated, notes = read_ros1_syntax(root, path)
+        self.evaluator.unresolved.extend(notes)
+        return translated
 
     def read_python(self, path: str) -> Element:
         """Return what a Python launch file describes; raise InputError where there is none."""

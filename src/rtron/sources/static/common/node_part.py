@@ -3,9 +3,10 @@
 A nodelet's loader has two parts: its own process, and the nodelet in its manager's process.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 
+from rtron.errors import suggestion
 from rtron.sources.declaration import NodeInterface
 from rtron.sources.models import Model, ModelCatalog
 from rtron.sources.models.common.arguments import positional
@@ -17,14 +18,20 @@ from rtron.sources.static.common.task import (
     component_task,
     executable_task,
 )
-from rtron.sources.workspace import Program, ProgramLanguage, Workspace
+from rtron.sources.workspace import Plugin, Program, ProgramLanguage, Workspace
+from rtron.sources.workspace.catalog import NODELET
 from rtron.sources.workspace.package_files import is_in_build_files
 from rtron.vocabulary import Trust, UnresolvedItem
 from rtron.vocabulary.launch import resolve_name
 
-MISSING_PROGRAM = "its package makes no program of this name, nor has an executable file"
+MISSING_PROGRAM = "its package is here, and makes no program of this name"
+MISSING_CLASS = "its package is here, and registers no class of this name"
 _NOT_HERE = "its package is not here: give the folder of its source too"
+_NO_SOURCE = "no source of it is here, and no model"
 _NOT_UNDERSTOOD = "the build files of its package name its program in a way that is not understood"
+_NOT_READ = "its package is here, and what this program is written in is not read"
+_NO_LIBRARY = "its package is here, and registers it in a library that is not made there"
+_NO_FILES = "its package is here, and none of the sources of this program: generated or missing"
 _KINDS = {
     ProgramLanguage.CPP: TaskKind.CPP,
     ProgramLanguage.PYTHON: TaskKind.PYTHON,
@@ -75,23 +82,43 @@ def node_parts(node: AppNode, workspace: Workspace, models: ModelCatalog) -> Ite
         yield from _nodelet_parts(replace(loader, model=model), workspace, models)
         return
     part = _with_source_or_model(part, workspace.executable(node.package, node.type), model)
-    is_missing = part.task is None and part.model is None and _lacks_program(node, workspace)
-    yield _without_program(part) if is_missing else part
+    is_missing = part.task is None and part.model is None
+    yield _without_program(part, workspace) if is_missing else part
 
 
-def _lacks_program(node: AppNode, workspace: Workspace) -> bool:
-    """Return whether a package of the user's own neither makes nor names a node's program."""
-    return (
-        workspace.trust(node.package) is Trust.OWN
-        and workspace.executable(node.package, node.type) is None
-        and not is_in_build_files(workspace.files(node.package), node.type)
-    )
+def _without_program(part: NodePart, workspace: Workspace) -> NodePart:
+    """Return the part with a note that tells an own package without its program from another's."""
+    node = part.node
+    program, trust = f"{node.package}/{node.type}", workspace.trust(node.package)
+    what = f"node {node.name} ({program})"
+    if trust is not Trust.OWN:
+        why = _NOT_HERE if trust is Trust.UNKNOWN else _NO_SOURCE
+        return part.with_missing_note(what, why)
+    if why := _why_not_read(node, workspace):
+        return part.with_missing_note(what, why)
+    why, names = MISSING_PROGRAM, workspace.program_names(node.package)
+    if node.container:
+        why, names = MISSING_CLASS, workspace.component_names(node.package)
+    return part.with_missing_note(what, _with_nearest(why, node.type, names), program)
 
 
-def _without_program(part: NodePart) -> NodePart:
-    program = f"{part.node.package}/{part.node.type}"
-    what = f"node {part.node.name} ({program})"
-    return part.with_missing_note(what, MISSING_PROGRAM, program)
+def _why_not_read(node: AppNode, workspace: Workspace) -> str:
+    """Return why the program of an own package is not read; empty where it is not there."""
+    find = workspace.component if node.container else workspace.executable
+    found = find(node.package, node.type)
+    if found is not None:
+        return _NOT_READ if found.sources else _NO_FILES
+    entry = workspace.entry_points(node.package).get(node.type)
+    if entry is not None:
+        return f"its package is here, and the module {entry[0]} of this program is not"
+    if node.container and node.type in workspace.component_names(node.package):
+        return _NO_LIBRARY
+    is_named = is_in_build_files(workspace.files(node.package), node.type)
+    return _NOT_UNDERSTOOD if is_named else ""
+
+
+def _with_nearest(why: str, name: str, names: Collection[str]) -> str:
+    return f"{why}: {suggestion(name, names) if names else 'it has none'}"
 
 
 def _with_source_or_model(part: NodePart, program: Program | None, model: Model | None) -> NodePart:
@@ -100,10 +127,7 @@ def _with_source_or_model(part: NodePart, program: Program | None, model: Model 
         part = replace(part, task=_task(kind, program, part))
     if model is not None and (part.task is None or model.over_source):
         part = replace(part, model=model)
-    if part.task is not None or part.model is not None:
-        return part
-    what = f"node {part.node.name} ({part.node.package}/{part.node.type})"
-    return part.with_missing_note(what, "no source of it is here, and no model")
+    return part
 
 
 def _ros2_part(part: NodePart, workspace: Workspace, models: ModelCatalog) -> NodePart:
@@ -117,11 +141,7 @@ def _ros2_part(part: NodePart, workspace: Workspace, models: ModelCatalog) -> No
     model = models.component(node.type) or models.node(node.package, node.type)
     if model is not None:
         return replace(part, model=model)
-    program = f"{node.package}/{node.type}"
-    if _lacks_program(node, workspace):
-        return _without_program(part)
-    why = _NOT_UNDERSTOOD if is_here else _NOT_HERE
-    return part.with_missing_note(f"node {node.name} ({program})", why)
+    return _without_program(part, workspace)
 
 
 def _nodelet_parts(
@@ -153,7 +173,16 @@ def _nodelet(part: NodePart, name: str, workspace: Workspace, models: ModelCatal
         part = replace(part, model=model)
     if part.task is not None or part.model is not None:
         return part
-    return part.with_missing_note(f"nodelet {name}", "no source of it is here, and no model")
+    return part.with_missing_note(f"nodelet {name}", _missing_nodelet(name, plugin, workspace))
+
+
+def _missing_nodelet(name: str, plugin: Plugin | None, workspace: Workspace) -> str:
+    if plugin is not None:
+        library = f"its library {plugin.plugin_class.library}"
+        return f"its package is here, and {library} is built by none that is, or without sources"
+    if workspace.trust(name.partition("/")[0]) is not Trust.OWN:
+        return _NO_SOURCE
+    return _with_nearest(MISSING_CLASS, name, [p.name for p in workspace.plugins(NODELET)])
 
 
 def _task(kind: TaskKind, program: Program, part: NodePart) -> InterpretationTask:

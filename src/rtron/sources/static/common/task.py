@@ -6,7 +6,13 @@ from pathlib import Path
 from rtron.sources.bounded_file import content_hash
 from rtron.sources.code.interpreter.execution.source_provider import PluginSource, SourceProvider
 from rtron.sources.code.ir import SourceLanguage, Unit
-from rtron.sources.code.program_runner import run_component, run_cpp, run_nodelet, run_python
+from rtron.sources.code.program_runner import (
+    run_component,
+    run_cpp,
+    run_hardware,
+    run_nodelet,
+    run_python,
+)
 from rtron.sources.code.shell_script import read_shell_script
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeInterface, NodeSite
@@ -22,6 +28,7 @@ class TaskKind(StringEnum):
     SHELL = "sh"
     NODELET = "nodelet"
     COMPONENT = "component"
+    HARDWARE = "hardware"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,6 +113,8 @@ def _run(task: InterpretationTask, files: SourceProvider) -> NodeInterface:
         return run_python(task.sources[0], task.site, files, task.class_name)
     if task.kind is TaskKind.COMPONENT:
         return run_component(task.sources, task.class_name, task.site, files, task.other_components)
+    if task.kind is TaskKind.HARDWARE:
+        return run_hardware(task.sources, task.class_name, task.site, files, task.other_components)
     if task.kind is TaskKind.NODELET:
         return run_nodelet(task.sources, task.class_name, task.site, files)
     return run_cpp(task.sources, task.site, files)

@@ -20,9 +20,9 @@ from rtron.sources.static.ros1.launch_trees import LaunchTrees
 from rtron.sources.static.ros1.node_parameters import unread_parameters
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch, RuntimeLaunches
 from rtron.sources.static.ros1.simulation import Simulation
-from rtron.sources.workspace import Workspace, read_workspace
+from rtron.sources.workspace import read_workspace
 from rtron.sources.xacro import RobotDescriptions
-from rtron.vocabulary import InteractionGraph, LaunchTree, ParameterTree, UnresolvedItem
+from rtron.vocabulary import InteractionGraph, LaunchTree, ParameterTree
 
 MAX_ROUNDS = 8
 
@@ -117,7 +117,7 @@ def _assemble(
     for (_, passed), tree in zip(launch_trees.requested, launch_trees.trees, strict=False):
         assembly.add_unresolved(*undeclared_arguments(passed, tree.declared))
     assembly.add_unresolved(*launch_trees.unresolved.entries, *simulation.unresolved())
-    assembly.add_unresolved(*_workspace_notes(workspace, nodes))
+    assembly.add_unresolved(*workspace.unresolved_in(node.package for node in nodes))
     assembly.add_unresolved(
         *(note for description in descriptions.results() for note in description.unresolved)
     )
@@ -128,11 +128,3 @@ def _assemble(
         started=tuple(launch_trees.runtime_launches),
         parameters=launch_trees.parameters,
     )
-
-
-def _workspace_notes(workspace: Workspace, nodes: Iterable[AppNode]) -> list[UnresolvedItem]:
-    """Return what is unclear in the build files of the packages that nodes come from."""
-    used = {workspace.packages.get(node.package) for node in nodes}
-    folders = tuple(f"{path}/" for path in used if path)
-    notes = workspace.unresolved()
-    return [n for n in notes if any(e.file.startswith(folders) for e in n.evidence)]

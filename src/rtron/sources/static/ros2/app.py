@@ -26,6 +26,7 @@ from rtron.sources.static.ros2.assembly import Ros2Assembly, duplicate_nodes
 from rtron.sources.static.ros2.controllers import ControllerParts
 from rtron.sources.static.ros2.gazebo_plugins import GazeboPluginNodes
 from rtron.sources.static.ros2.gazebo_server import GazeboServers
+from rtron.sources.static.ros2.hardware import HardwareParts
 from rtron.sources.static.ros2.standard_nodes import add_standard_interface
 from rtron.sources.static.ros2.unread_parameters import sections_without_node, unread_parameters
 from rtron.sources.workspace import Workspace
@@ -69,9 +70,10 @@ def scan_ros2_app(
         assembly.add_wiring(*duplicate_nodes(parts))
         parts += gazebo_servers.plugin_nodes.parts(parts)
         parts += gazebo_servers.parts(node_builder.gazebo_servers)
-        controllers = list(ControllerParts(models, files).parts(parts))
-        resolved = resolver.resolve_parts([part for part in controllers if part.task])
-        for part in (*parts, *(part for part in controllers if not part.task), *resolved):
+        loaded = [*ControllerParts(models, files).parts(parts)]
+        loaded += HardwareParts(models, files).parts(parts)
+        resolved = resolver.resolve_parts([part for part in loaded if part.task])
+        for part in (*parts, *(part for part in loaded if not part.task), *resolved):
             assembly.add_part(add_standard_interface(part, files, generated_files))
         assembly.add_wiring(*unread_parameters([*parts, *resolved]))
         assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes)))
@@ -79,6 +81,7 @@ def scan_ros2_app(
     assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
     for (_, passed), launch in zip(launches, app_launches, strict=True):
         assembly.add_unresolved(*undeclared_arguments(passed, launch.declared))
+    assembly.add_unresolved(*workspace.unresolved_in(node.package for node in nodes))
     assembly.add_unresolved(*node_builder.unresolved.entries, *gazebo_servers.unresolved.entries)
     return assembly.build(Path(app_launches[0].file).name.split(".")[0] if app_launches else "")
 

@@ -15,6 +15,11 @@ from rtron.sources.launch.ros2.result import LaunchStart, StartKind
 from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.ros2.gazebo_server import gazebo_server_node
+from rtron.sources.static.ros2.loading_commands import (
+    CONTAINER_PACKAGE,
+    component_command,
+    controller_command,
+)
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
@@ -76,9 +81,6 @@ def _as_node(process: LaunchStart, package: str, program: str, words: Sequence[s
     )
 
 
-CONTAINER_PACKAGE = "rclcpp_components"
-
-
 @dataclass(slots=True, kw_only=True)
 class AppNodeBuilder:
     """Makes the nodes of what launch files start; `environ` is that of the launch.
@@ -96,16 +98,26 @@ class AppNodeBuilder:
         containers = {_process_name(start): start for start in starts if start.kind not in no_node}
         for start in starts:
             if start.kind is StartKind.PROCESS:
-                yield from self._process(start)
+                yield from self._process(start, containers)
             elif start.kind is StartKind.COMPONENT:
                 yield self._component(start, containers.get(start.container))
             else:
                 yield self._node(start)
 
-    def _process(self, process: LaunchStart) -> Iterator[AppNode]:
+    def _process(
+        self, process: LaunchStart, containers: Mapping[str, LaunchStart]
+    ) -> Iterator[AppNode]:
         server = gazebo_server_node(process, self.environ)
-        node = ros2_verb_node(process) or installed_program_node(process)
-        words = process.arguments
+        node = ros2_verb_node(process) or controller_command(process)
+        node = node or installed_program_node(process)
+        words, loaded = process.arguments, list(component_command(process))
+        for container in loaded[:-1]:
+            yield self._node(container)
+        for component in loaded[-1:]:
+            known = next(iter(loaded[:-1]), containers.get(component.container))
+            yield self._component(component, known)
+        if loaded:
+            return
         if server is not None:
             self.gazebo_servers.append(server)
         elif node is not None:

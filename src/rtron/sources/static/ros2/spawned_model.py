@@ -18,7 +18,7 @@ from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.vocabulary import Evidence, UnknownValue
 from rtron.vocabulary.remap_rules import expand_name
 
-_DESCRIPTION = "robot_description"
+DESCRIPTION = "robot_description"
 _STRING = "std_msgs/msg/String"
 
 
@@ -46,7 +46,10 @@ def find_spawned_model(
         name = RemapRules(spawner.node.process_remap_rules, site.name)(
             expand_name(topic, site.name)
         )
-        return SpawnedModel(_published_description(name, parts), location)
+        text = published_description(name, parts)
+        if text is None:
+            raise InputError(f"nothing that is read publishes a known description on {name}")
+        return SpawnedModel(text, location)
     parameter = option(site.args, "-param --param")
     value = (
         parameter_value(site, site.name, parameter)
@@ -63,14 +66,17 @@ def _spawner_option(site: NodeSite, name: str) -> str | None:
     return str(value) if value else option(site.args, f"-{name} --{name}")
 
 
-def _published_description(topic: str, parts: Iterable[NodePart]) -> str:
-    """Return the description that a node sends on a topic."""
+def published_description(topic: str, parts: Iterable[NodePart]) -> str | None:
+    """Return the description that a node sends on a topic, None without one.
+
+    Raise InputError where it is not known.
+    """
     for part in parts:
         for node in _publishing_nodes(topic, part):
-            value = parameter_value(part.node.site, node, _DESCRIPTION)
+            value = parameter_value(part.node.site, node, DESCRIPTION)
             if value is not None:
                 return _known_text(value)
-    raise InputError(f"nothing that is read publishes a known description on {topic}")
+    return None
 
 
 def _publishing_nodes(topic: str, part: NodePart) -> Iterator[str]:

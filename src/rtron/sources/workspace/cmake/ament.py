@@ -16,6 +16,7 @@ _COMPILED = ("*.c", "*.cc", "*.cpp", "*.cxx")
 
 def register_components(call: CommandCall) -> None:
     """Carry out `rclcpp_components_register_nodes(target class …)`."""
+    _note_unknown_class(call)
     found = split_by_keyword(call.words, _WORDS)[""]
     for cls in found[1:]:
         _add_component(call, found[0], cls, "")
@@ -23,10 +24,17 @@ def register_components(call: CommandCall) -> None:
 
 def register_component(call: CommandCall) -> None:
     """Carry out `rclcpp_components_register_node(target PLUGIN class EXECUTABLE name)`."""
+    _note_unknown_class(call)
     found = split_by_keyword(call.words, _WORDS)
     executable = next(iter(found.get("EXECUTABLE", [])), "")
     for target, cls in zip(found[""][:1], found.get("PLUGIN", [])[:1], strict=False):
         _add_component(call, target, cls, executable)
+
+
+def _note_unknown_class(call: CommandCall) -> None:
+    if not all(item.known for item in call.items):
+        what = f"{call.name}({' '.join(call.words)[:80]})"
+        call.add_unresolved(what, "some of it is not set in the file")
 
 
 def _add_component(call: CommandCall, target: str, cls: str, executable: str) -> None:
@@ -36,6 +44,8 @@ def _add_component(call: CommandCall, target: str, cls: str, executable: str) ->
         executable=executable,
         evidence=call.evidence,
     )
+    for name in filter(None, (made.class_name, executable)):
+        call.build.note_left_out(name)
     call.build.components[made.class_name, executable] = made
 
 

@@ -13,11 +13,20 @@ MAX_STEPS = 200_000
 
 @dataclass(slots=True, kw_only=True)
 class VariableScope:
-    """Variables of a folder or function; `parent` gets what is set with PARENT_SCOPE."""
+    """Variables of a folder or function; `parent` gets what is set with PARENT_SCOPE.
+
+    `arguments` are those of the macro that is carried out: they stand for its parameters in its
+    text, and are no variables.
+    """
 
     folder: Path
     variables: dict[str, VariableValue] = field(default_factory=dict)
     parent: "VariableScope | None" = None
+    arguments: Mapping[str, VariableValue] = field(default_factory=dict)
+
+    def lookup(self, name: str) -> VariableValue | None:
+        """Return what `${name}` stands for."""
+        return self.arguments.get(name) or self.variables.get(name)
 
     def set(self, name: str, value: VariableValue) -> None:
         """Set a variable."""

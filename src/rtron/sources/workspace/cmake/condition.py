@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from rtron.sources.workspace.cmake.patterns import plain_pattern
 from rtron.sources.workspace.cmake.values import ExpandedArgument, Lookup, VariableValue, split_list
 
 MAX_NESTED = 32
@@ -15,7 +16,6 @@ _TRUE = frozenset({"1", "on", "yes", "true", "y"})
 _FALSE = frozenset({"", "0", "off", "no", "false", "n", "ignore", "notfound"})
 _NUMBER = re.compile(r"-?\d{1,18}(?:\.\d{1,18})?")
 _VERSION = re.compile(r"\d{1,9}(?:\.\d{1,9}){0,7}")
-_PLAIN = re.compile(r"(\^?)([\w /=-]*)(\$?)")
 _UNARY = frozenset(
     {"exists", "target", "defined", "command", "policy", "is_directory", "is_symlink"}
     | {"is_absolute", "test"}
@@ -186,16 +186,9 @@ def _sign(left: float | str | tuple[int, ...], right: float | str | tuple[int, .
 
 
 def _matches(text: str, pattern: str) -> Truth:
-    """Return whether a plain pattern is found; a stranger's real one could run for ever."""
-    plain = _PLAIN.fullmatch(pattern)
-    if plain is None:
-        return None
-    start, middle, end = plain.groups()
-    if start and end:
-        return text == middle
-    if start:
-        return text.startswith(middle)
-    return text.endswith(middle) if end else middle in text
+    """Return whether a pattern is found; None where it is not plain."""
+    plain = plain_pattern(pattern)
+    return None if plain is None else plain.match(text) is not None
 
 
 COMPARISONS: dict[str, Callable[[str, str], Truth]] = {

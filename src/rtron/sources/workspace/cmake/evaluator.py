@@ -1,19 +1,23 @@
 """Carries out a package's CMake files, both branches where only a build knows which one."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from os.path import normpath
 from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
-from rtron.sources.workspace.cmake.ament import AMENT_COMMANDS
 from rtron.sources.workspace.cmake.blocks import Branch, CommandBlock, Statement, nest_blocks
 from rtron.sources.workspace.cmake.build import PackageBuild
 from rtron.sources.workspace.cmake.command_call import CommandCall, StepBudget, VariableScope
+from rtron.sources.workspace.cmake.commands import (
+    COMMANDS,
+    TARGET_MAKERS,
+    initial_variables,
+    note_unknown_command,
+)
 from rtron.sources.workspace.cmake.condition import ConditionContext, Truth, evaluate_condition
-from rtron.sources.workspace.cmake.keyword_arguments import PARSING_COMMANDS
-from rtron.sources.workspace.cmake.targets import TARGET_COMMANDS
 from rtron.sources.workspace.cmake.tokenizer import CMakeCommand, CommandArgument, read_commands
 from rtron.sources.workspace.cmake.values import (
     BoundsError,
@@ -24,42 +28,42 @@ from rtron.sources.workspace.cmake.values import (
 )
 from rtron.sources.workspace.cmake.variable_scope import (
     argument_variables,
+    is_loop_unknown,
     join_variables,
-    loop_items,
+    loop_rounds,
     restore_variables,
 )
-from rtron.sources.workspace.cmake.variables import VARIABLE_COMMANDS
-from rtron.sources.workspace.package_contents import PackageContents
+from rtron.sources.workspace.package_contents import LeftOut, PackageContents
 from rtron.sources.workspace.package_files import PackageFiles
 from rtron.vocabulary import Evidence
 
 MAX_BYTES = 1024 * 1024
 MAX_DEPTH = 48
 LIST_FILE = "CMakeLists.txt"
-
-_COMMANDS = {**VARIABLE_COMMANDS, **PARSING_COMMANDS, **TARGET_COMMANDS, **AMENT_COMMANDS}
-_PLATFORM_VARIABLES = {
-    **dict.fromkeys(("WIN32", "APPLE", "MSVC", "ANDROID", "CYGWIN", "MINGW", "IOS"), "0"),
-    **dict.fromkeys(("UNIX", "CATKIN_ENABLE_TESTING", "CMAKE_COMPILER_IS_GNUCXX"), "1"),
-    "CMAKE_SYSTEM_NAME": "Linux",
-    "CMAKE_CXX_COMPILER_ID": "GNU",
-}
+_MAX_SHOWN = 120
 
 
 class _Return(Exception):  # noqa: N818 - CMake's return(), no error
     pass
 
 
-def evaluate_package(name: str, files: PackageFiles) -> PackageContents:
+class _LoopEnd(Exception):  # noqa: N818 - CMake's break() or continue(), no error
+    pass
+
+
+def evaluate_package(
+    name: str, files: PackageFiles, *, every_branch: bool = False
+) -> PackageContents:
     """Return what a package's CMakeLists.txt makes; what goes wrong is in `unresolved`.
 
-    The platform is Linux, tests are built, options have their defaults.
+    The platform is Linux, tests are built, options have their defaults. With `every_branch` it is
+    also what these leave out, and what stands behind a `return()`.
     """
     build = PackageBuild(files=files)
-    scope = VariableScope(folder=files.folder, variables=_initial_variables(name, files.folder))
+    scope = VariableScope(folder=files.folder, variables=initial_variables(name, files.folder))
     path = files.folder / LIST_FILE
     if files.is_file(path):
-        _run_list_file(path, scope, build)
+        _run_list_file(path, scope, build, every_branch=every_branch)
     return PackageContents(
         name=name,
         path=files.folder,
@@ -68,12 +72,20 @@ def evaluate_package(name: str, files: PackageFiles) -> PackageContents:
         installed_scripts=tuple(build.installed.items()),
         components=tuple(build.components.values()),
         plugin_descriptions=tuple(build.exports),
+        left_out=build.left_out,
         unresolved=tuple(build.unresolved),
     )
 
 
-def _run_list_file(path: Path, scope: VariableScope, build: PackageBuild) -> None:
-    evaluator = CMakeEvaluator(build=build, budget=StepBudget(), initial=dict(scope.variables))
+def _run_list_file(
+    path: Path, scope: VariableScope, build: PackageBuild, *, every_branch: bool
+) -> None:
+    evaluator = CMakeEvaluator(
+        build=build,
+        budget=StepBudget(),
+        initial=dict(scope.variables),
+        every_branch=every_branch,
+    )
     try:
         evaluator.run_file(path, scope)
     except BoundsError as error:
@@ -83,36 +95,23 @@ def _run_list_file(path: Path, scope: VariableScope, build: PackageBuild) -> Non
         build.add_definitions(scope.folder, flags.text)
 
 
-def _initial_variables(name: str, folder: Path) -> dict[str, VariableValue]:
-    variables = {
-        **_PLATFORM_VARIABLES,
-        **dict.fromkeys(("CMAKE_SOURCE_DIR", "CMAKE_CURRENT_SOURCE_DIR"), str(folder)),
-        **dict.fromkeys(("PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR"), str(folder)),
-        **dict.fromkeys(("PROJECT_NAME", "CMAKE_PROJECT_NAME"), name),
-        "CATKIN_PACKAGE_BIN_DESTINATION": f"lib/{name}",
-        "CATKIN_PACKAGE_LIB_DESTINATION": "lib",
-        "CATKIN_PACKAGE_SHARE_DESTINATION": f"share/{name}",
-        "CATKIN_PACKAGE_INCLUDE_DESTINATION": f"include/{name}",
-        "CATKIN_GLOBAL_BIN_DESTINATION": "bin",
-    }
-    return {variable: VariableValue(text) for variable, text in variables.items()}
-
-
 @dataclass(slots=True, kw_only=True)
 class CMakeEvaluator:
     """Carries out files; `path` and `line` are the location, `depth` the nesting.
 
-    `initial` are the variables that a package starts with.
+    `initial` are the variables that a package starts with. With `every_branch`, what no build with
+    the defaults comes to is carried out too, and leaves no variables behind.
     """
 
     build: PackageBuild
     budget: StepBudget
     initial: Mapping[str, VariableValue] = field(default_factory=dict)
+    every_branch: bool = False
     path: Path = field(default_factory=Path)
     line: int = 0
     depth: int = 0
     _definitions: dict[str, Branch] = field(default_factory=dict)
-    _is_superbuilt: bool = False
+    _superbuilt: set[Path] = field(default_factory=set)
 
     def run_file(self, path: Path, scope: VariableScope) -> None:
         """Carry out a file; raise BoundsError where it does not come to an end."""
@@ -135,10 +134,13 @@ class CMakeEvaluator:
         return statements
 
     def _until_return(self, statements: Sequence[Statement], scope: VariableScope) -> None:
+        before = self.build.left_out_by
         try:
             self._run(statements, scope)
-        except _Return:
+        except (_Return, _LoopEnd):
             return
+        finally:
+            self.build.left_out_by = before
 
     def _run(self, statements: Sequence[Statement], scope: VariableScope) -> None:
         if self.depth == MAX_DEPTH:
@@ -164,7 +166,7 @@ class CMakeEvaluator:
         elif branch.head.name == "while":
             self._run_alternatives([branch], scope)
         else:
-            given = expand_arguments(branch.head.arguments[:1], scope.variables.get)
+            given = expand_arguments(branch.head.arguments[:1], scope.lookup)
             self._definitions.update((item.text.lower(), branch) for item in given)
 
     def _run_if(self, branches: Sequence[Branch], scope: VariableScope) -> None:
@@ -182,6 +184,26 @@ class CMakeEvaluator:
             self._run(possible[0].body, scope)
         elif possible:
             self._run_alternatives(possible, scope, or_none=not truth)
+        if self.every_branch:
+            taken = {id(branch) for branch in possible}
+            self._run_left_out([branch for branch in branches if id(branch) not in taken], scope)
+
+    def _run_left_out(self, branches: Iterable[Branch], scope: VariableScope) -> None:
+        """Carry out branches that no build with the defaults takes; what they set does not stay."""
+        variables, before = scope.variables, self.build.left_out_by
+        for branch in branches:
+            scope.variables = dict(variables)
+            self.budget.spend(8 * len(variables))
+            self._leave_out(branch.head)
+            self._until_return(branch.body, scope)
+            self.build.left_out_by = before
+        scope.variables = variables
+
+    def _leave_out(self, command: CMakeCommand) -> None:
+        if self.build.left_out_by is None:
+            words = " ".join(argument.text for argument in command.arguments)
+            evidence = Evidence(file=str(self.path), line=command.line)
+            self.build.left_out_by = LeftOut(f"{command.name}({words})"[:_MAX_SHOWN], evidence)
 
     def _run_alternatives(
         self, branches: Iterable[Branch], scope: VariableScope, *, or_none: bool = True
@@ -202,51 +224,104 @@ class CMakeEvaluator:
             is_target=self.build.targets.__contains__,
             exists=lambda path: self._exists(scope.folder / path),
         )
-        return evaluate_condition(expand_arguments(condition, scope.variables.get), facts)
+        return evaluate_condition(expand_arguments(condition, scope.lookup), facts)
 
     def _exists(self, path: Path) -> Truth:
         files = self.build.files
         return files.is_file(path) or files.is_folder(path) or None
 
     def _run_foreach(self, branch: Branch, scope: VariableScope) -> None:
-        given = expand_arguments(branch.head.arguments, scope.variables.get)
+        given = expand_arguments(branch.head.arguments, scope.lookup)
         self.budget.spend(sum(32 + len(item.text) for item in given))
-        for item in loop_items(given[1:], scope):
-            scope.set(given[0].text, VariableValue(item.text, item.known))
-            self._run(branch.body, scope)
+        rounds = loop_rounds(given, scope)
+        if not rounds and is_loop_unknown(given[1:], scope) and self._makes_targets(branch.body):
+            words = " ".join(argument.text for argument in branch.head.arguments)
+            why = "what it goes through is not known: what it makes is missing"
+            self._note(f"foreach({words})"[:_MAX_SHOWN], why)
+        before = {name: scope.variables.get(name) for name in rounds[0]} if rounds else {}
+        for variables in rounds:
+            scope.variables.update(variables)
+            if self._is_last_round(branch.body, scope):
+                break
+        restore_variables(scope, before)
+
+    def _is_last_round(self, body: Sequence[Statement], scope: VariableScope) -> bool:
+        """Carry out a round of a loop; tell whether a break() ends the loop."""
+        try:
+            self._run(body, scope)
+        except _LoopEnd as end:
+            return end.args == ("break",)
+        return False
+
+    def _makes_targets(self, body: Iterable[Statement]) -> bool:
+        """Tell whether statements make targets, or call a function that may."""
+        for statement in body:
+            if isinstance(statement, CommandBlock):
+                if any(self._makes_targets(branch.body) for branch in statement.branches):
+                    return True
+            elif statement.name in TARGET_MAKERS or statement.name in self._definitions:
+                return True
+        return False
+
+    def _note(self, what: str, why: str) -> None:
+        evidence = Evidence(file=str(self.path), line=self.line)
+        self.build.add_unresolved(what, why, evidence)
 
     def _run_command(self, command: CMakeCommand, scope: VariableScope) -> None:
         self.line = command.line
-        given = expand_arguments(command.arguments, scope.variables.get)
+        given = expand_arguments(command.arguments, scope.lookup)
         self.budget.spend(sum(32 + len(item.text) for item in given))
         words = [item.text for item in given if item.text]
         if command.name in self._definitions:
             self._call_definition(self._definitions[command.name], given, scope)
         elif command.name == "return":
-            raise _Return
+            self._return(command)
+        elif command.name in {"break", "continue"}:
+            raise _LoopEnd(command.name)
         elif command.name == "project" and words:
             self._project(words[0], scope)
-        elif command.name in {"include", "add_subdirectory"} and words:
-            self._run_other_file(command.name, words[0], scope)
+        elif command.name == "add_subdirectory" and given:
+            self._add_subdirectory(given[0], scope)
+        elif command.name == "include" and given:
+            self._include_file(given, scope)
+        elif command.name == "cmake_language" and words:
+            self._run_language(command, words, scope)
         elif command.name == "externalproject_add":
             self._run_superbuild(words)
-        elif command.name in _COMMANDS:
-            _COMMANDS[command.name](self._command_call(command, given, scope))
+        else:
+            carry_out = COMMANDS.get(command.name, note_unknown_command)
+            carry_out(self._command_call(command, given, scope))
+
+    def _run_language(
+        self, command: CMakeCommand, words: Sequence[str], scope: VariableScope
+    ) -> None:
+        """Carry out `cmake_language(CALL command …)`."""
+        if words[0] == "CALL" and words[1:]:
+            called = replace(command, name=words[1].lower(), arguments=command.arguments[2:])
+            self._run_command(called, scope)
+        else:
+            self._note(f"cmake_language({words[0]} …)", "is not carried out")
+
+    def _return(self, command: CMakeCommand) -> None:
+        if not self.every_branch:
+            raise _Return
+        self._leave_out(command)
 
     def _run_superbuild(self, words: Sequence[str]) -> None:
-        """Carry out the package once more where it builds itself, with the options that it says.
+        """Carry out the package, or a folder of it, as it builds itself, with the options it says.
 
         CMake documentation: ExternalProject_Add, SOURCE_DIR and CMAKE_ARGS.
         """
-        folder = self.build.files.folder
-        sources = [after for word, after in pairwise(words) if word == "SOURCE_DIR"]
-        if self._is_superbuilt or str(folder) not in sources:
+        package = self.build.files.folder
+        sources = (Path(normpath(after)) for word, after in pairwise(words) if word == "SOURCE_DIR")
+        folder = next((f for f in sources if f.is_relative_to(package)), None)
+        if folder is None or folder in self._superbuilt:
             return
-        self._is_superbuilt = True
+        self._superbuilt.add(folder)
         settings = (word[2:].partition("=") for word in words if word.startswith("-D"))
         options = {name.partition(":")[0]: VariableValue(value) for name, _, value in settings}
-        scope = VariableScope(folder=folder, variables={**self.initial, **options})
-        self.run_file(folder / LIST_FILE, scope)
+        top = VariableScope(folder=package, variables={**self.initial, **options})
+        self.run_file(folder / LIST_FILE, top.child(folder))
 
     def _command_call(
         self, command: CMakeCommand, given: Iterable[ExpandedArgument], scope: VariableScope
@@ -270,11 +345,11 @@ class CMakeEvaluator:
             [argument.text for argument in branch.head.arguments[1:]], given
         )
         self.budget.spend(8 * len(inner.variables))
-        before = {name: inner.variables.get(name) for name in arguments}
-        inner.variables.update(arguments)
+        before = inner.arguments
+        inner.arguments = arguments if is_macro else {}
+        inner.variables.update({} if is_macro else arguments)
         self._until_return(branch.body, inner)
-        if is_macro:
-            restore_variables(inner, before)
+        inner.arguments = before
 
     def _project(self, name: str, scope: VariableScope) -> None:
         for variable in ("PROJECT_NAME", "CMAKE_PROJECT_NAME"):
@@ -282,18 +357,25 @@ class CMakeEvaluator:
         for variable in ("PROJECT_SOURCE_DIR", f"{name}_SOURCE_DIR"):
             scope.set(variable, VariableValue(str(scope.folder)))
 
-    def _run_other_file(self, command: str, word: str, scope: VariableScope) -> None:
-        files = self.build.files
-        if command == "add_subdirectory":
-            folder = scope.folder / word
-            if files.is_file(folder / LIST_FILE):
-                self.run_file(folder / LIST_FILE, scope.child(folder))
-            return
+    def _add_subdirectory(self, given: ExpandedArgument, scope: VariableScope) -> None:
+        folder = scope.folder / given.text
+        if given.text and self.build.files.is_file(folder / LIST_FILE):
+            self.run_file(folder / LIST_FILE, scope.child(folder))
+        elif given.known:
+            self._note(f"add_subdirectory({given.text})", f"it has no {LIST_FILE} here")
+        else:
+            self._note("add_subdirectory", "which folder it is, is not known")
+
+    def _include_file(self, given: Sequence[ExpandedArgument], scope: VariableScope) -> None:
+        """Carry out `include` of a file or module of the package; CMake's own make no targets."""
+        files, word = self.build.files, given[0].text
         modules = split_list(scope.variables.get("CMAKE_MODULE_PATH", VariableValue("")).text)
         named = (scope.folder / module / f"{word}.cmake" for module in modules)
         path = next(filter(files.is_file, (scope.folder / word, *named)), None)
         if path is not None:
             self._include(path, scope)
+        elif given[0].known and "/" in word and "OPTIONAL" not in [item.text for item in given]:
+            self._note(f"include({word})", "is not in the package: what it makes is missing")
 
     def _include(self, path: Path, scope: VariableScope) -> None:
         before = scope.variables.get("CMAKE_CURRENT_LIST_DIR", VariableValue(""))

@@ -75,7 +75,7 @@ def _joined_items(
 
 def _known_arguments(scope: VariableScope) -> dict[str, bool]:
     """Return which arguments are known by themselves: of the list of all only all may be."""
-    values = (scope.variables.get(f"ARGV{index}") for index in range(32))
+    values = (scope.lookup(f"ARGV{index}") for index in range(32))
     return {value.text: value.known for value in values if value is not None}
 
 

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePath
 
-from rtron.sources.workspace.cmake.build import defined_macros
+from rtron.sources.workspace.cmake.build import COMPILED, defined_macros, generator_words
 from rtron.sources.workspace.cmake.command_call import CommandCall, split_by_keyword
 from rtron.sources.workspace.cmake.values import split_list
 from rtron.sources.workspace.cmake.variables import Handler
@@ -14,11 +14,16 @@ from rtron.sources.workspace.package_contents import TargetKind
 _EXECUTABLE = (
     *("add_executable", "cuda_add_executable", "cs_add_executable", "cs_cuda_add_executable"),
     *("rosbuild_add_executable", "rosbuild_add_gtest", "rosbuild_add_gtest_build_flags"),
-    *("catkin_add_gtest", "catkin_add_gmock", "catkin_add_executable_with_gtest"),
+    "catkin_add_executable_with_gtest",
 )
+_CATKIN_TESTS = ("catkin_add_gtest", "catkin_add_gmock")
 _LIBRARY = (
     *("add_library", "cuda_add_library", "cs_add_library", "cs_cuda_add_library"),
     "rosbuild_add_library",
+)
+_PYTHON_MODULE = (
+    *("pybind11_add_module", "nanobind_add_module"),
+    *("python_add_library", "python3_add_library"),
 )
 _ROSTEST = ("add_rostest_gtest", "add_rostest_gmock")
 _TYPES = frozenset({"STATIC", "SHARED", "MODULE", "OBJECT", "INTERFACE", "UNKNOWN", "GLOBAL"})
@@ -59,6 +64,16 @@ def add_target(kind: TargetKind, call: CommandCall) -> None:
             call.build.add_source(draft, item.text, call.scope.folder, call.evidence)
 
 
+def add_from_sources(kind: TargetKind, call: CommandCall) -> None:
+    """Carry out a command with words of its own: of its arguments the sources alone count."""
+    items = (item for item in call.items[1:] if not item.known or _is_source(item.text))
+    add_target(kind, replace(call, items=(*call.items[:1], *items)))
+
+
+def _is_source(text: str) -> bool:
+    return "<" in text or PurePath(text).suffix.lower() in COMPILED
+
+
 def add_rostest(call: CommandCall) -> None:
     """Carry out `add_rostest_gtest`: the second argument is a launch file."""
     add_target(TargetKind.EXECUTABLE, replace(call, items=call.items[:1] + call.items[2:]))
@@ -80,8 +95,9 @@ def link_libraries(call: CommandCall) -> None:
     draft = call.build.targets.get(words[0]) if words else None
     if draft is not None:
         ignored = _LINKAGE | _CONFIGURATION
-        names = (word for word in words[1:] if word not in ignored and "$" not in word)
-        draft.links.update(dict.fromkeys(names))
+        for word in words[1:]:
+            names = generator_words(word) if "<" in word else [] if "$" in word else [word]
+            draft.links.update(dict.fromkeys(name for name in names if name not in ignored))
 
 
 def add_target_definitions(call: CommandCall) -> None:
@@ -159,12 +175,19 @@ def record_install(call: CommandCall) -> None:
     """Remember the scripts that `install` and `catkin_install_python` install, with their names."""
     if call.words[:1] != ["PROGRAMS"]:
         return
+    if any(not (item.known or item.text) for item in call.items):
+        why = "some stand in a variable that the file does not set"
+        call.add_unresolved(f"programs of {call.name}()", why)
     found = split_by_keyword(call.words, _INSTALL_WORDS)
     names = found.get("RENAME") or []
     for word in found["PROGRAMS"]:
-        path = call.scope.folder / word
-        if call.build.files.is_file(path):
-            call.build.installed.setdefault(names[0] if names else Path(word).name, path)
+        path, name = call.scope.folder / word, names[0] if names else Path(word).name
+        if call.build.files.is_file(path) and name not in call.build.installed:
+            call.build.note_left_out(name)
+            call.build.installed[name] = path
+        elif not call.build.files.is_file(path) and "<" not in word:
+            why = "is not in the package: generated or missing"
+            call.add_unresolved(f"program {name} of {call.name}()", why)
 
 
 def _set_property(call: CommandCall, name: str, key: str, value: str) -> None:
@@ -188,6 +211,8 @@ TARGET_COMMANDS: Mapping[str, Handler] = {
     **dict.fromkeys(_EXECUTABLE, partial(add_target, TargetKind.EXECUTABLE)),
     **dict.fromkeys(_LIBRARY, partial(add_target, TargetKind.LIBRARY)),
     **dict.fromkeys(_ROSTEST, add_rostest),
+    **dict.fromkeys(_CATKIN_TESTS, partial(add_from_sources, TargetKind.EXECUTABLE)),
+    **dict.fromkeys(_PYTHON_MODULE, partial(add_from_sources, TargetKind.LIBRARY)),
     "target_sources": add_sources,
     "target_link_libraries": link_libraries,
     "target_compile_definitions": add_target_definitions,

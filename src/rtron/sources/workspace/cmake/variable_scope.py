@@ -1,9 +1,45 @@
 """What loops, macros and functions of a CMake file give their variables."""
 
 from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 
 from rtron.sources.workspace.cmake.command_call import VariableScope
 from rtron.sources.workspace.cmake.values import ExpandedArgument, VariableValue, split_list
+
+_LOOP_WORDS = frozenset({"LISTS", "ITEMS", "ZIP_LISTS"})
+
+
+def loop_rounds(
+    given: Sequence[ExpandedArgument], scope: VariableScope
+) -> list[dict[str, VariableValue]]:
+    """Return the variables of each round of a foreach(): of ZIP_LISTS one for each list."""
+    words = [item.text for item in given]
+    if "ZIP_LISTS" not in words:
+        name = words[0] if words else ""
+        items = loop_items(given[1:], scope)
+        return [{name: VariableValue(item.text, item.known)} for item in items]
+    start = words.index("ZIP_LISTS")
+    names, lists = words[: start - 1], [_list_variable(name, scope) for name in words[start + 1 :]]
+    if len(names) == 1:
+        names = [f"{names[0]}_{number}" for number in range(len(lists))]
+    known = all(value.known for value in lists)
+    rounds = zip_longest(*(split_list(value.text) for value in lists), fillvalue="")
+    return [
+        {name: VariableValue(text, known) for name, text in zip(names, texts, strict=False)}
+        for texts in rounds
+    ]
+
+
+def is_loop_unknown(given: Sequence[ExpandedArgument], scope: VariableScope) -> bool:
+    """Tell whether some of what a foreach() goes through stands in a variable without a value."""
+    words = [item.text for item in given]
+    lists = words[words.index("IN") + 1 :] if "IN" in words else []
+    unknown = (not _list_variable(word, scope).known for word in lists if word not in _LOOP_WORDS)
+    return not all(item.known for item in given) or any(unknown)
+
+
+def _list_variable(name: str, scope: VariableScope) -> VariableValue:
+    return scope.variables.get(name, VariableValue("", known=False))
 
 
 def loop_items(given: Sequence[ExpandedArgument], scope: VariableScope) -> list[ExpandedArgument]:
@@ -20,7 +56,7 @@ def loop_items(given: Sequence[ExpandedArgument], scope: VariableScope) -> list[
         if item.text in {"LISTS", "ITEMS"}:
             kind = item.text
         elif kind == "LISTS":
-            value = scope.variables.get(item.text, VariableValue("", known=False))
+            value = _list_variable(item.text, scope)
             found.extend(
                 ExpandedArgument(text=text, known=value.known) for text in split_list(value.text)
             )

@@ -2,11 +2,14 @@
 
 import os.path
 from collections.abc import Callable, Mapping
-from pathlib import Path
+from itertools import pairwise
+from pathlib import Path, PurePath
 from typing import TypeAlias
 
 from rtron.sources.workspace.cmake.command_call import CommandCall
-from rtron.sources.workspace.cmake.values import MAX_LENGTH, BoundsError, VariableValue, split_list
+from rtron.sources.workspace.cmake.list_operations import LIST_CHANGES, LIST_RESULTS
+from rtron.sources.workspace.cmake.string_operations import string_operation
+from rtron.sources.workspace.cmake.values import VariableValue, split_list
 
 Handler: TypeAlias = Callable[[CommandCall], None]
 
@@ -48,50 +51,98 @@ def define_option(call: CommandCall) -> None:
 
 
 def change_list(call: CommandCall) -> None:
-    """Carry out `list`; what it reports about a list is unknown, but for LENGTH."""
+    """Carry out `list`; what an operation makes that is not known here is unknown."""
     words = call.words
     if len(words) < 2:  # noqa: PLR2004 - operation and list
         return
     operation, name, rest = words[0].upper(), words[1], words[2:]
     before = call.scope.variables.get(name, _NO_VALUE)
     known = before.known and all(item.known for item in call.items)
-    if operation in _LIST_OPERATIONS:
-        changed = _LIST_OPERATIONS[operation](split_list(before.text), rest)
-        call.set(name, ";".join(changed), known=known)
-    elif operation == "LENGTH" and rest:
-        call.set(rest[0], str(len(split_list(before.text))), known=known)
-    elif operation in {"GET", "FIND", "JOIN", "SUBLIST"} and rest:
-        call.set(rest[-1], "", known=False)
+    elements = split_list(before.text)
+    if operation in LIST_RESULTS and rest:
+        result = LIST_RESULTS[operation](elements, rest[:-1])
+        call.set(rest[-1], result or "", known=known and result is not None)
+    elif operation in {"POP_BACK", "POP_FRONT"}:
+        _pop(call, name, rest, known=known)
+    elif operation in LIST_CHANGES:
+        changed = LIST_CHANGES[operation](elements, rest)
+        is_known = known and changed is not None
+        call.set(name, ";".join(elements if changed is None else changed), known=is_known)
+    else:
+        call.set(name, before.text, known=False)
+
+
+def _pop(call: CommandCall, name: str, results: list[str], *, known: bool) -> None:
+    """Carry out `list(POP_FRONT …)`: each variable gets an element, without any one is lost."""
+    elements = split_list(call.scope.variables.get(name, _NO_VALUE).text)
+    end = 0 if call.words[0].upper() == "POP_FRONT" else -1
+    for result in results or [""]:
+        taken = elements.pop(end) if elements else ""
+        if result:
+            call.set(result, taken, known=known)
+    call.set(name, ";".join(elements), known=known)
 
 
 def change_string(call: CommandCall) -> None:
-    """Carry out `string`, as far as it works on plain text."""
+    """Carry out `string`; what an operation makes that is not known here is unknown."""
     words = [item.text for item in call.items]
-    known = all(item.known for item in call.items)
-    operation = words[0].upper() if words else ""
-    if operation in {"TOLOWER", "TOUPPER", "STRIP"} and len(words) == 3:  # noqa: PLR2004
-        call.set(words[2], _CASE_OPERATIONS[operation](words[1]), known=known)
-    elif operation == "REPLACE" and len(words) > 4:  # noqa: PLR2004
-        call.set(words[3], _replace_text("".join(words[4:]), words[1], words[2]), known=known)
-    elif operation in {"CONCAT", "APPEND"} and len(words) > 1:
-        old = call.scope.variables.get(words[1], _NO_VALUE) if operation == "APPEND" else _NO_VALUE
-        call.set(words[1], old.text + "".join(words[2:]), known=known and old.known)
-    elif operation == "REGEX" and len(words) > 4:  # noqa: PLR2004
-        call.set(words[4 if words[1].upper() == "REPLACE" else 3], "", known=False)
+    known, operation = all(item.known for item in call.items), words[:1]
+    if operation in (["APPEND"], ["PREPEND"]) and len(words) > 1:
+        old, added = call.scope.variables.get(words[1], _NO_VALUE), "".join(words[2:])
+        text = old.text + added if operation == ["APPEND"] else added + old.text
+        call.set(words[1], text, known=known and old.known)
+        return
+    index, make = string_operation(words) or (len(words), None)
+    if make is not None and index < len(words):
+        made = make(words)
+        call.set(words[index], made or "", known=known and made is not None)
+
+
+def set_unknown(call: CommandCall) -> None:
+    """Set what a command finds out in a build: its variable is the first argument."""
+    for name in call.words[:1]:
+        call.set(name, "", known=False)
+
+
+def run_process(call: CommandCall) -> None:
+    """Set the variables of `execute_process`: what a process says is not known."""
+    for word, name in pairwise(call.words):
+        if word in {"OUTPUT_VARIABLE", "RESULT_VARIABLE", "ERROR_VARIABLE"}:
+            call.set(name, "", known=False)
+
+
+def evaluate_expression(call: CommandCall) -> None:
+    """Set the variable of `math(EXPR …)`, whose value is not worked out."""
+    for name in call.words[1:2]:
+        call.set(name, "", known=False)
+
+
+def get_path_part(call: CommandCall) -> None:
+    """Carry out `cmake_path(GET path part [LAST_ONLY] result)`."""
+    words = [word for word in call.words if word != "LAST_ONLY"]
+    if len(words) == 4 and words[0] == "GET":  # noqa: PLR2004 - GET, variable, part, result
+        value = call.scope.variables.get(words[1], VariableValue("", known=False))
+        path, is_last = PurePath(value.text), "LAST_ONLY" in call.words
+        stem = path.stem if is_last else path.name.split(".")[0]
+        parts = {"FILENAME": path.name, "STEM": stem, "PARENT_PATH": _folder(path)}
+        part = parts.get(words[2])
+        call.set(words[3], part or "", known=value.known and part is not None)
 
 
 def get_filename_component(call: CommandCall) -> None:
     """Carry out `get_filename_component`."""
-    words = call.words
+    words = [item.text for item in call.items]
     if len(words) < 3:  # noqa: PLR2004 - variable, file, part
         return
     path = Path(words[1])
     parts = {
         "NAME": path.name,
         "NAME_WE": path.name.split(".")[0],
+        "NAME_WLE": path.stem,
+        "LAST_EXT": path.suffix,
         "EXT": path.name[len(path.name.split(".")[0]) :],
-        "PATH": str(path.parent),
-        "DIRECTORY": str(path.parent),
+        "PATH": _folder(path),
+        "DIRECTORY": _folder(path),
         "ABSOLUTE": os.path.normpath(call.scope.folder / path),
         "REALPATH": os.path.normpath(call.scope.folder / path),
     }
@@ -99,9 +150,16 @@ def get_filename_component(call: CommandCall) -> None:
     call.set(words[0], parts.get(words[2], ""), known=known)
 
 
+def _folder(path: PurePath) -> str:
+    """Return the folder of a path; a name alone has none."""
+    return "" if path.parent == PurePath() else str(path.parent)
+
+
 def glob_files(call: CommandCall) -> None:
     """Carry out `file GLOB` and `file GLOB_RECURSE`, inside the package."""
     words = call.words
+    if words[:1] in (["READ"], ["STRINGS"]) and words[2:]:
+        call.set(words[2], "", known=False)
     if len(words) < 2 or words[0].upper() not in {"GLOB", "GLOB_RECURSE"}:  # noqa: PLR2004
         return
     recursive, patterns, start = words[0].upper() == "GLOB_RECURSE", words[2:], None
@@ -133,35 +191,6 @@ def set_empty(call: CommandCall) -> None:
         call.set(name, "")
 
 
-def _replace_text(text: str, old: str, new: str) -> str:
-    if not old or text.count(old) * len(new) > MAX_LENGTH:
-        raise BoundsError("a value becomes too long")
-    return text.replace(old, new)
-
-
-def _remove_items(old: list[str], rest: list[str]) -> list[str]:
-    removed = set(rest)
-    return [text for text in old if text not in removed]
-
-
-def _insert(old: list[str], rest: list[str]) -> list[str]:
-    return [*old, *rest[1:]]
-
-
-_CASE_OPERATIONS: Mapping[str, Callable[[str], str]] = {
-    "TOLOWER": str.lower,
-    "TOUPPER": str.upper,
-    "STRIP": str.strip,
-}
-_LIST_OPERATIONS: Mapping[str, Callable[[list[str], list[str]], list[str]]] = {
-    "APPEND": lambda old, rest: [*old, *rest],
-    "PREPEND": lambda old, rest: [*rest, *old],
-    "INSERT": _insert,
-    "REMOVE_ITEM": _remove_items,
-    "REMOVE_DUPLICATES": lambda old, _: list(dict.fromkeys(old)),
-    "REVERSE": lambda old, _: old[::-1],
-    "SORT": lambda old, _: sorted(old),
-}
 VARIABLE_COMMANDS: Mapping[str, Handler] = {
     "set": set_variable,
     "unset": unset,
@@ -171,6 +200,10 @@ VARIABLE_COMMANDS: Mapping[str, Handler] = {
     "get_filename_component": get_filename_component,
     "file": glob_files,
     "aux_source_directory": source_directory,
+    "cmake_path": get_path_part,
+    "execute_process": run_process,
+    "math": evaluate_expression,
+    **dict.fromkeys(("find_program", "find_path", "find_file", "find_library"), set_unknown),
     **dict.fromkeys(
         (f"qt{version}_{command}" for version in "45" for command in ("wrap_cpp", "wrap_ui")),
         set_empty,

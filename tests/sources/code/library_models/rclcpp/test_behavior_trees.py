@@ -64,11 +64,11 @@ XML = """<root BTCPP_format="4" main_tree_to_execute="Main">
 </root>"""
 
 
-def engine(tmp_path: Path, loads: str = LOADS, xml: str = XML, **given):
+def engine(tmp_path: Path, loads: str = LOADS, xml: str = XML, library: str = TREE, **given):
     cmake = "project(trees)\nadd_library(wait_node wait.cpp)\nadd_executable(engine engine.cpp)\n"
     files = {
         "CMakeLists.txt": cmake,
-        "wait.cpp": TREE,
+        "wait.cpp": library,
         "engine.cpp": ENGINE % loads,
         "main.xml": xml,
     }
@@ -131,3 +131,14 @@ def test_a_tree_outside_of_the_packages_is_not_read(tmp_path):
     found = engine(tmp_path, 'tree_ = factory_.createTreeFromFile("/etc/passwd", blackboard_);')
     notes = {note.what: note.why for note in found.unresolved}
     assert "not in the folders" in notes["behaviour tree /etc/passwd"]
+
+
+def test_what_a_tree_calls_of_its_nodes_is_run(tmp_path):
+    calls = """  BT::NodeStatus tick() override {
+    config().blackboard->get<rclcpp::Node::SharedPtr>("node")
+      ->create_publisher<std_msgs::msg::Bool>("ticked", 1); }
+  static BT::PortsList"""
+    text = TREE.replace("  static BT::PortsList", calls, 1)
+    found = engine(tmp_path, library=text)
+    assert "/ns/ticked" in names(found)
+    assert not [note for note in found.unresolved if "nothing that is seen calls it" in note.why]

@@ -1,7 +1,9 @@
 """The quality of service of image_transport's and point_cloud_transport's endpoints."""
 
+from dataclasses import replace
+
 import pytest
-from ros2_runs import cpp
+from ros2_runs import cpp, explicit_declarations, settings
 
 from rtron.vocabulary import Durability, QoS, Reliability
 
@@ -11,6 +13,8 @@ CLOUDS = "point_cloud_transport::PointCloudTransport(*this)"
 IT = "image_transport::ImageTransport(shared_from_this())"
 
 
+GIVEN = """auto f = [](auto m) {}; auto node = shared_from_this();
+  image_transport::TransportHints hints(this, "raw");"""
 MADE = "image_transport::create_"
 BY_HAND = "rclcpp::SensorDataQoS().get_rmw_qos_profile()"
 
@@ -33,15 +37,19 @@ BY_HAND = "rclcpp::SensorDataQoS().get_rmw_qos_profile()"
         (f'{IT}.subscribe("i", 4, f)', QoS(depth=4)),
         (f'{FILTER}.subscribe(this, "i", "raw", rmw_qos_profile_sensor_data)', SENSOR),
         (f'{FILTER}.subscribe(this, "i", "raw")', QoS(depth=10)),
-        (f'{CLOUDS}.advertise("i", 4)', QoS(depth=4)),
+        (f'{IT}.subscribe("i", 4, f, nullptr, &hints)', QoS(depth=4)),
+        (f'{MADE}subscription(this, "i", f, hints.getTransport())', QoS(depth=10)),
+        (f'{CLOUDS}.advertise("i", 4)', replace(SENSOR, depth=4)),
+        (f'{CLOUDS}.advertise("i", rclcpp::QoS(4))', QoS(depth=4)),
+        (f'{CLOUDS}.subscribe("i", 4, f)', replace(SENSOR, depth=4)),
+        (f'{CLOUDS}.subscribe("i", rmw_qos_profile_sensor_data, f)', SENSOR),
+        ('point_cloud_transport::create_publisher(shared_from_this(), "i")', QoS(depth=10)),
+        ('point_cloud_transport::create_subscription(node, "i", f, "raw", rclcpp::QoS(2))',
+         QoS(depth=2)),
     ],
-)
+)  # fmt: skip
 def test_what_is_made_with_a_literal_has_it(call, expected):
-    found = [
-        d
-        for d in cpp(f"auto f = [](auto m) {{}}; {call};").declarations
-        if d.name.startswith("/ns/")
-    ]
+    found = [d for d in cpp(f"{GIVEN} {call};").declarations if d.name.startswith("/ns/")]
     ours = [d for d in found if d.name.startswith("/ns/i") or d.name == "/ns/camera_info"]
     assert ours
     assert {d.qos for d in ours} == {expected}
@@ -59,3 +67,28 @@ def test_members_of_a_profile_may_be_assigned():
     best, transient = Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL
     assert found["/ns/a"] == QoS(depth=2, reliability=best, durability=transient)
     assert found["/ns/b"] == QoS(depth=10)
+
+
+HINTS = "image_transport::TransportHints h(this);"
+COMPRESSED = "subscribe /ns/i/compressed sensor_msgs/msg/CompressedImage"
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        f'{HINTS} {MADE}subscription(this, "i", f, h.getTransport())',
+        f'{HINTS} {IT}.subscribe("i", 1, f, nullptr, &h)',
+        f'{IT}.subscribe("i", 1, f)',
+    ],
+)
+def test_a_parameter_chooses_the_transport(call):
+    body = f'declare_parameter("image_transport", "raw"); auto f = [](auto m) {{}}; {call};'
+    assert explicit_declarations(cpp(body)) == ["subscribe /ns/i sensor_msgs/msg/Image"]
+    given = cpp(body, settings=settings(image_transport="compressed"))
+    assert explicit_declarations(given) == [COMPRESSED]
+
+
+def test_clouds_have_transports_of_their_own():
+    call = 'point_cloud_transport::create_subscription(this, "i", [](auto m) {}, "zstd");'
+    expected = "subscribe /ns/i/zstd point_cloud_interfaces/msg/CompressedPointCloud2"
+    assert explicit_declarations(cpp(call)) == [expected]

@@ -83,6 +83,9 @@ PREDEFINED_MACROS = """
 #define RCLCPP_COMPONENTS_REGISTER_NODE(type) using PLUGINLIB_EXPORT_CLASS = exported<type>;
 #define RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE(t, m) using RCLCPP_ADAPTED = adapted<t, m>;
 #define BT_REGISTER_NODES(name) void BT_RegisterNodesFromPlugin(BT::BehaviorTreeFactory & name)
+#define CreateRosNodePlugin(type, name) void BT_RegisterRosNodeFromPlugin( \
+  BT::BehaviorTreeFactory & factory, const BT::RosNodeParams & params) \
+  { factory.registerNodeType<type>(name, params); }
 #define GZ_REGISTER_MODEL_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::ModelPlugin)
 #define GZ_REGISTER_WORLD_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::WorldPlugin)
 #define GZ_REGISTER_SENSOR_PLUGIN(type) PLUGINLIB_EXPORT_CLASS(type, gazebo::SensorPlugin)

@@ -196,12 +196,14 @@ class LibraryClass:
     """A class of a library that RTron knows: how it is made and what its methods do.
 
     `virtual_callbacks` are the virtual methods that the library calls by itself, in this order.
+    Where it is not `over_source`, the library's own source is run if it is here.
     """
 
     name: str
     construct: Callable[..., "Value"] | None = None
     methods: dict[str, Callable[..., "Value"]] = field(default_factory=dict)
     virtual_callbacks: tuple[str, ...] = ()
+    over_source: bool = True
 
 
 @record(frozen=True, slots=True)

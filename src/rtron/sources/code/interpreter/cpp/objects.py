@@ -1,7 +1,7 @@
 """Making C++ objects: of library classes, and of scanned ones, bases and members first."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -239,9 +239,8 @@ class CppObjects(CppCalls):
                 given = initialisers.get(name, initialisers.get(name.rpartition("::")[2], ()))
                 if isinstance(base, (ClassValue, LibraryClass)):
                     made.bindings[base.name] = self.template_arguments(reference, frame)
-                self._initialise_base(
-                    made, base, inherited or self._initialiser_arguments(given, frame)
-                )
+                passed = inherited or self._initialiser_arguments(given, frame)
+                self._initialise_base(made, base, passed)
         for member in cls.definition.fields:
             if not member.static:
                 made.fields[member.name] = self._member_value(member, initialisers, frame)
@@ -260,7 +259,8 @@ class CppObjects(CppCalls):
         if isinstance(base, ClassValue):
             self._run_class_part(made, base, arguments)
         elif isinstance(base, LibraryClass) and base.construct is not None:
-            part = base.construct(self.machine, arguments)
+            typed = replace(arguments, types=made.bindings.get(base.name, ()))
+            part = base.construct(self.machine, typed)
             made.fields.update(part.fields if isinstance(part, Instance) else {})
 
     def _member_value(

@@ -111,8 +111,9 @@ class CppTypes:
         return self._class_cache[key]
 
     def _find_class(self, resolved: TypeRef, frame: StackFrame) -> ClassValue | LibraryClass | None:
-        if "::" in resolved.name and resolved.name in self.library_classes:
-            return self.library_classes[resolved.name]
+        library = self.library_classes.get(resolved.name) if "::" in resolved.name else None
+        if library is not None and library.over_source:
+            return library
         definition = self.symbols.class_named(resolved.name, frame.scope)
         if definition is not None:
             return self._class_value(definition)

@@ -48,7 +48,7 @@ READ_ONLY_FUNCTIONS = frozenset(
     ]
 )
 """Functions of the C and C++ libraries that leave the texts as they are which they are given."""
-_HANDLE_FIELDS = frozenset({"namespace", "node.name"})
+_HANDLE_FIELDS = {1: "namespace", 2: "node.name"}
 """What node handles of roscpp have, and nodes of ROS 2."""
 _ADD_NOTHING = frozenset(
     [
@@ -160,8 +160,9 @@ def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments)
 
 def note_passed_handle(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
     """Note that code which is not here gets what it takes to join nodes."""
+    field = _HANDLE_FIELDS[machine.recorder.site.ros]
     for value in arguments.values if name.rpartition("::")[2] not in _ADD_NOTHING else ():
-        is_handle = isinstance(value, Instance) and not _HANDLE_FIELDS.isdisjoint(value.fields)
+        is_handle = isinstance(value, Instance) and field in value.fields
         is_library = isinstance(value, (ExternalSymbol, LibraryFunction)) and value.name.startswith(
             "rospy"
         )

@@ -29,6 +29,11 @@ from rtron.sources.code.library_models.common.message_types import (
     is_message_package,
     python_message_type,
 )
+from rtron.sources.code.library_models.common.other_ros import (
+    OTHER_PYTHON_LIBRARY,
+    other_ros_reason,
+)
+from rtron.vocabulary import Evidence
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
@@ -69,6 +74,7 @@ class PythonModules:
     def import_(self, node: Import, frame: StackFrame) -> None:
         """Bind what an import brings: a scanned module, or a library by its name."""
         importer = Path(frame.file)
+        self._note_other_ros(node, frame)
         if node.name == "*":
             self._import_all(self._module(_module_name(node), importer), frame)
             return
@@ -79,6 +85,12 @@ class PythonModules:
         else:
             value = self._from_module(_module_name(node), node.name, importer)
         self.machine.undo_log.set(frame.variables, alias, value)
+
+    def _note_other_ros(self, node: Import, frame: StackFrame) -> None:
+        ros, library = self.machine.recorder.site.ros, node.module.partition(".")[0]
+        if OTHER_PYTHON_LIBRARY.get(ros) == library:
+            place = Evidence(file=frame.file, line=node.line)
+            self.machine.recorder.add_unresolved(f"import {library}", other_ros_reason(ros), place)
 
     def _from_module(self, dotted: str, name: str, importer: Path) -> Value:
         """Return a name of a module; a folder without `__init__.py` has modules alone (PEP 420)."""

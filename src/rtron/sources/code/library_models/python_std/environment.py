@@ -27,8 +27,9 @@ class EnvironmentValue(MapValue):
 
 
 def environment_value(site: NodeSite) -> EnvironmentValue:
-    """Return what a node sees as `os.environ`."""
-    return EnvironmentValue({name: Scalar(value) for name, value in site.environ})
+    """Return what a node sees as `os.environ`: what is given, and the ROS that is sourced."""
+    environ = {"ROS_VERSION": str(site.ros), **dict(site.environ)}
+    return EnvironmentValue({name: Scalar(value) for name, value in environ.items()})
 
 
 def getenv(machine: AbstractMachine, owner: object, arguments: Arguments) -> Value:

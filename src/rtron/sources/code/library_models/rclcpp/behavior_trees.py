@@ -72,38 +72,55 @@ def _note_unread(machine: AbstractMachine, owner: Instance, at: Arguments) -> No
 
 def _register_plugin(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`registerFromPlugin(library)`: what the library's source registers."""
-    files = machine.runtime.files
-    for name in options(arguments.value(0)):
-        if isinstance(name, Scalar):
-            _register_library(machine, owner, files.library_sources(str(name.value)), arguments)
-        else:
-            for sources in files.libraries_containing("BT_REGISTER_NODES"):
-                _register_library(machine, owner, sources, arguments)
+    register_library(machine, owner, arguments, REGISTER_FUNCTION)
     return NONE
 
 
-def _register_library(
-    machine: AbstractMachine, owner: Instance, sources: tuple[Path, ...], at: Arguments
+_REGISTER_MACROS = {
+    REGISTER_FUNCTION: "BT_REGISTER_NODES",
+    "BT_RegisterRosNodeFromPlugin": "CreateRosNodePlugin",
+}
+
+
+def register_library(
+    machine: AbstractMachine, owner: Instance, arguments: Arguments, function: str
 ) -> None:
-    for function in cpp_runtime(machine).load_functions(sources, REGISTER_FUNCTION):
-        key = f"{_LIBRARY_PREFIX}{function.file}"
+    """Run what a library registers: its function gets the factory, and what follows the name."""
+    files = machine.runtime.files
+    given = arguments.with_values(owner, *arguments.values[1:])
+    for name in options(arguments.value(0)):
+        if isinstance(name, Scalar):
+            _register_sources(machine, files.library_sources(str(name.value)), given, function)
+        else:
+            for sources in files.libraries_containing(_REGISTER_MACROS[function]):
+                _register_sources(machine, sources, given, function)
+
+
+def _register_sources(
+    machine: AbstractMachine, sources: tuple[Path, ...], given: Arguments, name: str
+) -> None:
+    owner = given.values[0]
+    for function in cpp_runtime(machine).load_functions(sources, name):
+        key, fields = f"{_LIBRARY_PREFIX}{function.file}", getattr(owner, "fields", {})
         if machine.recorder.site.parameters_complete:
-            known = key in owner.fields
+            known = key in fields
         else:
             known = function.key in machine.executed_functions
         if not known:
-            machine.undo_log.set(owner.fields, key, TRUE)
-            given = at.with_values(owner)
+            machine.undo_log.set(fields, key, TRUE)
             machine.call(FunctionValue(function), given)
 
 
 def _register_type(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    """`registerNodeType<T>(id)`."""
+    """`registerNodeType<T>(id, …)`: what follows the id, each node gets behind its own."""
     if arguments.types:
-        type = arguments.types[0]
-        _defer_node(
-            machine, owner, arguments, lambda given: cpp_runtime(machine).construct(type, given)
-        )
+        type, extra = arguments.types[0], arguments.values[1:]
+
+        def make(given: Arguments) -> Value:
+            whole = given.with_values(*given.values, *extra)
+            return cpp_runtime(machine).construct(type, whole)
+
+        _defer_node(machine, owner, arguments, make)
     return NONE
 
 
@@ -245,10 +262,18 @@ def _entry_key(arguments: Arguments) -> str:
     return f"entry.{text_with_holes(arguments.value(0))}"
 
 
-def _make_tree_node(_: AbstractMachine, arguments: Arguments) -> Value:
+def blackboard_entry(owner: Instance, key: str) -> Value:
+    """Return an entry of the blackboard of a tree's node."""
+    config = owner.fields.get(_CONFIG_FIELD)
+    blackboard = config.fields.get("blackboard") if isinstance(config, Instance) else None
+    fields = blackboard.fields if isinstance(blackboard, Instance) else {}
+    return fields.get(f"entry.{key}", Unknown(key))
+
+
+def make_tree_node(_: AbstractMachine, arguments: Arguments) -> Instance:
     """Make the part of a tree's node that its base class is: `SyncActionNode(name, config)`."""
     config = next((v for v in arguments.values if _is_configuration(v)), Unknown("config"))
-    return Instance(_NODE, {_CONFIG_FIELD: config, "tree.name": arguments.value(0)})
+    return Instance(TREE_NODE, {_CONFIG_FIELD: config, "tree.name": arguments.value(0)})
 
 
 def _is_configuration(value: Value) -> bool:
@@ -274,6 +299,16 @@ def _get_input(machine: AbstractMachine, owner: Instance, arguments: Arguments) 
     if slot is not None:
         machine.undo_log.set(*slot, value)
     return value if len(arguments.values) == 1 else Unknown("getInput")
+
+
+def port_value(machine: AbstractMachine, owner: Instance, port: str, at: Arguments) -> Value | None:
+    """Return what a tree gives in a port of the node that is made, or its default; else None."""
+    found = _port_in_tree(owner, port)
+    made = at.frame.this
+    if found is None and isinstance(made, Instance):
+        found = _port_default(machine, made, port, at)
+        return None if isinstance(found, Unknown) else found
+    return found
 
 
 def _ports(owner: Instance) -> MapValue | None:
@@ -325,9 +360,9 @@ _FACTORY = LibraryClass(
     },
 )
 _BLACKBOARD = LibraryClass("BT::Blackboard", methods={"set": _set_entry, "get": _get_entry})
-_NODE = LibraryClass(
+TREE_NODE = LibraryClass(
     "BT::TreeNode",
-    _make_tree_node,
+    make_tree_node,
     {"config": _node_config, "getInput": _get_input, "name": _node_name},
 )
 _BASES = (
@@ -336,10 +371,11 @@ _BASES = (
     "SimpleActionNode",
 )
 _LOADER = LibraryClass("BT::SharedLibrary", methods={"getOSName": return_argument})
+_CALLBACKS = ("tick", "onStart", "onRunning", "onHalted")
 TREE_CLASSES: Mapping[str, LibraryClass] = {
     **{cls.name: cls for cls in (_FACTORY, _LOADER)},
     **{
-        f"BT::{name}": LibraryClass(f"BT::{name}", _make_tree_node, _NODE.methods)
+        f"BT::{name}": LibraryClass(f"BT::{name}", make_tree_node, TREE_NODE.methods, _CALLBACKS)
         for name in _BASES
     },
 }

@@ -1,7 +1,13 @@
-"""image_transport of ROS 2, and point_cloud_transport (docs.ros.org)."""
+"""image_transport of ROS 2, and point_cloud_transport.
+
+Sources: docs.ros.org; image_common, image_transport.cpp; point_cloud_transport,
+point_cloud_transport.hpp.
+"""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
+from itertools import chain
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     TRUE,
@@ -15,6 +21,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     concat,
     is_text,
     map_options,
+    options,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -30,7 +37,15 @@ from rtron.sources.code.library_models.rclcpp.endpoints import (
 from rtron.sources.code.library_models.ros2_common import endpoints
 from rtron.sources.code.library_models.ros2_common.names import name_below, namespace_of
 from rtron.sources.code.library_models.ros2_common.nodes import first_node, resolve_at_node
-from rtron.sources.code.library_models.ros2_common.qos import DEFAULT_QOS, read_qos
+from rtron.sources.code.library_models.ros2_common.parameters import (
+    node_parameter_value,
+    value_or_default,
+)
+from rtron.sources.code.library_models.ros2_common.qos import (
+    DEFAULT_QOS,
+    QOS_PROFILES,
+    read_qos,
+)
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
 
@@ -40,7 +55,12 @@ TRANSPORTS = {
     "theora": "theora_image_transport/msg/Packet",
     "zstd": "sensor_msgs/msg/CompressedImage",
 }
+CLOUD_TRANSPORTS = dict.fromkeys(
+    ("draco", "zlib", "zstd", "cloudini"), "point_cloud_interfaces/msg/CompressedPointCloud2"
+)
+_PARAMETER = Scalar("image_transport")
 _IMAGE, _INFO = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
+_CLOUD = "sensor_msgs/msg/PointCloud2"
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
@@ -59,10 +79,11 @@ def _create_image_endpoint(
     if node is None:
         endpoints.note_unknown_node(machine, f"image_transport {kind.value}", name, rest)
         return Unknown("image")
-    chosen = _chosen_transport(rest) if kind is _SUBSCRIBE else "raw"
-    image, qos = resolve_at_node(node, name), _image_qos(rest)
-    if chosen in TRANSPORTS:
-        name, type = concat((name or UNKNOWN, Scalar(f"/{chosen}"))), TRANSPORTS[chosen]
+    chosen = _chosen_transport(machine, node, rest) if kind is _SUBSCRIBE else "raw"
+    image, qos = resolve_at_node(node, name), _transport_qos(rest, type)
+    known = TRANSPORTS if type == _IMAGE else CLOUD_TRANSPORTS
+    if chosen in known:
+        name, type = concat((name or UNKNOWN, Scalar(f"/{chosen}"))), known[chosen]
     endpoints.declare_endpoint(machine, kind, node, name, type, rest, qos=qos)
     if kind is _PUBLISH and type == _IMAGE:
         _declare_transports(machine, node, image, rest, qos)
@@ -72,13 +93,16 @@ def _create_image_endpoint(
     return Instance(ENDPOINT, {"name": image, "truth": TRUE})
 
 
-def _image_qos(rest: Arguments) -> QoS | None:
+def _transport_qos(rest: Arguments, type: str) -> QoS | None:
     """Return what all that is made has; without any given it is rmw's default.
 
-    What is not known among the arguments may be one. So may a latch, which the versions of
-    image_transport do not take for the same.
+    A queue's length is one of clouds as a sensor has it. What is not known among the arguments may
+    be one. So may a latch, which the versions of image_transport do not take for the same.
     """
     given = qos_argument(rest)
+    read = read_qos(given) if type == _CLOUD and isinstance(given, Scalar) else None
+    if read is not None:
+        return replace(QOS_PROFILES["sensor_data"], depth=read.depth)
     if TRUE in rest.values or given is not None:
         return None if TRUE in rest.values else read_qos(given)
     known = all(isinstance(v, FunctionValue) or is_text(v) for v in rest.values[1:])
@@ -93,10 +117,35 @@ def _declare_transports(
         endpoints.declare_endpoint(machine, _PUBLISH, node, topic, type, at, qos=qos, implicit=True)
 
 
-def _chosen_transport(rest: Arguments) -> str:
-    """Return the transport that a subscription is made with: a text behind the callback."""
-    found = (v for v in rest.values[1:] if isinstance(v, Scalar) and is_text(v))
-    return str(next(found, Scalar("raw")).value)
+def _chosen_transport(machine: AbstractMachine, node: Instance, rest: Arguments) -> str:
+    """Return the transport of a subscription: a text behind the callback, or hints.
+
+    Without either it is the node's parameter, if it has one (image_transport: TransportHints).
+    """
+    given = rest.values[1:]
+    hints = (v.fields["transport"] for v in given if isinstance(v, Instance) and v.type is _HINTS)
+    texts = (v for v in given if isinstance(v, Scalar) and is_text(v))
+    chosen = next(chain(hints, texts), None) or _hinted_transport(machine, node, Scalar("raw"))
+    known = (option for option in options(chosen) if isinstance(option, Scalar))
+    return str(next(known, Scalar("raw")).value)
+
+
+def _hinted_transport(
+    machine: AbstractMachine, node: Value, default: Value, parameter: Value = _PARAMETER
+) -> Value:
+    return value_or_default(node_parameter_value(machine, node, parameter), default)
+
+
+def _make_hints(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """`TransportHints(node, default, parameter)`."""
+    node, rest = split_node_argument(Scalar(None), arguments)
+    default, parameter = rest.get(0) or Scalar("raw"), rest.get(1) or _PARAMETER
+    chosen = _hinted_transport(machine, node, default, parameter) if node else default
+    return Instance(_HINTS, {"transport": chosen, "truth": TRUE})
+
+
+def _get_transport(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+    return owner.fields["transport"]
 
 
 def _image_transport(_: AbstractMachine, arguments: Arguments) -> Value:
@@ -140,7 +189,6 @@ _TRANSPORT = LibraryClass(
         "subscribeCamera": _ENDPOINT_FACTORIES["camera_subscription"],
     },
 )
-_CLOUD = "sensor_msgs/msg/PointCloud2"
 _CLOUD_TRANSPORT = LibraryClass(
     "point_cloud_transport::PointCloudTransport",
     _cloud_transport,
@@ -154,9 +202,15 @@ _FILTER = LibraryClass(
     _make_filter,
     {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
 )
+_HINTS = LibraryClass(
+    "image_transport::TransportHints", _make_hints, {"getTransport": _get_transport}
+)
 IMAGE_CLASSES: Mapping[str, LibraryClass] = {
-    cls.name: cls for cls in (_TRANSPORT, _CLOUD_TRANSPORT, _FILTER)
+    **{cls.name: cls for cls in (_TRANSPORT, _CLOUD_TRANSPORT, _FILTER, _HINTS)},
+    "point_cloud_transport::TransportHints": _HINTS,
 }
 IMAGE_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
-    f"image_transport::create_{sort}": call for sort, call in _ENDPOINT_FACTORIES.items()
+    **{f"image_transport::create_{sort}": call for sort, call in _ENDPOINT_FACTORIES.items()},
+    "point_cloud_transport::create_publisher": _CLOUD_TRANSPORT.methods["advertise"],
+    "point_cloud_transport::create_subscription": _CLOUD_TRANSPORT.methods["subscribe"],
 }

@@ -33,6 +33,7 @@ from rtron.sources.code.library_models.ros2_common.nodes import (
 from rtron.sources.code.library_models.ros2_common.parameters import note_parameter_callbacks
 from rtron.sources.code.library_models.ros2_common.qos import QOS_PROFILES, is_qos, read_qos
 from rtron.sources.declaration import DeclarationKind
+from rtron.vocabulary import QoS
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _NO_OWNER = Scalar(None)
@@ -57,12 +58,14 @@ def _construct(
     return Instance(LIBRARY_CLASSES[name], {"truth": TRUE})
 
 
-def _declare_bond(machine: AbstractMachine, arguments: Arguments) -> None:
-    """`bond::Bond(topic, id, node)` publishes and subscribes."""
+def declare_bond(machine: AbstractMachine, arguments: Arguments) -> None:
+    """`bond::Bond(topic, id, node)` publishes and subscribes (bondcpp: bond.cpp)."""
     node, name, type = first_node(arguments.values), arguments.get(0), "bond/msg/Status"
     if node is not None:
-        for kind in (_PUBLISH, _SUBSCRIBE):
-            endpoints.declare_endpoint(machine, kind, node, name, type, arguments, implicit=True)
+        for kind, depth in ((_PUBLISH, 5), (_SUBSCRIBE, 100)):
+            endpoints.declare_endpoint(
+                machine, kind, node, name, type, arguments, qos=QoS(depth=depth), implicit=True
+            )
 
 
 def _filter_subscriber(machine: AbstractMachine, arguments: Arguments) -> Value:
@@ -138,7 +141,7 @@ _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
         f"{_NAMESPACES[name]}::{name}": declare
         for name, declare in libraries.LIBRARY_DECLARATIONS.items()
     },
-    "bond::Bond": _declare_bond,
+    "bond::Bond": declare_bond,
     "interactive_markers::InteractiveMarkerServer": _declare_marker_server,
     **dict.fromkeys(
         ("rclcpp::AsyncParametersClient", "rclcpp::SyncParametersClient"),

@@ -1,48 +1,144 @@
-"""What Nav2's library nav2_util (since Kilted nav2_ros_common) adds to nodes of others.
+"""nav2_util, and nav2_ros_common after it: the nodes, clients and servers that others derive.
 
-Sources: github.com/ros-navigation/navigation2@6cee761, nav2_util/service_client.hpp,
-simple_action_server.hpp and lifecycle_node.hpp.
+Sources: navigation2, nav2_util (lifecycle_node.hpp, service_client.hpp, simple_action_server.hpp,
+lifecycle_service_client.hpp, node_utils.hpp) and nav2_ros_common. Their source counts before.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    NONE,
     TRUE,
+    UNKNOWN,
     Instance,
     LibraryClass,
+    Scalar,
     Value,
+    concat,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.cpp_arguments import template_message_type
-from rtron.sources.code.library_models.rclcpp.endpoints import NO_OWNER, create_endpoint
+from rtron.sources.code.library_models.rclcpp.endpoints import (
+    NO_OWNER,
+    create_endpoint,
+    split_node_argument,
+)
+from rtron.sources.code.library_models.rclcpp.libraries import declare_bond
+from rtron.sources.code.library_models.rclcpp.node import LIFECYCLE_NODE, make_node
+from rtron.sources.code.library_models.rclcpp.parameters import declare_parameter
 from rtron.sources.code.library_models.ros2_common import endpoints
 from rtron.sources.code.library_models.ros2_common.nodes import first_node
+from rtron.sources.code.library_models.ros2_common.parameters import (
+    declare_node_parameter,
+    is_declared,
+    read_node_parameter,
+)
 from rtron.sources.declaration import DeclarationKind
 
+_NAMESPACES = ("nav2_util", "nav2")
+_TRANSITION_SERVICES = {
+    "change_state": "lifecycle_msgs/srv/ChangeState",
+    "get_state": "lifecycle_msgs/srv/GetState",
+}
 
-def _service_client(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`ServiceClient<T>(service, node)`."""
-    node, name = first_node(arguments.values), arguments.get(0)
-    kind = DeclarationKind.SERVICE_CLIENT
+
+def _create_bond(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    """`createBond()`: with the node's lifecycle manager."""
+    declare_bond(machine, arguments.with_values(Scalar("bond"), UNKNOWN, owner))
+    return NONE
+
+
+def _declare_or_get(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    """`declare_or_get_parameter(name, default)`."""
+    name = arguments.value(0)
+    if is_declared(machine, owner, name):
+        return read_node_parameter(machine, owner, name)
+    return declare_parameter(machine, owner, arguments)
+
+
+def _make_client(
+    kind: DeclarationKind, at: int, machine: AbstractMachine, arguments: Arguments
+) -> Value:
+    """`ServiceClient<T>(name, node)`, `ServiceServer<T>(name, node, callback)`: name first."""
+    node, name = first_node(arguments.values[at:]), arguments.get(0)
     if node is None:
         endpoints.note_unknown_node(machine, kind.value, name, arguments)
-    else:
-        type = template_message_type(machine, arguments)
-        endpoints.declare_endpoint(machine, kind, node, name, type, arguments)
-    return Instance(_SERVICE_CLIENT, {"truth": TRUE})
+        return UNKNOWN
+    return create_endpoint(kind, machine, node, arguments)
 
 
-def _action_server(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`SimpleActionServer<T>(node, action, execute, …)`."""
-    create_endpoint(DeclarationKind.ACTION_SERVER, machine, NO_OWNER, arguments)
-    return Instance(_ACTION_SERVER, {"truth": TRUE})
+def _make_transition_client(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """`LifecycleServiceClient(node_name, node)`."""
+    kind, node = DeclarationKind.SERVICE_CLIENT, first_node(arguments.values[1:])
+    for service, type in _TRANSITION_SERVICES.items():
+        name = concat((arguments.value(0), Scalar(f"/{service}")))
+        if node is None:
+            endpoints.note_unknown_node(machine, kind.value, name, arguments)
+        else:
+            endpoints.declare_endpoint(machine, kind, node, name, type, arguments)
+    return Instance(_CLASSES["LifecycleServiceClient"], {"truth": TRUE})
 
 
-_SERVICE_CLIENT = LibraryClass("nav2_util::ServiceClient", _service_client)
-_ACTION_SERVER = LibraryClass("nav2_util::SimpleActionServer", _action_server)
+def _make_action_server(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """`SimpleActionServer<T>(node, action_name, callback)`."""
+    return create_endpoint(DeclarationKind.ACTION_SERVER, machine, NO_OWNER, arguments)
+
+
+def _declare_if_not_declared(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`declare_parameter_if_not_declared(node, name, default)`."""
+    node, rest = split_node_argument(NO_OWNER, arguments)
+    if node is not None and not is_declared(machine, node, rest.value(0)):
+        declare_parameter(machine, node, rest)
+    return NONE
+
+
+def _plugin_type(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`get_plugin_type_param(node, plugin)`: the parameter `plugin.plugin`."""
+    node, rest = split_node_argument(NO_OWNER, arguments)
+    if node is None:
+        return UNKNOWN
+    name = concat((rest.value(0), Scalar(".plugin")))
+    if not is_declared(machine, node, name):
+        declare_node_parameter(machine, node, name, None)
+    return read_node_parameter(machine, node, name)
+
+
+_NODE_METHODS: dict[str, Callable[..., Value]] = {
+    **LIFECYCLE_NODE.methods,
+    "createBond": _create_bond,
+    "add_parameter": declare_parameter,
+    "declare_or_get_parameter": _declare_or_get,
+    "create_action_server": partial(create_endpoint, DeclarationKind.ACTION_SERVER),
+    "create_action_client": partial(create_endpoint, DeclarationKind.ACTION_CLIENT),
+}
+_MAKERS: Mapping[str, Callable[..., Value]] = {
+    "ServiceClient": partial(_make_client, DeclarationKind.SERVICE_CLIENT, 1),
+    "ServiceServer": partial(_make_client, DeclarationKind.SERVICE, 1),
+    "LifecycleServiceClient": _make_transition_client,
+    "SimpleActionServer": _make_action_server,
+}
+_CLASSES: Mapping[str, LibraryClass] = {
+    name: LibraryClass(f"nav2_util::{name}", make, over_source=False)
+    for name, make in _MAKERS.items()
+}
+_NODE = LibraryClass(
+    "nav2_util::LifecycleNode",
+    partial(make_node, lifecycle=True),
+    _NODE_METHODS,
+    LIFECYCLE_NODE.virtual_callbacks,
+    over_source=False,
+)
 NAV2_CLASSES: Mapping[str, LibraryClass] = {
-    f"{space}::{cls.name.rpartition('::')[2]}": cls
-    for cls in (_SERVICE_CLIENT, _ACTION_SERVER)
-    for space in ("nav2_util", "nav2")
+    f"{namespace}::{name}": cls
+    for namespace in _NAMESPACES
+    for name, cls in {**_CLASSES, "LifecycleNode": _NODE}.items()
+}
+NAV2_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+    f"{namespace}::{name}": call
+    for namespace in _NAMESPACES
+    for name, call in {
+        "declare_parameter_if_not_declared": _declare_if_not_declared,
+        "get_plugin_type_param": _plugin_type,
+    }.items()
 }

@@ -18,12 +18,17 @@ from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
     returning_unknown,
 )
+from rtron.sources.code.library_models.rclcpp.behavior_tree_ros_nodes import (
+    ROS_TREE_CLASSES,
+    ROS_TREE_FUNCTIONS,
+)
 from rtron.sources.code.library_models.rclcpp.behavior_trees import TREE_CLASSES, TREE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.component_manager import COMPONENT_CLASSES
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_FUNCTIONS
+from rtron.sources.code.library_models.rclcpp.hardware import HARDWARE_CLASSES
 from rtron.sources.code.library_models.rclcpp.image_transport import IMAGE_CLASSES, IMAGE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.libraries import CONTROLLER_CLASSES, LIBRARY_CLASSES
-from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES
+from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES, NAV2_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.node import NODE_CLASSES
 from rtron.sources.code.library_models.rclcpp.parameters import PARAMETER_CLASSES
 from rtron.sources.code.library_models.rclcpp.pluginlib import PLUGIN_CLASSES
@@ -92,8 +97,10 @@ RCLCPP_CLASSES: dict[str, LibraryClass] = {
     **IMAGE_CLASSES,
     **PLUGIN_CLASSES,
     **TREE_CLASSES,
+    **ROS_TREE_CLASSES,
     **COMPONENT_CLASSES,
     **CONTROLLER_CLASSES,
+    **HARDWARE_CLASSES,
     **MESSAGE_CLASSES,
 }
 RCLCPP_FUNCTIONS = {
@@ -105,6 +112,8 @@ RCLCPP_FUNCTIONS = {
         **OVERRIDING_FUNCTIONS,
         **NAMESPACE_FUNCTIONS,
         **TREE_FUNCTIONS,
+        **ROS_TREE_FUNCTIONS,
+        **NAV2_FUNCTIONS,
     }.items()
 }
 RCLCPP_CONSTANTS: dict[str, Value] = {

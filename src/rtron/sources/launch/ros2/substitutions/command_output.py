@@ -14,8 +14,8 @@ from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.launch.ros2.parameters.file import read_text_file
 from rtron.sources.launch.ros2.substitutions.substitution import MAX_COMMAND_OUTPUT
 from rtron.sources.launch.ros2.substitutions.template import display_text, require_known
-from rtron.sources.xacro import evaluate_xacro
-from rtron.vocabulary import UnresolvedItem
+from rtron.sources.xacro import evaluate_xacro, shorten_description
+from rtron.vocabulary import Evidence, UnresolvedItem
 
 MAX_DESCRIPTIONS = 32
 
@@ -53,11 +53,23 @@ class CommandOutput:
             if isinstance(program, CatCommand)
             else self._description(program)
         )
-        if len(text) > MAX_COMMAND_OUTPUT:
+        return text if len(text) <= MAX_COMMAND_OUTPUT else self._shortened(text, program.file)
+
+    def _shortened(self, text: str, file: str) -> str:
+        """Return a robot that is too large to be held, without its shapes; this is noted."""
+        try:
+            short = shorten_description(text, file)
+        except InputError:
+            short = text
+        if len(short) > MAX_COMMAND_OUTPUT:
             raise UnresolvableError(
-                f"{program.file}: more than {MAX_COMMAND_OUTPUT} characters are printed"
+                f"{file}: more than {MAX_COMMAND_OUTPUT} characters are printed"
             )
-        return text
+        why = f"its {len(text)} characters are too many to hold: it is read without its shapes"
+        note = UnresolvedItem(what=Path(file).name, why=why, evidence=(Evidence(file=file),))
+        if note not in self.unresolved:
+            self.unresolved.append(note)
+        return short
 
     def _file_text(self, program: CatCommand) -> str:
         try:

@@ -31,6 +31,7 @@ _UNBOUNDED_CALLS = frozenset({"command", "file-content", "var", "if"})
 """What gives a text as it is, and may be longer where nothing stands beside it."""
 _MAX_DEPTH = 24
 _NAME = re.compile(r"[A-Za-z][\w-]*")
+_ROS1_NAMES = {"arg": "var", "find": "find-pkg-share"}
 
 
 @dataclass(slots=True)
@@ -140,7 +141,8 @@ class SubstitutionEvaluator:
     def _call_function(self, name: str, arguments: list[str]) -> str:
         function = self.functions.get(name) or PURE_FUNCTIONS.get(name)
         if function is None:
-            raise UnresolvableError(f"$({name} …) is not evaluated")
+            hint = f": ROS 2 writes $({_ROS1_NAMES[name]} …)" if name in _ROS1_NAMES else ""
+            raise UnresolvableError(f"$({name} …) is not evaluated{hint}")
         return function(arguments)
 
 

@@ -1,0 +1,87 @@
+"""Hardware components of ros2_control: what a robot description gives them, and their node.
+
+Source: ros2_control, hardware_interface (hardware_info.hpp, hardware_component_interface.hpp).
+"""
+
+from collections.abc import Mapping
+from functools import partial
+
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    Instance,
+    LibraryClass,
+    MapValue,
+    Scalar,
+    Unknown,
+    Value,
+)
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
+from rtron.sources.code.library_models.rclcpp.node import make_node
+from rtron.sources.declaration import NodeSite
+
+HARDWARE_CALLBACKS = ("on_init", "on_configure", "on_activate")
+"""What the resource manager calls of a component, in this order, before it is read."""
+_LATER_CALLBACKS = (
+    *("read", "write", "export_state_interfaces", "export_command_interfaces"),
+    *("perform_command_mode_switch", "on_deactivate", "on_cleanup", "on_shutdown", "on_error"),
+)
+_INFO, _NODE = "info_", "hardware.node"
+_BASES = ("SystemInterface", "ActuatorInterface", "SensorInterface", "HardwareComponentInterface")
+
+
+def hardware_info(site: NodeSite) -> Instance:
+    """Return the HardwareInfo of a site's component, also as the parameters of a newer on_init."""
+    hardware = site.hardware
+    name = Scalar(hardware.name, tainted=True) if hardware else Unknown("hardware")
+    given = hardware.parameters if hardware else ()
+    parameters = MapValue({key: Scalar(text, tainted=True) for key, text in given})
+    info = Instance(_INFO_CLASS, {"name": name, "hardware_parameters": parameters})
+    return Instance(_INFO_CLASS, {**info.fields, "hardware_info": info})
+
+
+def _make_hardware(name: str, machine: AbstractMachine, _: Arguments) -> Instance:
+    return Instance(HARDWARE_CLASSES[name], {_INFO: hardware_info(machine.recorder.site)})
+
+
+def _on_init(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    """`SystemInterface::on_init(info)` keeps what it is given."""
+    given = arguments.get(0)
+    if isinstance(given, Instance):
+        machine.undo_log.set(owner.fields, _INFO, given.fields.get("hardware_info", given))
+    return Unknown("CallbackReturn::SUCCESS")
+
+
+def _get_node(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    """`get_node()`: since Kilted a component has a node, called like it."""
+    if _NODE not in owner.fields:
+        name = hardware_info(machine.recorder.site).fields["name"]
+        plain = Scalar(_node_name(str(name.value))) if isinstance(name, Scalar) else name
+        machine.undo_log.set(owner.fields, _NODE, make_node(machine, arguments.with_values(plain)))
+    node: Value = owner.fields[_NODE]
+    return node
+
+
+def _node_name(hardware: str) -> str:
+    return "".join(letter if letter.isalnum() else "_" for letter in hardware.lower())
+
+
+def _get_info(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+    return owner.fields.get(_INFO, Unknown("info"))
+
+
+_INFO_CLASS = LibraryClass("hardware_interface::HardwareInfo")
+HARDWARE_CLASSES: Mapping[str, LibraryClass] = {
+    name: LibraryClass(
+        name,
+        partial(_make_hardware, name),
+        {
+            "on_init": _on_init,
+            "get_node": _get_node,
+            "get_hardware_info": _get_info,
+            **dict.fromkeys(HARDWARE_CALLBACKS[1:], returning_unknown("CallbackReturn::SUCCESS")),
+        },
+        _LATER_CALLBACKS,
+    )
+    for name in (f"hardware_interface::{base}" for base in _BASES)
+}

@@ -1,0 +1,106 @@
+"""What the operations of CMake's `list()` make of a list (CMake's manual, list)."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from rtron.sources.workspace.cmake.patterns import plain_pattern, replace_plain
+from rtron.sources.workspace.cmake.values import MAX_LENGTH
+
+_FILTER_WORDS = 3
+
+
+def _items_at(elements: list[str], indexes: Sequence[str]) -> list[str] | None:
+    """Return the elements at some indexes, those below zero counted from the end."""
+    numbers = [int(index) for index in indexes if _is_index(index, len(elements))]
+    return [elements[number] for number in numbers] if len(numbers) == len(indexes) else None
+
+
+def _is_index(text: str, length: int) -> bool:
+    digits = text.removeprefix("-")
+    return digits.isdecimal() and len(digits) < 6 and -length <= int(text) < length  # noqa: PLR2004
+
+
+def _get(elements: list[str], indexes: Sequence[str]) -> str | None:
+    found = _items_at(elements, indexes)
+    return None if found is None else ";".join(found)
+
+
+def _sublist(elements: list[str], words: Sequence[str]) -> str | None:
+    start, length = (*words, "", "")[:2]
+    if not _is_index(start, len(elements)) or not length.removeprefix("-").isdecimal():
+        return None
+    rest = elements[int(start) :]
+    return ";".join(rest if length.startswith("-") else rest[: int(length[:6])])
+
+
+def _find(elements: list[str], words: Sequence[str]) -> str:
+    return str(elements.index(words[0]) if words and words[0] in elements else -1)
+
+
+def _join(elements: list[str], words: Sequence[str]) -> str | None:
+    glue = "".join(words)
+    return glue.join(elements) if len(elements) * len(glue) <= MAX_LENGTH else None
+
+
+def _remove_items(elements: list[str], words: list[str]) -> list[str]:
+    removed = set(words)
+    return [text for text in elements if text not in removed]
+
+
+def _remove_at(elements: list[str], words: list[str]) -> list[str] | None:
+    if not all(_is_index(word, len(elements)) for word in words):
+        return None
+    removed = {int(word) % len(elements) for word in words}
+    return [text for position, text in enumerate(elements) if position not in removed]
+
+
+def _filter(elements: list[str], words: list[str]) -> list[str] | None:
+    """`list(FILTER name INCLUDE|EXCLUDE REGEX pattern)`."""
+    pattern = plain_pattern(words[2]) if len(words) == _FILTER_WORDS else None
+    if pattern is None or words[0] not in {"INCLUDE", "EXCLUDE"}:
+        return None
+    included = words[0] == "INCLUDE"
+    return [text for text in elements if (pattern.match(text) is not None) is included]
+
+
+def _transform(elements: list[str], words: list[str]) -> list[str] | None:
+    """`list(TRANSFORM name action …)`, of all elements."""
+    action, rest = words[0] if words else "", words[1:]
+    if action in _TEXT_ACTIONS and not rest:
+        return [_TEXT_ACTIONS[action](text) for text in elements]
+    if len(elements) * sum(map(len, rest)) > MAX_LENGTH:
+        return None
+    if action in {"APPEND", "PREPEND"} and len(rest) == 1:
+        return [text + rest[0] if action == "APPEND" else rest[0] + text for text in elements]
+    if action == "REPLACE" and len(rest) in {1, 2}:
+        changed = [replace_plain(text, rest[0], "".join(rest[1:])) for text in elements]
+        known = [text for text in changed if text is not None]
+        return known if len(known) == len(changed) else None
+    return None
+
+
+_TEXT_ACTIONS: Mapping[str, Callable[[str], str]] = {
+    "TOLOWER": str.lower,
+    "TOUPPER": str.upper,
+    "STRIP": str.strip,
+}
+LIST_RESULTS: Mapping[str, Callable[[list[str], Sequence[str]], str | None]] = {
+    "LENGTH": lambda elements, _: str(len(elements)),
+    "GET": _get,
+    "JOIN": _join,
+    "SUBLIST": _sublist,
+    "FIND": _find,
+}
+"""What is reported about a list in a variable; None: it is not known."""
+LIST_CHANGES: Mapping[str, Callable[[list[str], list[str]], list[str] | None]] = {
+    "APPEND": lambda elements, words: [*elements, *words],
+    "PREPEND": lambda elements, words: [*words, *elements],
+    "INSERT": lambda elements, words: [*elements, *words[1:]],
+    "REMOVE_ITEM": _remove_items,
+    "REMOVE_DUPLICATES": lambda elements, _: list(dict.fromkeys(elements)),
+    "REMOVE_AT": _remove_at,
+    "FILTER": _filter,
+    "TRANSFORM": _transform,
+    "REVERSE": lambda elements, _: elements[::-1],
+    "SORT": lambda elements, _: sorted(elements),
+}
+"""What a list becomes; None: that is not known, and it stays as it is."""
