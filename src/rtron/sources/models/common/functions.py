@@ -49,8 +49,8 @@ def parameter_or_default(scope: ModelScope, name: str, default: Value = None) ->
 
 
 def children(scope: ModelScope, prefix: str) -> list[str]:
-    """Return the names right below `prefix.` among the parameters given, in order."""
-    start = f"{prefix}."
+    """Return the names right below `prefix.` among the parameters given, in order; '' for all."""
+    start = f"{prefix}." if prefix else ""
     names_below = (
         name.removeprefix(start) for name, _ in _launch_parameters(scope) if name.startswith(start)
     )
