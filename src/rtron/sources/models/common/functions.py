@@ -4,6 +4,7 @@ docs/models.md lists them; a function answers with a Hole where the answer is no
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
 from functools import partial
 from itertools import takewhile
 
@@ -214,6 +215,13 @@ def _if_else(condition: Value, yes: Value, no: Value) -> Value:
     return yes if as_switch(condition) else no
 
 
+def _matches(name: Value, patterns: Value) -> Value:
+    """Return whether one of some shell patterns fits a name, whatever their case."""
+    if isinstance(patterns, Placeholder):
+        return patterns
+    return any(fnmatchcase(str(name).lower(), str(one).lower()) for one in patterns)
+
+
 def _prefixed(prefix: Value, frame: Value) -> str:
     """Return a frame with the prefix of its robot; an absolute one has none (tf: resolve)."""
     prefix = str(prefix).strip("/")
@@ -231,6 +239,7 @@ _PURE_FUNCTIONS: Mapping[str, Function] = {
     "unknown": placeholder,
     "basename": lambda name: str(name).rpartition("/")[2],
     "lua_settings": read_lua_settings,
+    "matches": _matches,
     "parent": lambda name: str(name).rpartition("/")[0],
     "range": lambda first, last: list(range(first, min(last, 4096))),
     "rviz_publications": rviz_publications,
