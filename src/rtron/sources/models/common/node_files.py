@@ -11,10 +11,12 @@ from rtron.sources.models.common.yaml_model import MAX_BYTES, compose_yaml, cons
 
 _LUA_COMMENT = re.compile(r"--\[\[.*?(?:\]\]|\Z)|--[^\n]*", re.DOTALL)
 _LUA_LINE = re.compile(
-    r"\binclude(?:\s*\()?\s*[\"'](?P<file>[\w./-]+)[\"']"
+    r"\binclude(?:\s*\()?\s*[\"'](?P<file>\w[\w.-]*)[\"']"
     r"|(?<![\w.])(?P<name>[A-Za-z_][\w.]*)\s*=(?!=)\s*"
-    r"(?P<value>\"[^\"\n]*\"|'[^'\n]*'|[^\s,;}]*)"
+    r"(?P<value>\"[^\"\n]*\"|'[^'\n]*'|[^\s,;{}]*)"
 )
+_LUA_NUMBER = re.compile(r"-?[0-9]{1,15}(?:\.[0-9]{0,15})?(?:[eE][+-]?[0-9]{1,2})?", re.ASCII)
+_MAX_LUA_FILES = 64
 _LUA_LITERALS = {"true": True, "false": False}
 
 
@@ -46,7 +48,7 @@ def read_lua_settings(folder: Value, name: Value) -> dict[str, Value]:
 def _lua_assignments(folder: Path, name: str, seen: set[str]) -> Iterator[tuple[str, Value]]:
     """Yield the assignments of a file and of what it includes, each file once."""
     file = folder / name
-    if name in seen or not file.is_file():
+    if name in seen or len(seen) == _MAX_LUA_FILES or not file.is_file():
         return
     seen.add(name)
     try:
@@ -65,7 +67,6 @@ def _lua_value(name: str, text: str) -> Value:
         return text[1:-1]
     if text in _LUA_LITERALS:
         return _LUA_LITERALS[text]
-    try:
-        return int(text) if text.isdecimal() else float(text)
-    except ValueError:
+    if not _LUA_NUMBER.fullmatch(text):
         return placeholder(name)
+    return int(text) if text.isdecimal() else float(text)
