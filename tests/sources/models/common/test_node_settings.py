@@ -5,7 +5,7 @@ from model_cases import ros2_node_site, site
 
 from rtron.sources.models.common.functions import model_functions
 from rtron.sources.models.common.model_scope import node_scope
-from rtron.sources.models.common.node_files import read_lua_settings
+from rtron.sources.models.common.node_files import read_lua_setting
 from rtron.sources.models.common.values import Placeholder, placeholder
 
 
@@ -14,7 +14,7 @@ def settings(tmp_path):
     def read(text, **others):
         for name, content in {"main": text, **others}.items():
             (tmp_path / f"{name}.lua").write_text(content, encoding="utf-8")
-        return read_lua_settings(str(tmp_path), "main.lua")
+        return lambda key: read_lua_setting(str(tmp_path), "main.lua", key)
 
     return read
 
@@ -35,17 +35,17 @@ def settings(tmp_path):
     ],
 )
 def test_the_last_value_that_a_name_gets_counts(settings, text, value):
-    assert settings(text)["a"] == value
+    assert settings(text)("a") == value
 
 
 @pytest.mark.parametrize("value", ["math.rad(3)", "other", "nan", "inf", "1e999", "9" * 5000, "{"])
 def test_what_is_no_plain_number_or_text_is_a_hole(settings, value):
-    assert isinstance(settings(f"a = {value}")["a"], Placeholder)
+    assert isinstance(settings(f"a = {value}")("a"), Placeholder)
 
 
 @pytest.mark.parametrize("text", ["", "if a == 1 then", "\x00", "=" * 1000, "a " * 100_000])
 def test_what_assigns_nothing_has_no_values(settings, text):
-    assert settings(text) == {}
+    assert settings(text)("a") is None
 
 
 def test_a_file_includes_what_is_beside_it_once(settings):
@@ -53,19 +53,18 @@ def test_a_file_includes_what_is_beside_it_once(settings):
         'include "base.lua"\nb = 2\ninclude "../main.lua"\ninclude "none.lua"',
         base='a, b = 1, 1 a = 7 include "main.lua" c = 3',
     )
-    assert found == {"a": 7, "b": 2, "c": 3}
+    assert [found(key) for key in "abcd"] == [7, 2, 3, None]
 
 
 def test_a_long_chain_of_files_ends(settings):
     chain = {f"f{n}": f'b = {n}\ninclude "f{n + 1}.lua"' for n in range(2000)}
-    assert settings('a = 1\ninclude "f0.lua"', **chain)["a"] == 1
+    assert settings('a = 1\ninclude "f0.lua"', **chain)("a") == 1
 
 
-def test_files_that_are_too_large_or_missing_have_no_values(settings, tmp_path):
-    assert settings("a = 1\n" + " " * 2_000_000) == {}
-    assert read_lua_settings(str(tmp_path), "other.lua") == {}
-    assert read_lua_settings("", "main.lua") == {}
-    assert read_lua_settings(placeholder("folder"), "main.lua") == {}
+def test_a_file_that_is_too_large_or_missing_has_no_values(settings, tmp_path):
+    assert settings("a = 1\n" + " " * 2_000_000)("a") is None
+    for folder, name in [(str(tmp_path), "other.lua"), ("", "main.lua"), (placeholder("x"), "a")]:
+        assert read_lua_setting(folder, name, "a", 5) == 5
 
 
 FUNCTIONS = model_functions(node_scope(site()))

@@ -10,7 +10,7 @@ from itertools import takewhile
 
 from rtron.sources.models.common import arguments
 from rtron.sources.models.common.model_scope import ModelScope
-from rtron.sources.models.common.node_files import read_lua_settings, read_yaml_file
+from rtron.sources.models.common.node_files import read_lua_setting, read_yaml_file
 from rtron.sources.models.common.robot_joints import joints
 from rtron.sources.models.common.rviz import rviz_publications, rviz_subscriptions
 from rtron.sources.models.common.rviz2 import (
@@ -238,7 +238,7 @@ _PURE_FUNCTIONS: Mapping[str, Function] = {
     "truth": as_switch,
     "unknown": placeholder,
     "basename": lambda name: str(name).rpartition("/")[2],
-    "lua_settings": read_lua_settings,
+    "lua_setting": read_lua_setting,
     "matches": _matches,
     "parent": lambda name: str(name).rpartition("/")[0],
     "range": lambda first, last: list(range(first, min(last, 4096))),

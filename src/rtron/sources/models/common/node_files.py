@@ -33,16 +33,15 @@ def read_yaml_file(path: Value) -> Value:
         return placeholder(f"yaml_file {file.name}")
 
 
-def read_lua_settings(folder: Value, name: Value) -> dict[str, Value]:
-    """Return what a Lua file of settings assigns, by the last part of each name.
+def read_lua_setting(folder: Value, name: Value, key: str, default: Value = None) -> Value:
+    """Return what a Lua file of settings assigns last to a name that ends with `key`.
 
     The file is not run: a value that is no literal is a hole. Files that it includes count if they
-    lie in the same folder (google-cartographer.readthedocs.io: Lua configuration reference). Empty
-    where there is no such file.
+    lie in the same folder (google-cartographer.readthedocs.io: Lua configuration reference).
     """
     if not folder or not name or has_placeholder(folder) or has_placeholder(name):
-        return {}
-    return dict(_lua_assignments(Path(str(folder)), str(name), set()))
+        return default
+    return dict(_lua_assignments(Path(str(folder)), str(name), set())).get(key, default)
 
 
 def _lua_assignments(folder: Path, name: str, seen: set[str]) -> Iterator[tuple[str, Value]]:
