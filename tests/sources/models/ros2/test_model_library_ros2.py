@@ -165,6 +165,7 @@ NODES = [
     "slam_toolbox/localization_slam_toolbox_node",
     "slam_toolbox/sync_slam_toolbox_node",
     "sllidar_ros2/sllidar_node",
+    "spacenav/spacenav_node",
     "stereo_image_proc/disparity_node",
     "stereo_image_proc/point_cloud_node",
     "teleop_twist_joy/teleop_node",
