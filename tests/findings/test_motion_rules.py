@@ -523,6 +523,15 @@ class TestMavros:
         assert finding.level is level
         assert "a ground station on its link commands the vehicle" in finding.summary
 
+    def test_of_the_nodes_of_a_process_only_the_router_opens_the_app(self):
+        plugins = "/mavros/imu mavros third_party\n    pub /mavros/imu/data sensor_msgs/Imu\n"
+        router = "/router mavros third_party\n    pub /uas1/mavlink_source mavros_msgs/Mavlink\n"
+        finding = the_finding("network_bridge", small_graph(f"{self.TEXT}{plugins}{router}"))
+        assert (finding.nodes, finding.level) == (("/router",), FindingLevel.PEDANTIC)
+
+    def test_each_process_of_ros1_may_open_the_app(self):
+        assert the_finding("network_bridge", small_graph(self.TEXT, ros=1))
+
     @pytest.mark.parametrize("url", ["", "udp://127.0.0.1:14551@127.0.0.1:14555"])
     def test_no_link_and_a_local_one_do_not(self, url):
         graph = small_graph(self.TEXT, parameters=parameters("gcs_url", mavros=url))

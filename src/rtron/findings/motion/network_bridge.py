@@ -49,6 +49,8 @@ _BRIDGES = {
 }
 _LINKS = {"mavros": ("gcs_url", "a ground station on its link commands the vehicle")}
 """Nodes that forward commands only where a parameter opens a link (wiki.ros.org/mavros)."""
+_LINK_TOPIC = "/mavlink_source"
+"""What the node with the links publishes in ROS 2, where each plugin is a node of its own."""
 _VIEWS = {
     "web_video_server": "whoever reaches its port sees every camera",
     "rosboard": "whoever reaches its port reads every topic",
@@ -74,6 +76,8 @@ def _link(app: AppFacts, node: Node) -> Iterator[Finding]:
     name, effect = _LINKS[node.package]
     values = {p.name: p.value for p in app.graph.parameters if p.node == node.name}
     url = values.get(name)
+    if name not in values and not _has_link(app, node):
+        return
     if url == "" or (isinstance(url, str) and any(local in url for local in _LOCAL)):
         return
     is_known = isinstance(url, str)
@@ -89,6 +93,12 @@ def _link(app: AppFacts, node: Node) -> Iterator[Finding]:
         nodes=(node.name,),
         evidence=app.evidence(app.graph.published_by(node.name)[:1]),
     )
+
+
+def _has_link(app: AppFacts, node: Node) -> bool:
+    """Return whether a node may have a link; a process of ROS 2 has more nodes, one with links."""
+    topics = (end.topic for end in app.graph.published_by(node.name))
+    return app.graph.ros == 1 or node.unread or any(t.endswith(_LINK_TOPIC) for t in topics)
 
 
 def _view(app: AppFacts, node: Node) -> Finding:

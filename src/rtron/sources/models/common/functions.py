@@ -4,12 +4,13 @@ docs/models.md lists them; a function answers with a Hole where the answer is no
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
 from functools import partial
 from itertools import takewhile
 
 from rtron.sources.models.common import arguments
 from rtron.sources.models.common.model_scope import ModelScope
-from rtron.sources.models.common.node_files import read_yaml_file
+from rtron.sources.models.common.node_files import read_lua_setting, read_yaml_file
 from rtron.sources.models.common.robot_joints import joints
 from rtron.sources.models.common.rviz import rviz_publications, rviz_subscriptions
 from rtron.sources.models.common.rviz2 import (
@@ -49,8 +50,8 @@ def parameter_or_default(scope: ModelScope, name: str, default: Value = None) ->
 
 
 def children(scope: ModelScope, prefix: str) -> list[str]:
-    """Return the names right below `prefix.` among the parameters given, in order."""
-    start = f"{prefix}."
+    """Return the names right below `prefix.` among the parameters given, in order; '' for all."""
+    start = f"{prefix}." if prefix else ""
     names_below = (
         name.removeprefix(start) for name, _ in _launch_parameters(scope) if name.startswith(start)
     )
@@ -214,6 +215,13 @@ def _if_else(condition: Value, yes: Value, no: Value) -> Value:
     return yes if as_switch(condition) else no
 
 
+def _matches(name: Value, patterns: Value) -> Value:
+    """Return whether one of some shell patterns fits a name, whatever their case."""
+    if isinstance(patterns, Placeholder):
+        return patterns
+    return any(fnmatchcase(str(name).lower(), str(one).lower()) for one in patterns)
+
+
 def _prefixed(prefix: Value, frame: Value) -> str:
     """Return a frame with the prefix of its robot; an absolute one has none (tf: resolve)."""
     prefix = str(prefix).strip("/")
@@ -230,6 +238,8 @@ _PURE_FUNCTIONS: Mapping[str, Function] = {
     "truth": as_switch,
     "unknown": placeholder,
     "basename": lambda name: str(name).rpartition("/")[2],
+    "lua_setting": read_lua_setting,
+    "matches": _matches,
     "parent": lambda name: str(name).rpartition("/")[0],
     "range": lambda first, last: list(range(first, min(last, 4096))),
     "rviz_publications": rviz_publications,
