@@ -90,7 +90,9 @@ def _interface_resolver(
     return InterfaceResolver(
         workspace=workspace,
         cache=open_cache(scan_options.cache, state),
-        pool=WorkerPool(workspace, scan_options.workers, scan_options.seconds),
+        pool=WorkerPool(
+            workspace, scan_options.workers, scan_options.seconds, scan_options.start_method
+        ),
         progress=scan_options.progress,
         models=models,
     )

@@ -1,0 +1,135 @@
+"""The process that scans one app after the other: `python -m rtron.survey.scan_server`.
+
+Each line of its input is a ScanRequest as JSON, each line of its output an AppResult. It has loaded
+what a scan needs, and forks a process for each app: a crash or a timeout costs that app only, and
+Python starts once. It ends with its input.
+"""
+
+import os
+import sys
+from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from shlex import quote
+from time import monotonic
+
+from pydantic import TypeAdapter
+
+import rtron.sources.static.ros1.app
+import rtron.sources.static.ros2.app  # noqa: F401 - loaded once for all apps, like that of ROS 1
+from rtron.errors import RTronError
+from rtron.executors.parent_process import follow_parent
+from rtron.survey.app_listing import AppToScan
+from rtron.survey.app_survey import RESULT_ADAPTER, AppResult, AppSurvey, survey_app
+from rtron.workflows.app_selection import AppSelection, select_app
+from rtron.workflows.source_app import SourceOptions
+
+_FORK = get_context("fork")
+_MAX_ERROR_LENGTH = 300
+_ROS2 = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScanRequest:
+    """An app to scan within `seconds`, with or without the user's cache of programs."""
+
+    app: AppToScan
+    seconds: float
+    use_cache: bool = True
+
+
+REQUEST_ADAPTER: TypeAdapter[ScanRequest] = TypeAdapter(ScanRequest)
+
+
+def main() -> None:
+    """Answer each request until there are no more."""
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb", buffering=0)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # no scan writes among answers
+    for line in sys.stdin.buffer:
+        result = scan_forked(REQUEST_ADAPTER.validate_json(line))
+        answers.write(RESULT_ADAPTER.dump_json(result) + b"\n")
+
+
+def scan_forked(request: ScanRequest) -> AppResult:
+    """Return what becomes of an app that is scanned in a process of its own.
+
+    Input during a scan is the end of whoever asked for it, and ends the scan.
+    """
+    receiver, sender = _FORK.Pipe(duplex=False)
+    process = _FORK.Process(target=_scan, args=(request, sender))
+    started = monotonic()
+    process.start()
+    sender.close()
+    try:
+        if receiver in wait([receiver, sys.stdin.buffer], request.seconds):
+            return RESULT_ADAPTER.validate_json(receiver.recv_bytes())
+        return _result(request, started, error=f"not done within {request.seconds:g} s")
+    except EOFError:
+        process.join()
+        reason = f"its process ended with {process.exitcode}"
+        return _result(request, started, error=reason, is_final=False)
+    finally:
+        process.kill()
+        process.join()
+        receiver.close()
+
+
+def _scan(request: ScanRequest, sender: Connection) -> None:
+    """Scan an app and send what became of it."""
+    follow_parent()
+    started = monotonic()
+    try:
+        result = _result(request, started, survey=_survey(request))
+    except RTronError as error:
+        result = _result(request, started, error=_relative(str(error), request.app.top))
+    except RecursionError:
+        result = _result(request, started, error="nested too deep")
+    except MemoryError:
+        result = _result(request, started, error="too large")
+    except Exception as error:  # noqa: BLE001 - a fault of ours must not end the survey
+        reason = f"RTron failed at it: {type(error).__name__}: {error}"
+        result = _result(request, started, error=reason[:_MAX_ERROR_LENGTH])
+    sender.send_bytes(RESULT_ADAPTER.dump_json(result))
+
+
+def _survey(request: ScanRequest) -> AppSurvey:
+    app, folders = request.app, [request.app.repository]
+    if app.ros == _ROS2:
+        folders += app.others
+    os.environ["ROS_PACKAGE_PATH"] = ":".join(map(str, app.others))
+    source = SourceOptions(
+        launches=(quote(str(app.launch)),),
+        jobs=1,
+        use_cache=request.use_cache,
+        start_method="fork",
+    )
+    selection = AppSelection(inputs=tuple(map(str, folders)), live=None, source=source)
+    return survey_app(app, select_app(selection).source.read())
+
+
+def _relative(reason: str, top: Path) -> str:
+    return reason.replace(f"{top}/", "")[:_MAX_ERROR_LENGTH]
+
+
+def _result(
+    request: ScanRequest,
+    started: float,
+    *,
+    survey: AppSurvey | None = None,
+    error: str = "",
+    is_final: bool = True,
+) -> AppResult:
+    return AppResult(
+        app=request.app.name,
+        repository=request.app.repository_name,
+        ros=request.app.ros,
+        seconds=round(monotonic() - started, 3),
+        survey=survey,
+        error=error,
+        is_final=is_final,
+    )
+
+
+if __name__ == "__main__":
+    main()
