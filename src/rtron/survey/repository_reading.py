@@ -1,4 +1,4 @@
-"""What a survey knows of a repository before any scan: its launch files, its packages, its state."""
+"""What a survey knows of a repository before a scan: its launch files, packages and state."""
 
 import os
 import re
@@ -78,7 +78,9 @@ def folder_digest(folder: Path) -> str:
     for path, subfolders, files in walk(folder):
         subfolders[:] = sorted(name for name in subfolders if name not in {".git", "__pycache__"})
         for name in sorted(files):
-            digest.update(f"{path}/{name} {_state(path, name)}\n".encode("utf-8", "surrogateescape"))
+            digest.update(
+                f"{path}/{name} {_state(path, name)}\n".encode("utf-8", "surrogateescape")
+            )
     return digest.hexdigest()
 
 

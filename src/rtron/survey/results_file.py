@@ -6,7 +6,7 @@ the machine stops at that moment, is damaged and left out. The file lies in the 
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -72,12 +72,12 @@ class ResultsFile:
         if self.path is None or not self.path.exists():
             return
         digests = {app.name: app for app in apps}
-        kept = self.read(apps, limit)
+        valid = self.read(apps, limit)
         temporary = self.path.with_suffix(f".{os.getpid()}")
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
             fresh = ResultsFile(temporary)
-            for name, result in kept.items():
+            for name, result in valid.items():
                 fresh.add(digests[name], result, limit)
             temporary.replace(self.path)
 

@@ -42,8 +42,8 @@ class _ScanServer:
 
     def end(self) -> None:
         """End the process and the scan that it is at."""
-        self._process.kill()
-        self._process.wait()
+        with suppress(BrokenPipeError), self._process:  # a request that it never read is left
+            self._process.kill()
 
 
 @dataclass(slots=True)

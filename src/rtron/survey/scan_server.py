@@ -13,6 +13,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from shlex import quote
 from time import monotonic
+from typing import IO
 
 from pydantic import TypeAdapter
 
@@ -20,8 +21,14 @@ import rtron.sources.static.ros1.app
 import rtron.sources.static.ros2.app  # noqa: F401 - loaded once for all apps, like that of ROS 1
 from rtron.errors import RTronError
 from rtron.executors.parent_process import follow_parent
+from rtron.functions.node_functions import with_functions
+from rtron.sources.models import ROS2_LIBRARY, load_models
+from rtron.sources.models.packages import known_packages
+from rtron.sources.static.common.workspace_hash import hash_workspace
+from rtron.sources.workspace import Workspace
 from rtron.survey.app_listing import AppToScan
 from rtron.survey.app_survey import RESULT_ADAPTER, AppResult, AppSurvey, survey_app
+from rtron.vocabulary import InteractionGraph, Node
 from rtron.workflows.app_selection import AppSelection, select_app
 from rtron.workflows.source_app import SourceOptions
 
@@ -46,15 +53,31 @@ def main() -> None:
     """Answer each request until there are no more."""
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb", buffering=0)
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # no scan writes among answers
+    _load()
     for line in sys.stdin.buffer:
-        result = scan_forked(REQUEST_ADAPTER.validate_json(line))
+        result = scan_forked(REQUEST_ADAPTER.validate_json(line), sys.stdin.buffer)
         answers.write(RESULT_ADAPTER.dump_json(result) + b"\n")
 
 
-def scan_forked(request: ScanRequest) -> AppResult:
+def _load() -> None:
+    """Load the tables of all rules, classifiers and models once: the forked processes have them."""
+    known_packages()
+    hash_workspace(Workspace({}))
+    load_models()
+    load_models(ROS2_LIBRARY)
+    node = Node(name="/node", package="package")
+    top = Path("/")
+    survey_app(
+        AppToScan(top=top, repository=top, launch=top / "app.launch"),
+        with_functions(InteractionGraph(app="app", nodes=(node,)), {"package": "a robot"}),
+    )
+
+
+def scan_forked(request: ScanRequest, requests: IO[bytes]) -> AppResult:
     """Return what becomes of an app that is scanned in a process of its own.
 
-    Input during a scan is the end of whoever asked for it, and ends the scan.
+    The next of `requests` comes after the answer: if it is there during the scan, it is their end,
+    and ends the scan.
     """
     receiver, sender = _FORK.Pipe(duplex=False)
     process = _FORK.Process(target=_scan, args=(request, sender))
@@ -62,7 +85,7 @@ def scan_forked(request: ScanRequest) -> AppResult:
     process.start()
     sender.close()
     try:
-        if receiver in wait([receiver, sys.stdin.buffer], request.seconds):
+        if receiver in wait([receiver, requests.fileno()], request.seconds):
             return RESULT_ADAPTER.validate_json(receiver.recv_bytes())
         return _result(request, started, error=f"not done within {request.seconds:g} s")
     except EOFError:

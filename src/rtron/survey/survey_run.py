@@ -68,12 +68,12 @@ def run_survey(folder: Path, options: SurveyOptions, progress: Progress) -> Surv
     if not apps:
         help = "rtron scan DIR lists the launch files and the arguments that they need"
         raise InputError("no app can be scanned", path=str(folder), help=help)
-    kept = results_file(folder) if options.use_cache else ResultsFile(None)
-    results = dict(kept.read(apps, options.seconds))
+    store = results_file(folder) if options.use_cache else ResultsFile(None)
+    results = dict(store.read(apps, options.seconds))
     reused = len(results)
-    is_whole = _scan_missing(apps, options, kept, results, progress)
+    is_whole = _scan_missing(apps, options, store, results, progress)
     if is_whole:
-        kept.compact(apps, options.seconds)
+        store.compact(apps, options.seconds)
     return Survey(
         results=[results[app.name] for app in apps if app.name in results],
         left_out=left_out,
@@ -86,7 +86,7 @@ def run_survey(folder: Path, options: SurveyOptions, progress: Progress) -> Surv
 def _scan_missing(
     apps: Sequence[AppToScan],
     options: SurveyOptions,
-    kept: ResultsFile,
+    store: ResultsFile,
     results: dict[str, AppResult],
     progress: Progress,
 ) -> bool:
@@ -97,7 +97,7 @@ def _scan_missing(
     try:
         with closing(_scan(missing, options)) as scanned:
             for app, result in scanned:
-                kept.add(app, result, options.seconds)
+                store.add(app, result, options.seconds)
                 results[app.name] = result
                 failed += not result.survey
                 progress(len(results), len(apps), f"{failed} failed, {app.name}")

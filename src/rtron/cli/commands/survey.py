@@ -28,7 +28,7 @@ class SurveyFormat(str, Enum):
     TABLE = "table"
 
 
-def survey(
+def survey(  # noqa: PLR0913 - one for each option
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="A repository, or a folder of repositories.")
     ],

@@ -40,7 +40,7 @@ def survey_document(survey: Survey) -> dict[str, Any]:
 
 
 def survey_csv(survey: Survey) -> str:
-    """Return a table with a row for each app (RFC 4180), which no spreadsheet takes for formulas."""
+    """Return a table with a row for each app (RFC 4180), safe in a spreadsheet."""
     text = StringIO()
     table = csv.DictWriter(text, _COLUMNS)
     table.writeheader()
