@@ -4,7 +4,7 @@ import os
 import shutil
 
 import pytest
-from conftest import FILES, MANIFEST, write
+from survey_repositories import FILES, MANIFEST, write
 
 from rtron.errors import InputError
 from rtron.sources.launch.ros1 import file_search

@@ -5,12 +5,14 @@ import json
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from io import StringIO
+from pathlib import Path
 
 import pytest
-from conftest import FILES, write
 from harness import lives, wait_for
 from local_cluster import local_cluster
+from survey_repositories import FILES, write
 
 from rtron.survey.results_file import results_file
 
@@ -61,7 +63,7 @@ def test_the_lines_of_processes_and_of_a_cluster_are_the_same(repositories):
     assert lines(together.stdout) == lines(processes.stdout) == lines(alone.stdout)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=["ctrl-c", "kill"])
 def test_a_survey_that_was_ended_goes_on_where_it_was(many, number):
     kept = results_file(many).path
     with subprocess.Popen(
@@ -92,8 +94,10 @@ def test_a_survey_that_was_ended_goes_on_where_it_was(many, number):
 
 def _children(process):
     """Return the processes that one has started, and those that these have."""
-    with open(f"/proc/{process}/task/{process}/children") as file:  # noqa: PTH123 - not a real file
-        ours = list(map(int, file.read().split()))
+    ours = []
+    for path in Path(f"/proc/{process}/task").glob("*/children"):
+        with suppress(OSError):  # that thread or process has ended
+            ours += map(int, path.read_text().split())
     return [*ours, *(below for each in ours for below in _children(each))]
 
 
