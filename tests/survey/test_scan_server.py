@@ -8,9 +8,9 @@ import pytest
 
 from rtron.errors import SourceError
 from rtron.survey import scan_server
-from rtron.survey.app_listing import AppToScan, find_apps
+from rtron.survey.app_listing import AppToScan, ScanRequest, find_apps
 from rtron.survey.scan_client import ScanServers, scan_once
-from rtron.survey.scan_server import ScanRequest, scan_forked
+from rtron.survey.scan_server import scan_forked
 from rtron.vocabulary import RiskKind
 
 

@@ -10,6 +10,8 @@ from itertools import chain
 from pathlib import Path
 from typing import TypeAlias
 
+from pydantic import TypeAdapter
+
 import rtron
 from rtron.functions.reading.skipped_entries import SkippedEntry, SkippedHandler
 from rtron.sources.launch.common.launch_file import LaunchFileInfo
@@ -34,8 +36,9 @@ _ROS2 = 2
 class AppToScan:
     """An app to scan: a launch file of a repository, and the ROS that it is of.
 
-    `others` are the repositories whose packages it may need, all below `top`. A result counts as
-    long as `digest` is the same: it stands for RTron and for every file that is read.
+    `others` are the repositories whose packages it may need, all below `top`; those of ROS 2 are as
+    trusted as its own, since ROS 2 has one workspace. A result counts as long as `digest` is the
+    same: it stands for RTron and for every file that is read.
     """
 
     top: Path
@@ -54,6 +57,18 @@ class AppToScan:
     def repository_name(self) -> str:
         """The repository below the top; the top's own name if it is the repository."""
         return self.repository.relative_to(self.top).as_posix().strip(".") or self.top.name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScanRequest:
+    """An app to scan within `seconds`, with or without the user's cache of programs."""
+
+    app: AppToScan
+    seconds: float
+    use_cache: bool = True
+
+
+REQUEST_ADAPTER: TypeAdapter[ScanRequest] = TypeAdapter(ScanRequest)
 
 
 def find_apps(

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import IO, TYPE_CHECKING, cast
 
 from rtron.errors import SourceError
+from rtron.survey.app_listing import REQUEST_ADAPTER, ScanRequest
 from rtron.survey.app_survey import RESULT_ADAPTER, AppResult
-from rtron.survey.scan_server import REQUEST_ADAPTER, ScanRequest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,15 +7,12 @@ Python starts once. It ends with its input.
 
 import os
 import sys
-from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from shlex import quote
 from time import monotonic
 from typing import IO
-
-from pydantic import TypeAdapter
 
 import rtron.sources.static.ros1.app
 import rtron.sources.static.ros2.app  # noqa: F401 - loaded once for all apps, like that of ROS 1
@@ -26,7 +23,7 @@ from rtron.sources.models import ROS2_LIBRARY, load_models
 from rtron.sources.models.packages import known_packages
 from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.workspace import Workspace
-from rtron.survey.app_listing import AppToScan
+from rtron.survey.app_listing import REQUEST_ADAPTER, AppToScan, ScanRequest
 from rtron.survey.app_survey import RESULT_ADAPTER, AppResult, AppSurvey, survey_app
 from rtron.vocabulary import InteractionGraph, Node
 from rtron.workflows.app_selection import AppSelection, select_app
@@ -35,18 +32,6 @@ from rtron.workflows.source_app import SourceOptions
 _FORK = get_context("fork")
 _MAX_ERROR_LENGTH = 300
 _ROS2 = 2
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScanRequest:
-    """An app to scan within `seconds`, with or without the user's cache of programs."""
-
-    app: AppToScan
-    seconds: float
-    use_cache: bool = True
-
-
-REQUEST_ADAPTER: TypeAdapter[ScanRequest] = TypeAdapter(ScanRequest)
 
 
 def main() -> None:

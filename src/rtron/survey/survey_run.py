@@ -10,11 +10,10 @@ from rtron.errors import InputError
 from rtron.executors import DaskExecutor, ItemFailure, ThreadExecutor
 from rtron.functions.reading.skipped_entries import SkippedEntry
 from rtron.sources.static.common.scan_options import Progress, default_workers
-from rtron.survey.app_listing import AppToScan, find_apps
+from rtron.survey.app_listing import AppToScan, ScanRequest, find_apps
 from rtron.survey.app_survey import AppResult
 from rtron.survey.results_file import ResultsFile, results_file
 from rtron.survey.scan_client import ScanServers, scan_once
-from rtron.survey.scan_server import ScanRequest
 
 DEFAULT_SECONDS = 120.0
 

@@ -16,7 +16,9 @@ def text(words: object) -> str:
 
 def apps_link(words: object, **filters: object) -> str:
     """Return a link to those apps in the page that fit filters, as `main` of its script knows."""
-    address = urlencode({name: str(value) for name, value in filters.items()}, quote_via=quote)
+    address = urlencode(
+        {name: sanitize(str(value)) for name, value in filters.items()}, quote_via=quote
+    )
     return f'<a href="#{escape(address)}">{text(words)}</a>'
 
 
