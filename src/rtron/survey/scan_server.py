@@ -36,12 +36,13 @@ _ROS2 = 2
 
 def main() -> None:
     """Answer each request until there are no more."""
-    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb", buffering=0)
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # no scan writes among answers
     _load()
     for line in sys.stdin.buffer:
         result = scan_forked(REQUEST_ADAPTER.validate_json(line), sys.stdin.buffer)
         answers.write(RESULT_ADAPTER.dump_json(result) + b"\n")
+        answers.flush()
 
 
 def _load() -> None:

@@ -153,6 +153,11 @@ const follow = () => {
   find("#apps").scrollIntoView();
 };
 addEventListener("hashchange", follow);
+document.addEventListener("click", (event) => {
+  const link = event.target.closest("a");
+  const address = link?.getAttribute("href") ?? link?.getAttribute("xlink:href");
+  if (address && address === location.hash) follow();
+});
 readAddress();
 show();
 if (filters.length) find("#apps").scrollIntoView();
