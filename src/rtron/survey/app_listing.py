@@ -14,6 +14,7 @@ from pydantic import TypeAdapter
 
 import rtron
 from rtron.functions.reading.skipped_entries import SkippedEntry, SkippedHandler
+from rtron.sources.bounded_file import content_hash
 from rtron.sources.launch.common.launch_file import LaunchFileInfo
 from rtron.sources.static.common.scan_options import Progress, ignore_progress
 from rtron.survey.repository_reading import (
@@ -29,6 +30,7 @@ IncludedLaunch: TypeAlias = tuple[str, str]
 
 _FIND_SUBSTITUTION = re.compile(r"\$\(find (\S+?)\)(/[^$]+)")
 _TEST_FOLDERS = frozenset({"test", "tests"})
+_SCAN_PACKAGES = ("findings", "functions", "risks", "sources", "vocabulary", "workflows")
 _ROS2 = 2
 
 
@@ -91,7 +93,7 @@ def find_apps(
 def _apps(
     top: Path, repositories: Sequence[SurveyedRepository], on_skipped: SkippedHandler
 ) -> Iterator[AppToScan]:
-    rtron_digest = folder_digest(Path(rtron.__file__).parent)
+    rtron_digest = _scan_digest()
     inclusions = _Inclusions(repositories)
     for repository in repositories:
         for ros in sorted({ros for _, ros in repository.launches.values()}):
@@ -108,6 +110,13 @@ def _apps(
             for launch in repository.launches_of(ros):
                 if not inclusions.include(launch, ros):
                     yield from _fit_app(replace(app, launch=launch.path), launch, on_skipped)
+
+
+def _scan_digest() -> str:
+    """Return a hash of the parts of RTron that a scan runs."""
+    own = Path(rtron.__file__).parent
+    folders = (folder_digest(own / package) for package in _SCAN_PACKAGES)
+    return " ".join((*folders, content_hash(own / "survey" / "app_survey.py")))
 
 
 def _fit_app(

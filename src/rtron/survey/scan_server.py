@@ -6,7 +6,10 @@ Python starts once. It ends with its input.
 """
 
 import os
+import signal
 import sys
+from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -14,15 +17,15 @@ from shlex import quote
 from time import monotonic
 from typing import IO
 
-import rtron.sources.static.ros1.app
-import rtron.sources.static.ros2.app  # noqa: F401 - loaded once for all apps, like that of ROS 1
+import rtron.sources.static.ros1.app  # noqa: F401 - loaded once for all apps, like that of ROS 2
 from rtron.errors import RTronError
 from rtron.executors.parent_process import follow_parent
 from rtron.functions.node_functions import with_functions
 from rtron.sources.models import ROS2_LIBRARY, load_models
 from rtron.sources.models.packages import known_packages
 from rtron.sources.static.common.workspace_hash import hash_workspace
-from rtron.sources.workspace import Workspace
+from rtron.sources.static.ros2.app import read_ros2_workspace
+from rtron.sources.workspace import Workspace, keep_workspaces, read_workspace
 from rtron.survey.app_listing import REQUEST_ADAPTER, AppToScan, ScanRequest
 from rtron.survey.app_survey import RESULT_ADAPTER, AppResult, AppSurvey, survey_app
 from rtron.vocabulary import InteractionGraph, Node
@@ -32,6 +35,7 @@ from rtron.workflows.source_app import SourceOptions
 _FORK = get_context("fork")
 _MAX_ERROR_LENGTH = 300
 _ROS2 = 2
+_SEVERAL = 3
 
 
 def main() -> None:
@@ -39,8 +43,12 @@ def main() -> None:
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # no scan writes among answers
     _load()
+    signal.signal(signal.SIGALRM, _time_up)
+    keeper = WorkspaceKeeper()
     for line in sys.stdin.buffer:
-        result = scan_forked(REQUEST_ADAPTER.validate_json(line), sys.stdin.buffer)
+        request = REQUEST_ADAPTER.validate_json(line)
+        keeper.prepare(request)
+        result = scan_forked(request, sys.stdin.buffer)
         answers.write(RESULT_ADAPTER.dump_json(result) + b"\n")
         answers.flush()
 
@@ -57,6 +65,62 @@ def _load() -> None:
         AppToScan(top=top, repository=top, launch=top / "app.launch"),
         with_functions(InteractionGraph(app="app", nodes=(node,)), {"package": "a robot"}),
     )
+
+
+@dataclass(slots=True)
+class WorkspaceKeeper:
+    """Keeps the workspace of the repository whose apps are scanned now, for the forked processes.
+
+    Most apps need where packages lie and a hash of them. Where several follow each other, what the
+    build files of all packages say is read once, too.
+    """
+
+    _key: tuple[tuple[Path, ...], str] = ((), "")
+    _count: int = 0
+    _workspace: Workspace | None = None
+
+    def prepare(self, request: ScanRequest) -> None:
+        """Read the workspace of an app.
+
+        What cannot be read in time, or at all, each scan reads for itself, and says so.
+        """
+        key = _folders(request.app), _package_path(request.app)
+        if key != self._key:
+            keep_workspaces()
+            self._key, self._count, self._workspace = key, 0, None
+        self._count += 1
+        signal.setitimer(signal.ITIMER_REAL, request.seconds)
+        with suppress(RTronError, RecursionError, MemoryError, _TimeUpError):
+            self._read(request.app)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+
+    def _read(self, app: AppToScan) -> None:
+        if self._count == 1:
+            folders, package_path = self._key
+            found = [(read_workspace(folders, {"ROS_PACKAGE_PATH": package_path}), package_path)]
+            if app.ros == _ROS2:
+                found.append((read_ros2_workspace(folders), None))
+            self._workspace = found[-1][0]
+            hash_workspace(self._workspace)
+            keep_workspaces(*found)
+        if self._count == _SEVERAL and self._workspace:
+            self._workspace.plugins("")
+
+
+class _TimeUpError(Exception):
+    """Raised where a workspace takes too long to read."""
+
+
+def _time_up(*_: object) -> None:
+    raise _TimeUpError
+
+
+def _folders(app: AppToScan) -> tuple[Path, ...]:
+    return (app.repository, *app.others) if app.ros == _ROS2 else (app.repository,)
+
+
+def _package_path(app: AppToScan) -> str:
+    return ":".join(map(str, app.others))
 
 
 def scan_forked(request: ScanRequest, requests: IO[bytes]) -> AppResult:
@@ -103,17 +167,15 @@ def _scan(request: ScanRequest, sender: Connection) -> None:
 
 
 def _survey(request: ScanRequest) -> AppSurvey:
-    app, folders = request.app, [request.app.repository]
-    if app.ros == _ROS2:
-        folders += app.others
-    os.environ["ROS_PACKAGE_PATH"] = ":".join(map(str, app.others))
+    app = request.app
+    os.environ["ROS_PACKAGE_PATH"] = _package_path(app)
     source = SourceOptions(
         launches=(quote(str(app.launch)),),
         jobs=1,
         use_cache=request.use_cache,
         start_method="fork",
     )
-    selection = AppSelection(inputs=tuple(map(str, folders)), live=None, source=source)
+    selection = AppSelection(inputs=tuple(map(str, _folders(app))), live=None, source=source)
     return survey_app(app, select_app(selection).source.read())
 
 
