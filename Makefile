@@ -1,6 +1,6 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-ros2 test-all test-pythons test-arm64 lint coverage mutation fuzz bench soak eval docs lock check-locks
+.PHONY: help setup demo test test-ros2 test-all test-pythons test-arm64 lint coverage mutation fuzz bench soak eval study docs lock check-locks
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
@@ -75,6 +75,9 @@ soak: setup ## Load, kill, freeze and attack a guarded app at random, on each RO
 
 eval: setup ## Evaluate on the apps in RTRON_APPS and RTRON_DATA, and write build/eval.json (as long as the apps take)
 	$(PYTHON) -m evaluation
+
+study: setup ## Survey the apps in RTRON_APPS and write docs/study.html (20 minutes for 100 repositories, less the next time)
+	$(BIN)/rtron survey "$(RTRON_APPS)" -o docs/study.html
 
 docs: setup ## Write the pages and schemas that are made from the code (10 seconds)
 	$(PYTHON) scripts/docs_rules.py

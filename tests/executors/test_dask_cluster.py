@@ -56,6 +56,11 @@ def test_the_command_says_the_same_with_a_cluster(address, tmp_path):
     assert (alone.stdout.count(b"\n"), together.stderr) == (len(NAMES), b"")
 
 
+def test_results_of_workers_come_as_they_are_done(address):
+    wanted = {0: 0, 1: 1, 2: 2, 3: ItemFailure("ValueError: three"), 4: 4}
+    assert dict(DaskExecutor(address).map_unordered(fail_at_three, range(5))) == wanted
+
+
 def test_both_workers_work_at_a_time(address, tmp_path):
     met = set(DaskExecutor(address, chunk_size=1).map(wait_for_other, [str(tmp_path)] * 2))
     assert len(met - {None}) == 2

@@ -1,4 +1,6 @@
 import itertools
+import threading
+from threading import Event
 
 import pytest
 from executor_work import (
@@ -9,8 +11,9 @@ from executor_work import (
     square,
     wait_for_other,
 )
+from harness import wait_for
 
-from rtron.executors import ItemFailure, ProcessExecutor, SerialExecutor
+from rtron.executors import ItemFailure, ProcessExecutor, SerialExecutor, ThreadExecutor
 from rtron.executors.chunked_map import CHUNK_SIZE, CHUNKS_PER_WORKER, LostWorkerError, map_in_order
 
 EVERY = [SerialExecutor(), ProcessExecutor(1), ProcessExecutor(2)]
@@ -94,3 +97,39 @@ def test_the_items_of_a_lost_chunk_are_tried_alone():
     results = list(map_in_order(CountingWorkers(lose={5}), square, range(2 * CHUNK_SIZE)))
     assert [n for n, result in enumerate(results) if isinstance(result, ItemFailure)] == [5]
     assert results[CHUNK_SIZE:] == [n * n for n in range(CHUNK_SIZE, 2 * CHUNK_SIZE)]
+
+
+def test_a_long_item_keeps_no_short_one_waiting():
+    others_done = Event()
+
+    def work(number):
+        if number == 0:
+            others_done.wait(60)
+        return number
+
+    results = ThreadExecutor(2).map_unordered(work, range(4))
+    assert {next(results) for _ in range(3)} == {(1, 1), (2, 2), (3, 3)}
+    others_done.set()
+    assert list(results) == [(0, 0)]
+
+
+def test_an_item_that_fails_in_a_thread_costs_itself_only():
+    results = dict(ThreadExecutor(2).map_unordered(fail_at_three, range(5)))
+    assert results == {0: 0, 1: 1, 2: 2, 3: ItemFailure("ValueError: three"), 4: 4}
+
+
+def test_who_stops_early_starts_no_further_item():
+    started, gate = [], Event()
+
+    def work(number):
+        started.append(number)
+        if number:
+            gate.wait(60)
+
+    before = set(threading.enumerate())
+    results = ThreadExecutor(1).map_unordered(work, range(1000))
+    assert next(results) == (0, None)
+    results.close()
+    gate.set()
+    wait_for(lambda: set(threading.enumerate()) <= before)
+    assert set(started) <= {0, 1}

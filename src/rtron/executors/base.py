@@ -1,6 +1,7 @@
 """What runs a function on many items: here, in processes, or on a cluster."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
@@ -26,6 +27,16 @@ class MapExecutor(Protocol):
         Items are taken as they are needed, and a few results at most wait for their turn. The
         function must be one that another process can import.
         """
+        ...
+
+
+class UnorderedExecutor(Protocol):
+    """Runs one function on many items, and does not keep a short one waiting for a long one."""
+
+    def map_unordered(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Iterator[tuple[Item, Result | ItemFailure]]:
+        """Yield each item with its result as soon as there is one, ItemFailure if it failed."""
         ...
 
 
@@ -56,3 +67,22 @@ class SerialExecutor:
     ) -> Iterator[Result | ItemFailure]:
         """Yield each item's result, as Executor says."""
         return (run_item(function, item) for item in items)
+
+
+@dataclass(frozen=True, slots=True)
+class ThreadExecutor:
+    """An UnorderedExecutor of threads, for a function that waits for other processes."""
+
+    thread_count: int
+
+    def map_unordered(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Iterator[tuple[Item, Result | ItemFailure]]:
+        """Yield each item with its result; who stops earlier must end what is waited for."""
+        pool = ThreadPoolExecutor(self.thread_count)
+        try:
+            futures = {pool.submit(run_item, function, item): item for item in items}
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)

@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 
 from rtron import __version__
 from rtron.errors import InputError, SourceError
-from rtron.executors.base import Item, ItemFailure, Result
+from rtron.executors.base import Item, ItemFailure, Result, run_item
 from rtron.executors.chunked_map import CHUNK_SIZE, LostWorkerError, map_in_order
 
 _SCHEMES = frozenset({"tcp", "tls"})
@@ -38,15 +38,24 @@ class DaskExecutor:
         Raise InputError without Dask or for what is no address, SourceError where the cluster does
         not answer, has no workers, or its workers have another rtron.
         """
+        with self._workers() as workers:
+            yield from map_in_order(workers, function, items, self.chunk_size)
+
+    def map_unordered(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Iterator[tuple[Item, Result | ItemFailure]]:
+        """Yield each item with its result as soon as there is one; raise what `map` raises."""
+        with self._workers() as workers:
+            yield from workers.as_completed(function, items)
+
+    @contextmanager
+    def _workers(self) -> "Iterator[_DaskWorkers]":
         dask = _import_dask()
         if not _is_address(self.address):
             help = "write it as the scheduler does, tcp://host:8786"
             raise InputError(f"{self.address[:_MAX_SHOWN]!r} is no cluster's address", help=help)
         with self._client(dask) as client:
-            count = sum(client.nthreads().values())
-            yield from map_in_order(
-                _DaskWorkers(dask, client, count), function, items, self.chunk_size
-            )
+            yield _DaskWorkers(dask, client, sum(client.nthreads().values()))
 
     @contextmanager
     def _client(self, dask: Any) -> Iterator[Any]:  # noqa: ANN401 - Dask has no types here
@@ -89,6 +98,23 @@ class _DaskWorkers:
         with self._translate_errors():
             future = self.client.submit(function, *arguments, pure=False)
         return lambda: self._result(future)
+
+    def as_completed(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Iterator[tuple[Item, Result | ItemFailure]]:
+        """Yield each item with its result, those of lost workers as failed."""
+        with self._translate_errors():
+            futures = {
+                self.client.submit(run_item, function, item, pure=False): item for item in items
+            }
+        for future in self.dask.as_completed(futures):
+            yield futures[future], self._result_or_failure(future)
+
+    def _result_or_failure(self, future: Any) -> Any:  # noqa: ANN401 - Dask has no types here
+        try:
+            return self._result(future)
+        except LostWorkerError:
+            return ItemFailure("the process that worked on it ended")
 
     def _result(self, future: Any) -> Any:  # noqa: ANN401 - Dask has no types here
         with self._translate_errors():

@@ -26,7 +26,8 @@ class SourceOptions:
 
     Each of `launches` is a launch file with its own arguments, quoted as in a shell. `execute`
     allows the Python of ROS 2 launch files to run, in the interpreter `python`. `env` are variables
-    as `given_environment` takes them, `env_all` takes all of the user's.
+    as `given_environment` takes them, `env_all` takes all of the user's. `start_method` is that of
+    ScanOptions.
     """
 
     launches: Sequence[str] = ()
@@ -34,6 +35,7 @@ class SourceOptions:
     env_all: bool = False
     jobs: int | None = None
     use_cache: bool = True
+    start_method: str = "spawn"
     execute: bool = False
     python: str | None = None
 
@@ -114,7 +116,10 @@ def open_workspace_source(
         tuple(folders),
         tuple(launches),
         environ,
-        static_scan_options(options.jobs, use_cache=options.use_cache, progress=progress),
+        replace(
+            static_scan_options(options.jobs, use_cache=options.use_cache, progress=progress),
+            start_method=options.start_method,
+        ),
         workspace,
         ros,
         _launch_execution(options, ros),

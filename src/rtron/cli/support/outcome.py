@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 
 OK, FINDINGS, BAD_INPUT = 0, 1, 2
+INTERRUPTED = 130
+"""128 and the number of SIGINT, as shells have it."""
 STDOUT = Path("-")
 _FILE_WIDTH = 100
 

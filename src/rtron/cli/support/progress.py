@@ -1,7 +1,8 @@
-"""A progress bar on standard error, where that is a terminal."""
+"""Progress on standard error: a bar where that is a terminal, else a line now and then."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from rtron.reports.sanitize import sanitize
@@ -10,21 +11,32 @@ if TYPE_CHECKING:
     from rtron.sources.static.common.scan_options import Progress as ProgressCallback
 
 _MAX_SHOWN = 40
+LINE_INTERVAL_S = 30.0
+"""Seconds between two lines of progress where there is no terminal."""
 
 
 @contextmanager
 def show_progress() -> "Iterator[ProgressCallback]":
     """Yield a callback that shows the progress of a scan until the end of the block."""
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-    from rtron.sources.static.common.scan_options import ignore_progress
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+    )
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield ignore_progress
+        yield progress_lines(lambda line: console.print(line, markup=False, soft_wrap=True))
         return
-    parts = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn())
+    parts = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
     with Progress(*parts, console=console, transient=True) as bar:
         task = bar.add_task("reading", total=None)
 
@@ -33,6 +45,21 @@ def show_progress() -> "Iterator[ProgressCallback]":
             bar.update(task, completed=done, total=known, description=description)
 
         yield update
+
+
+def progress_lines(
+    print_line: Callable[[str], None], clock: Callable[[], float] = monotonic
+) -> "ProgressCallback":
+    """Return a callback that prints a line if the last one is LINE_INTERVAL_S ago; none at once."""
+    last = clock()
+
+    def update(done: int, known: int, what: str) -> None:
+        nonlocal last
+        if clock() - last >= LINE_INTERVAL_S:
+            last = clock()
+            print_line(f"{done} of {known}: {sanitize(what)}")
+
+    return update
 
 
 @contextmanager

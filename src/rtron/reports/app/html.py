@@ -5,22 +5,19 @@ style that stand in it, by their hashes. Names that strangers chose come in as J
 text nodes; nothing of them is ever read as HTML.
 """
 
-import json
 import re
 from collections.abc import Sequence
 from html import escape
 from string import Template
-from typing import Any
 
 from rtron.reports.app.page_data import NO_LINES, SourceLines, page_data
-from rtron.reports.inline_page import page_text, policy
+from rtron.reports.inline_page import inline_json, page_text, policy
 from rtron.vocabulary import Finding, InteractionGraph, Plan, RiskReport
 
 _LAYOUT = ("graph/dagre.LICENSE.txt", "graph/dagre.min.js")
 _GRAPH = ("graph/model.js", "graph/layout.js", "graph/draw.js", "graph/viewport.js")
 _SCRIPTS = (*_GRAPH, "filters.js", "panels.js", "main.js")
 _MODULE_SYNTAX = re.compile(r"^import .*\n|^export ", re.MULTILINE)
-_UNSAFE = {ord(character): f"\\u{ord(character):04x}" for character in "<>&"}
 
 
 def graph_to_html(
@@ -42,13 +39,8 @@ def graph_to_html(
         style=style,
         layout=layout,
         program=program,
-        data=_inline_json(data),
+        data=inline_json(data),
     )
-
-
-def _inline_json(value: Any) -> str:  # noqa: ANN401 - plain JSON
-    """Return JSON that ends no script and opens no comment, whatever the names in it are."""
-    return json.dumps(value, separators=(",", ":")).translate(_UNSAFE)
 
 
 def _program() -> str:

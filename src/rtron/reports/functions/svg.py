@@ -30,7 +30,7 @@ def functions_to_svg(graph: AbstractGraph) -> str:
     Raise InputError if Graphviz is not installed.
     """
     drawn = main_flow(graph)
-    root = _parsed(_laid_out(functions_to_dot(graph)))
+    root = lay_out(functions_to_dot(graph))
     names = ", ".join(node.name for node in drawn.functions) or "none"
     _describe(root, " ".join((f"Functions: {names}.", *notes(graph))))
     _name_functions(root, drawn)
@@ -38,7 +38,8 @@ def functions_to_svg(graph: AbstractGraph) -> str:
     return etree.tostring(root, encoding="unicode") + "\n"
 
 
-def _laid_out(document: str) -> bytes:
+def lay_out(document: str) -> etree._Element:
+    """Return the picture of a DOT document as SVG; raise InputError if there is no Graphviz."""
     program = which("dot")
     if program is None:
         raise InputError(
@@ -46,16 +47,13 @@ def _laid_out(document: str) -> bytes:
             help="sudo apt-get install graphviz, or use --format dot or json",
         )
     command = [program, "-Tsvg"]
-    return subprocess.run(  # noqa: S603 - Graphviz, and a document of our own
+    drawn = subprocess.run(  # noqa: S603 - Graphviz, and a document of our own
         command, input=document.encode(), capture_output=True, check=True, timeout=_SECONDS
     ).stdout
-
-
-def _parsed(document: bytes) -> etree._Element:
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True
     )
-    return etree.fromstring(document, parser)
+    return etree.fromstring(drawn, parser)
 
 
 def _describe(root: etree._Element, text: str) -> None:

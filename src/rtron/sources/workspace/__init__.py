@@ -1,6 +1,12 @@
 """What the packages of a catkin workspace build and install, without building them."""
 
-from rtron.sources.workspace.catalog import Workspace, read_workspace
+from rtron.sources.workspace.catalog import (
+    Workspace,
+    indexed_workspace,
+    keep_workspaces,
+    kept_workspace,
+    read_workspace,
+)
 from rtron.sources.workspace.package_contents import BuildTarget, PackageContents, TargetKind
 from rtron.sources.workspace.plugin_description import Plugin, PluginClass
 from rtron.sources.workspace.program import Program, ProgramLanguage, program_digest
@@ -14,6 +20,9 @@ __all__ = [
     "ProgramLanguage",
     "TargetKind",
     "Workspace",
+    "indexed_workspace",
+    "keep_workspaces",
+    "kept_workspace",
     "program_digest",
     "read_workspace",
 ]

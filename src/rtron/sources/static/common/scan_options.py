@@ -21,9 +21,13 @@ def default_workers() -> int:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanOptions:
-    """`seconds` bounds the interpretation of one node; `cache` is a folder, None for no cache."""
+    """`seconds` bounds the interpretation of one node; `cache` is a folder, None for no cache.
+
+    `start_method` is how processes start (`multiprocessing`): a process without threads can fork.
+    """
 
     workers: int = field(default_factory=default_workers)
     seconds: float = 60.0
+    start_method: str = "spawn"
     cache: Path | None = None
     progress: Progress = ignore_progress

@@ -15,7 +15,7 @@ from rtron.executors.parent_process import follow_parent
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeInterface
 from rtron.sources.static.common.task import InterpretationTask, TaskResult, run_task
-from rtron.sources.workspace import Workspace
+from rtron.sources.workspace import indexed_workspace
 from rtron.vocabulary import Evidence, UnresolvedItem
 
 RECURSION_LIMIT = 20_000
@@ -56,7 +56,7 @@ def start_worker(packages: Mapping[str, Path], folders: tuple[Path, ...]) -> Non
     signal.signal(signal.SIGALRM, _time_up)
     follow_parent()
     Finalize(None, os._exit, args=(0,), exitpriority=_EXIT_PRIORITY)
-    _SOURCES["workspace"] = WorkspaceSources(Workspace(packages, folders))
+    _SOURCES["workspace"] = WorkspaceSources(indexed_workspace(packages, folders))
 
 
 def run_in_worker(task: InterpretationTask, seconds: float) -> TaskResult:

@@ -20,6 +20,7 @@ class WorkerPool:
     workspace: Workspace
     workers: int
     seconds: float
+    start_method: str = "spawn"
     _executor: ProcessPoolExecutor | None = None
 
     def run_tasks(
@@ -68,7 +69,7 @@ class WorkerPool:
         if self._executor is None:
             self._executor = ProcessPoolExecutor(
                 max_workers=max(1, workers),
-                mp_context=get_context("spawn"),
+                mp_context=get_context(self.start_method),
                 initializer=start_worker,
                 initargs=(self.workspace.packages, self.workspace.folders),
             )

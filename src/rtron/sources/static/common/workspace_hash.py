@@ -7,6 +7,7 @@ are follow from the names of all files and from the content of a few.
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 import rtron
 from rtron.folders import walk
@@ -17,12 +18,17 @@ from rtron.sources.workspace import Workspace
 _BUILD_FILE_SUFFIXES = (".xml", ".cmake", "CMakeLists.txt", "setup.py", "setup.cfg")
 
 
+_HASHES: WeakKeyDictionary[Workspace, str] = WeakKeyDictionary()
+
+
 def hash_workspace(workspace: Workspace) -> str:
-    """Return the hash of RTron itself and of a workspace's structure."""
-    parts = [_hash_own_code(), *map(str, workspace.folders)]
-    for name, package in sorted(workspace.packages.items()):
-        parts.extend((name, str(package), *_package_entries(package)))
-    return hash_texts(parts)
+    """Return the hash of RTron itself and of a workspace's structure, at the first call."""
+    if workspace not in _HASHES:
+        parts = [_hash_own_code(), *map(str, workspace.folders)]
+        for name, package in sorted(workspace.packages.items()):
+            parts.extend((name, str(package), *_package_entries(package)))
+        _HASHES[workspace] = hash_texts(parts)
+    return _HASHES[workspace]
 
 
 def _package_entries(package: Path) -> Iterator[str]:

@@ -58,7 +58,9 @@ def scan_app(
     resolver = InterfaceResolver(
         workspace=workspace,
         cache=open_cache(scan_options.cache, state),
-        pool=WorkerPool(workspace, scan_options.workers, scan_options.seconds),
+        pool=WorkerPool(
+            workspace, scan_options.workers, scan_options.seconds, scan_options.start_method
+        ),
         progress=scan_options.progress,
     )
     launch_trees = LaunchTrees(

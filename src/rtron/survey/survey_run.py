@@ -1,0 +1,138 @@
+"""A survey: the apps of a folder that have no result yet are scanned, several at a time."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+
+from rtron.errors import InputError
+from rtron.executors import DaskExecutor, ItemFailure, ThreadExecutor
+from rtron.functions.reading.skipped_entries import SkippedEntry
+from rtron.sources.static.common.scan_options import Progress, default_workers
+from rtron.survey.app_listing import AppToScan, ScanRequest, find_apps
+from rtron.survey.app_survey import AppResult
+from rtron.survey.results_file import ResultsFile, results_file
+from rtron.survey.scan_client import ScanServers, scan_once
+
+DEFAULT_SECONDS = 120.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SurveyOptions:
+    """Where a survey works and for how long: `seconds` bound each app.
+
+    `jobs` processes scan side by side, by default one a core, or the workers of `cluster`. Without
+    `use_cache` nothing of earlier runs counts, and nothing is kept.
+    """
+
+    seconds: float = DEFAULT_SECONDS
+    jobs: int | None = None
+    cluster: str | None = None
+    use_cache: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Survey:
+    """The results in the order of the apps, and the launch files that are no apps.
+
+    `reused` results are from earlier runs. One that a person ended has no results for `missing`
+    apps. It took `seconds`.
+    """
+
+    results: Sequence[AppResult]
+    left_out: Sequence[SkippedEntry] = ()
+    reused: int = 0
+    missing: int = 0
+    seconds: float = 0.0
+
+    def failures(self) -> Iterator[SkippedEntry]:
+        """Yield the apps that could not be scanned, with the reasons."""
+        for result in self.results:
+            if result.survey is None:
+                yield SkippedEntry(location=result.app, reason=result.error)
+
+
+def run_survey(folder: Path, options: SurveyOptions, progress: Progress) -> Survey:
+    """Return the survey of the apps below a folder; Ctrl-C ends it with the results that it has.
+
+    Raise InputError for a folder that cannot be read or without apps, and if both processes and a
+    cluster are asked for; SourceError where the cluster does not answer.
+    """
+    if options.cluster and options.jobs:
+        help = "leave one of the two out: a cluster has its own workers"
+        raise InputError("both --cluster and --jobs are given", help=help)
+    started, left_out = monotonic(), list[SkippedEntry]()
+    apps = list(find_apps(folder, left_out.append, progress))
+    if not apps:
+        help = "rtron scan DIR lists the launch files and the arguments that they need"
+        raise InputError("no app can be scanned", path=str(folder), help=help)
+    store = results_file(folder) if options.use_cache else ResultsFile(None)
+    results = dict(store.read(apps, options.seconds))
+    reused = len(results)
+    is_whole = _scan_missing(apps, options, store, results, progress)
+    if is_whole:
+        store.compact(apps, options.seconds)
+    return Survey(
+        results=[results[app.name] for app in apps if app.name in results],
+        left_out=left_out,
+        reused=reused,
+        missing=len(apps) - len(results),
+        seconds=monotonic() - started,
+    )
+
+
+def _scan_missing(
+    apps: Sequence[AppToScan],
+    options: SurveyOptions,
+    store: ResultsFile,
+    results: dict[str, AppResult],
+    progress: Progress,
+) -> bool:
+    """Scan the apps without a result and add theirs; tell whether all were, not ended before."""
+    missing = [app for app in apps if app.name not in results]
+    progress(len(results), len(apps), "")
+    failed = sum(not result.survey for result in results.values())
+    try:
+        with closing(_scan(missing, options)) as scanned:
+            for app, result in scanned:
+                store.add(app, result, options.seconds)
+                results[app.name] = result
+                failed += not result.survey
+                progress(len(results), len(apps), f"{failed} failed, {app.name}")
+    except KeyboardInterrupt:
+        return False
+    return True
+
+
+def _scan(
+    apps: Sequence[AppToScan], options: SurveyOptions
+) -> Iterator[tuple[AppToScan, AppResult]]:
+    requests = [
+        ScanRequest(app=app, seconds=options.seconds, use_cache=options.use_cache) for app in apps
+    ]
+    if not requests:
+        return
+    if options.cluster:
+        outcomes = DaskExecutor(options.cluster).map_unordered(scan_once, requests)
+        for request, outcome in outcomes:
+            yield request.app, _result(request, outcome)
+        return
+    cores = default_workers()
+    executor = ThreadExecutor(min(options.jobs or cores, cores, len(requests)))
+    with closing(ScanServers()) as servers:
+        for request, outcome in executor.map_unordered(servers.scan, requests):
+            yield request.app, _result(request, outcome)
+
+
+def _result(request: ScanRequest, outcome: AppResult | ItemFailure) -> AppResult:
+    if isinstance(outcome, AppResult):
+        return outcome
+    return AppResult(
+        app=request.app.name,
+        repository=request.app.repository_name,
+        ros=request.app.ros,
+        seconds=0.0,
+        error=outcome.reason,
+        is_final=False,
+    )

@@ -1,0 +1,131 @@
+"""The page of a survey, also in a real browser: Debian's chromium and chromium-driver."""
+
+import os
+import re
+import shutil
+
+import pytest
+from survey_cases import HOSTILE, SURVEY
+
+from rtron.survey.reports import page_graph
+from rtron.survey.reports.page import survey_page
+from rtron.survey.survey_run import Survey
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+needs_browser = pytest.mark.skipif(
+    not (CHROMIUM and DRIVER), reason="needs Debian's chromium and chromium-driver"
+)
+webdriver = pytest.importorskip("selenium.webdriver", reason="needs Selenium")
+from selenium.webdriver.common.by import By  # noqa: E402
+
+WINDOWS = [(1300, 900), (390, 844)]
+
+
+def test_the_page_asks_nobody_for_anything():
+    page = survey_page(SURVEY)
+    assert "default-src 'none'" in page
+    namespaces = ("http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink")
+    assert set(re.findall(r"https?://[^\"' ]+", page)) <= set(namespaces)
+    assert HOSTILE not in page
+
+
+def test_a_survey_without_apps_is_a_page():
+    assert "None." in survey_page(Survey(results=[]))
+
+
+def test_without_graphviz_the_page_says_so(monkeypatch):
+    monkeypatch.setenv("PATH", "/nonexistent")
+    assert "needs Graphviz" in page_graph.graph_picture(
+        page_graph.SurveyCounts([result for result in SURVEY.results if result.survey])
+    )
+
+
+@pytest.fixture(scope="module")
+def browser():
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    for argument in ("--headless=new", "--disable-dev-shm-usage", "--hide-scrollbars"):
+        options.add_argument(argument)
+    if os.geteuid() == 0:
+        options.add_argument("--no-sandbox")
+    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    yield browser
+    browser.quit()
+
+
+@pytest.fixture(params=WINDOWS, ids=["desktop", "phone"])
+def page(browser, request, tmp_path):
+    """Open the page in a window; its console must be silent."""
+    path = tmp_path / "survey.html"
+    path.write_text(survey_page(SURVEY), encoding="utf-8")
+    browser.set_window_size(*request.param)
+    browser.get(path.as_uri())
+    yield browser
+    assert browser.get_log("browser") == []
+
+
+def apps(page):
+    shown = page.find_elements(By.CSS_SELECTOR, "#lines .app button")
+    return [each.text for each in shown]
+
+
+def follow(page, selector):
+    """Follow a link as a click does, wherever it stands in a frame that scrolls."""
+    page.execute_script("document.querySelector(arguments[0]).click()", selector)
+
+
+@needs_browser
+def test_each_app_has_a_line_and_one_that_failed_its_reason(page):
+    assert apps(page) == [result.app for result in SURVEY.results]
+    assert "not done within 60 s" in page.find_element(By.ID, "lines").text
+
+
+@needs_browser
+@pytest.mark.parametrize(
+    ("link", "fitting"),
+    [
+        ("#risks tbody tr:nth-child(1) .figure a", ["one/launch/nav.launch"]),
+        ("#risks tbody tr:nth-child(2) .figure a", [HOSTILE]),
+        ("#categories .figure a", ["one/launch/nav.launch"]),
+        ("#interactions .figure a", ["one/launch/nav.launch"]),
+        (".matrix td a", ["one/launch/nav.launch"]),
+        (".picture .edge a", ["one/launch/nav.launch"]),
+        ("#findings .figure a", ["one/launch/nav.launch"]),
+        ("#left-out a", ["late/launch/late.launch"]),
+    ],
+)
+def test_a_figure_leads_to_the_apps_that_it_counts(page, link, fitting):
+    page.execute_script(
+        "const link = document.querySelector(arguments[0]);"
+        "location.hash = link.getAttribute('href') ?? link.getAttribute('xlink:href');",
+        link,
+    )
+    assert apps(page) == fitting
+
+
+@needs_browser
+def test_a_line_opens_what_was_found_with_its_place(page):
+    follow(page, "#lines .app button")
+    shown = page.find_element(By.CSS_SELECTOR, ".details").text
+    assert "/teleop and /tracker both drive the robot on /cmd_vel" in shown
+    assert "me/app/launch/x.launch:7" in shown
+
+
+@needs_browser
+def test_lines_are_searched_and_sorted(page):
+    query = page.find_element(By.ID, "query")
+    query.send_keys("teleop")
+    assert apps(page) == [HOSTILE]
+    query.clear()
+    query.send_keys(" ")
+    follow(page, "#lines thead th:nth-child(3) button")
+    assert apps(page)[0] == HOSTILE
+
+
+@needs_browser
+def test_nothing_is_wider_than_the_window(page):
+    wide = page.execute_script(
+        "return document.documentElement.scrollWidth - document.documentElement.clientWidth"
+    )
+    assert wide == 0
