@@ -95,7 +95,9 @@ def _length(part: str | Unknown) -> int:
 
 
 def _map_entry(owner: MapValue, key: Value) -> Value:
-    if not isinstance(key, Scalar):
+    name = owner.key_of(key)
+    if name is OPEN:
         return join(owner.entries.values()) if owner.entries else Unknown(text_with_holes(key))
-    missing = owner.fields.get(OPEN, Unknown(str(key.value)))
-    return owner.fields.get(key.value, missing)
+    label = str(key.value) if isinstance(key, Scalar) else text_with_holes(key)
+    missing = owner.fields.get(OPEN, Unknown(label))
+    return owner.fields.get(name, missing)

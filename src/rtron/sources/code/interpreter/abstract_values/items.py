@@ -14,6 +14,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     is_tainted,
+    key_value,
     options,
 )
 
@@ -82,9 +83,9 @@ def _map_items(value: MapValue) -> tuple[Value, ...]:
     return tuple(_key(key, entry) for key, entry in value.entries.items())
 
 
-def _key(key: object, entry: Value) -> Scalar:
+def _key(key: object, entry: Value) -> Value:
     """Return a map's key, marked as its entry is: both came out of the parameter server."""
-    return Scalar(key, _holds_parameter(entry))
+    return key_value(key, tainted=_holds_parameter(entry))
 
 
 def _holds_parameter(value: Value, depth: int = _MAX_DEPTH) -> bool:

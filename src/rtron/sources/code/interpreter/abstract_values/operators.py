@@ -2,16 +2,23 @@
 
 import operator
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeGuard
 
 from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    MAX_CHOICES,
     MAX_LENGTH,
+    OPEN,
     UNKNOWN,
     Choice,
+    ClassValue,
     ExternalSymbol,
+    FunctionValue,
+    Instance,
+    LibraryFunction,
     ListValue,
     MapValue,
+    MessageType,
     PartialText,
     Scalar,
     Unknown,
@@ -25,6 +32,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 
 MAX_BITS = 256
+MAX_PAIRS = 2 * MAX_CHOICES
 
 _ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": operator.add,
@@ -38,6 +46,7 @@ _ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "^": operator.xor,
     ">>": operator.rshift,
 }
+_COMPARED = (MessageType, LibraryFunction)
 _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
     "==": operator.eq,
     "!=": operator.ne,
@@ -50,12 +59,22 @@ _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
 }
 
 
+_SETS: Mapping[str, Callable[[Any, Any], Any]] = {
+    "|": operator.or_,
+    "&": operator.and_,
+    "-": lambda one, other: one and not other,
+    "^": operator.ne,
+}
+
+
 def binary(name: str, left: Value, right: Value) -> Value:
     """Return `left name right` over every option of both."""
     if not isinstance(left, Choice) and not isinstance(right, Choice):
         return _binary(name, left, right)
     pairs = [(one, other) for one in options(left) for other in options(right)]
-    return join([_binary(name, *pair) for pair in pairs[: 2 * 24]])
+    if len(pairs) > MAX_PAIRS:
+        return Unknown("many", is_tainted(left) or is_tainted(right))
+    return join([_binary(name, *pair) for pair in pairs])
 
 
 def _binary(name: str, left: Value, right: Value) -> Value:
@@ -69,7 +88,25 @@ def _binary(name: str, left: Value, right: Value) -> Value:
         return _add(left, right)
     if name == "*" and isinstance(left, ListValue):
         return _repeat(left, right)
+    if name in _SETS and is_set(left) and isinstance(right, ListValue):
+        return _combine_sets(name, left, right)
+    if name == "|" and isinstance(left, MapValue) and isinstance(right, MapValue):
+        return MapValue({**left.fields, **right.fields})
     return _arithmetic(name, left, right)
+
+
+def is_set(value: Value) -> TypeGuard[ListValue]:
+    """Tell whether a value is a set."""
+    return isinstance(value, ListValue) and value.kind == "set"
+
+
+def _combine_sets(name: str, left: ListValue, right: ListValue) -> Value:
+    """`a | b`, `a & b`, `a - b`, `a ^ b` of sets; where that is not known, all they hold."""
+    items = (*left.items, *(item for item in right.items if item not in left.items))
+    answers = [(_contains(item, left), _contains(item, right)) for item in items]
+    kept = [item for item, sides in zip(items, answers, strict=True) if _SETS[name](*sides)]
+    known = all(side is not None for sides in answers for side in sides)
+    return ListValue({"items": tuple(kept) if known else items, "open": not known}, left.kind)
 
 
 def _add(left: Value, right: Value) -> Value:
@@ -114,7 +151,8 @@ def _check_size(value: Any) -> Any:  # noqa: ANN401 - any Python value
 
 
 def _compare(name: str, left: Value, right: Value) -> Value:
-    if left is right and not isinstance(left, (Unknown, ExternalSymbol, PartialText)):
+    is_same = left is right or (isinstance(left, _COMPARED) and left == right)
+    if is_same and not isinstance(left, (Unknown, ExternalSymbol, PartialText)):
         return Scalar(name in {"==", "is", "<=", ">="})
     if isinstance(left, Scalar) and isinstance(right, Scalar):
         try:
@@ -123,10 +161,31 @@ def _compare(name: str, left: Value, right: Value) -> Value:
             return Unknown("comparison")
         return Scalar(answer, left.tainted or right.tainted)
     if isinstance(left, ListValue) and isinstance(right, ListValue):
+        return _compare_lists(name, left, right)
+    if isinstance(left, MapValue) and isinstance(right, MapValue):
         return Unknown("comparison")
     if _is_undecidable(left) or _is_undecidable(right):
         return Unknown("comparison")
+    if _compares_itself(left) and type(left) is type(right):
+        return Unknown("comparison")
     return Scalar(name in {"!=", "is not"})
+
+
+def _compare_lists(name: str, left: ListValue, right: ListValue) -> Value:
+    """Compare lists of numbers and texts; which of others are equal is not known."""
+    items = (*left.items, *right.items)
+    plain = all(isinstance(item, Scalar) for item in items) and left.kind == right.kind != "set"
+    if not plain or left.open or right.open or name not in {"==", "!="}:
+        return Unknown("comparison")
+    return Scalar((left.items == right.items) is (name == "=="))
+
+
+def _compares_itself(value: Value) -> bool:
+    """Tell whether equal values may be different objects: records, bound methods, `__eq__`."""
+    if isinstance(value, Instance):
+        is_plain = isinstance(value.type, ClassValue)
+        return not is_plain or not {"__eq__", "__fields__"}.isdisjoint(value.type.fields)  # type: ignore[union-attr]
+    return isinstance(value, FunctionValue)
 
 
 def _is_undecidable(value: Value) -> bool:
@@ -139,15 +198,21 @@ def _membership(name: str, item: Value, container: Value) -> Value:
 
 
 def _contains(item: Value, container: Value) -> bool | None:
+    if isinstance(container, MapValue):
+        return _is_key(container.key_of(item), container)
     if not isinstance(item, Scalar):
         return None
     if isinstance(container, Scalar) and isinstance(container.value, str):
         return str(item.value) in container.value
-    if isinstance(container, MapValue):
-        return True if item.value in container.entries else (None if container.open else False)
     if isinstance(container, ListValue):
         return _is_item(item, container)
     return None
+
+
+def _is_key(key: object, container: MapValue) -> bool | None:
+    if key is not OPEN and key in container.entries:
+        return True
+    return None if container.open or key is OPEN else False
 
 
 def _is_item(item: Scalar, container: ListValue) -> bool | None:
@@ -161,7 +226,8 @@ def _is_item(item: Scalar, container: ListValue) -> bool | None:
 def _repeat(items: ListValue, times: Value) -> Value:
     if isinstance(times, Scalar) and isinstance(times.value, int):
         count = max(0, min(times.value, MAX_LENGTH // max(1, len(items.items))))
-        return list_of(items.items * count, items.kind)
+        is_whole = count == max(0, times.value) and not items.open
+        return list_of(items.items * count, items.kind, certain=is_whole)
     return list_of(items.items, items.kind, certain=False)
 
 

@@ -81,15 +81,16 @@ class ListValue:
 
 @dataclass(eq=False, slots=True)
 class MapValue:
-    """A dict or std::map; keys are the values of Scalars, `OPEN` marks unknown further entries.
+    """A dict or std::map; keys are what `map_key` says, `OPEN` marks unknown further entries.
 
     `iterates_pairs` marks a map of C++, whose items are pairs; `default_factory` makes the value
-    of a new key.
+    of a new key. `is_namespace` says that the entries are variables or members: `vars(owner)`.
     """
 
     fields: dict[Any, "Value"] = field(default_factory=dict)
     iterates_pairs: bool = False
     default_factory: Callable[[], "Value"] | None = None
+    is_namespace: bool = False
 
     @property
     def entries(self) -> dict[Any, "Value"]:
@@ -100,6 +101,12 @@ class MapValue:
     def open(self) -> bool:
         """Whether there may be entries that are not known."""
         return OPEN in self.fields
+
+    def key_of(self, key: "Value") -> Any:  # noqa: ANN401 - any key
+        """Return the key that a value is here, or OPEN; C++ compares objects by what they hold."""
+        if self.iterates_pairs:
+            return key.value if isinstance(key, Scalar) else OPEN
+        return map_key(key)
 
     def missing_note(self, key: object) -> tuple[str, str] | None:  # noqa: ARG002 - for others
         """Return what to note, and why, if a key is read that is not there; None for nothing."""
@@ -229,6 +236,28 @@ Value: TypeAlias = (
     | BindPlaceholder
 )
 
+def map_key(value: Value) -> Any:  # noqa: ANN401 - any key
+    """Return the key that a value is in a dict; OPEN for one that is not known.
+
+    It is a Scalar's value, a tuple of keys for a tuple, and an object, class or function itself.
+    """
+    if isinstance(value, Scalar):
+        return value.value
+    if isinstance(value, ListValue) and value.kind == "tuple" and not value.open:
+        keys = tuple(map_key(item) for item in value.items)
+        return OPEN if OPEN in keys else keys
+    return value if isinstance(value, _IDENTIFIED) else OPEN
+
+
+def key_value(key: object, *, tainted: bool = False) -> Value:
+    """Return the value that a key of a dict stands for."""
+    if isinstance(key, tuple):
+        items = tuple(key_value(item, tainted=tainted) for item in key)
+        return ListValue({"items": items, "open": False}, "tuple")
+    return key if isinstance(key, _IDENTIFIED) else Scalar(key, tainted)
+
+
+_IDENTIFIED = (Instance, ClassValue, MessageType, FunctionValue, LibraryFunction, LibraryClass)
 NONE = Scalar(None)
 UNKNOWN = Unknown()
 TRUE = Scalar(value=True)
@@ -289,8 +318,16 @@ def _truth_of_container(value: Any) -> bool | None:  # noqa: ANN401 - a list or 
 
 def _truth_of_instance(value: Any) -> bool | None:  # noqa: ANN401 - an Instance
     if not isinstance(value.type, LibraryClass):
-        return True
+        return None if _decides_truth(value.type) else True
     return truth(value.fields["truth"]) if "truth" in value.fields else None
+
+
+def _decides_truth(cls: Value, depth: int = 4) -> bool:
+    """Tell whether a class of Python says itself when an object counts as true."""
+    if not isinstance(cls, ClassValue) or not depth:
+        return False
+    own = not {"__bool__", "__nonzero__", "__len__"}.isdisjoint(cls.fields)
+    return own or any(_decides_truth(base, depth - 1) for base in cls.bases)
 
 
 def _truth_of_text(value: Any) -> bool | None:  # noqa: ANN401 - a PartialText
@@ -342,11 +379,14 @@ def concat(values: Iterable[Value]) -> Value:
     """Return the string that `values` make together, over every combination of options."""
     results: list[tuple[tuple[str | Unknown, ...], bool]] = [((), False)]
     for value in values:
-        results = [
+        found = (
             (parts + parts_of(option), tainted or is_tainted(option))
             for parts, tainted in results
             for option in options(value)
-        ][:MAX_CHOICES]
+        )
+        results = list(dict.fromkeys(found))
+        if len(results) > MAX_CHOICES:
+            return Unknown("many")
     return join([_merge_parts(parts, tainted=tainted) for parts, tainted in results])
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
     ClassValue,
@@ -25,7 +24,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.cpp.iterators import dereference
 from rtron.sources.code.interpreter.cpp.mutating_methods import mutate
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
-from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.arguments import OPEN_KEYWORD, Arguments
 from rtron.sources.code.interpreter.execution.assignment import slot_of
 from rtron.sources.code.interpreter.execution.exceptions import (
     call_may_throw,
@@ -153,6 +152,7 @@ def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments)
     machine.escape_arguments(arguments)
     name = callee_name(called)
     note_passed_handle(machine, name, arguments)
+    machine.runtime.note_unknown_call(called, arguments)
     if not (name.isupper() or name.removeprefix("std::") in READ_ONLY_FUNCTIONS):
         _forget_written_strings(machine, name.rpartition("::")[2], arguments)
     return Unknown(f"{name}()")
@@ -189,22 +189,36 @@ def callee_name(called: Value) -> str:
 
 
 def _evaluate_arguments(machine: AbstractMachine, node: Call, frame: StackFrame) -> Arguments:
-    values: list[Value] = []
-    for arg in node.args:
-        if isinstance(arg, Star):
-            values.extend(items_of(machine.evaluate(arg.value, frame))[0])
-        else:
-            value = machine.evaluate(arg, frame)
-            values.append(dereference(value) if isinstance(arg, Name) else value)
+    values, is_known = _evaluate_values(machine, node, frame)
+    keywords = _evaluate_keywords(machine, node, frame) if node.keywords else {}
     by_reference = machine.runtime.passes_by_reference
     return Arguments(
         values=tuple(values),
-        keywords=_evaluate_keywords(machine, node, frame) if node.keywords else {},
+        keywords=keywords if is_known else {**keywords, OPEN_KEYWORD: Unknown("*")},
         slots=tuple([_argument_slot(machine, a, frame) for a in node.args]) if by_reference else (),
         types=_template_arguments(node.function),
         line=node.line,
         frame=frame,
     )
+
+
+def _evaluate_values(
+    machine: AbstractMachine, node: Call, frame: StackFrame
+) -> tuple[list[Value], bool]:
+    """Return the positional arguments, and whether these are all; where are those behind `*`?"""
+    values: list[Value] = []
+    is_known = True
+    for arg in node.args:
+        value = machine.evaluate(arg.value if isinstance(arg, Star) else arg, frame)
+        if isinstance(arg, Star):
+            items, certain = machine.runtime.iterate(value)
+            values.extend(items if is_known else ())
+            is_known = is_known and certain
+        elif is_known:
+            values.append(dereference(value) if isinstance(arg, Name) else value)
+        else:
+            values.append(Unknown("*"))
+    return values, is_known
 
 
 def _argument_slot(machine: AbstractMachine, node: Expr, frame: StackFrame) -> StorageSlot | None:
@@ -229,6 +243,8 @@ def _evaluate_keywords(machine: AbstractMachine, node: Call, frame: StackFrame) 
             keywords[name] = value
         elif isinstance(value, MapValue):
             keywords.update({str(key): entry for key, entry in value.entries.items()})
+        if name == "**" and (not isinstance(value, MapValue) or value.open):
+            keywords[OPEN_KEYWORD] = Unknown("**")
     return keywords
 
 

@@ -1,18 +1,24 @@
 """Python's modules: running them, and what an import brings."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    NONE,
     ExternalSymbol,
+    Instance,
     LibraryFunction,
+    ListValue,
     MapValue,
     ModuleValue,
     Scalar,
     Value,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
@@ -23,12 +29,23 @@ from rtron.sources.code.ir import (
     Import,
     Lambda,
     SourceLanguage,
+    Try,
     Unit,
+)
+from rtron.sources.code.ir.python_references import (
+    aliases,
+    callees,
+    dynamic_calls,
+    mentioned_names,
 )
 from rtron.sources.code.library_models.common.message_types import (
     is_message_package,
     python_message_type,
 )
+from rtron.vocabulary import Evidence
+
+_GENERATED = {"msg", "srv", "action", "cfg"}
+_OPERATION = re.compile(r"__(?!init__|new__|main__|post_init__|call__)\w+__")
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
@@ -38,9 +55,12 @@ class PythonModules:
     files: SourceProvider
     library: Mapping[str, Value]
     machine: AbstractMachine = field(init=False)
+    import_line: int = 0
     _modules: dict[Path, ModuleValue] = field(default_factory=dict)
     _star_imports: dict[int, list[str]] = field(default_factory=dict)
     _functions_by_name: dict[str, list[Function]] = field(default_factory=dict)
+    _aliases: dict[str, set[str]] = field(default_factory=dict)
+    _operations: list[Function] = field(default_factory=list)
 
     def run_module(self, path: Path, name: str) -> ModuleValue:
         """Run a file's top level as the module `name`."""
@@ -66,9 +86,29 @@ class PythonModules:
         """Return the functions with a name, in the modules that were loaded."""
         return tuple(self._functions_by_name.get(name, ()))
 
+    def related_names(self, function: Function) -> frozenset[str]:
+        """Return the names of what a function may call, by whatever name it calls it."""
+        found, queue = set(mentioned_names(function)), list(callees(function))
+        found.update(queue)
+        while queue:
+            behind = self._aliases.get(queue.pop(), set()) - found
+            found |= behind
+            queue.extend(behind)
+        return frozenset(found)
+
+    def calls_unknown(self, function: Function) -> bool:
+        """Tell whether a function calls what its source does not name, or may do so by a method.
+
+        Such a method is one of Python's operations, `__getitem__`, that itself joins nodes.
+        """
+        called = dynamic_calls(function)
+        if any(name not in self._functions_by_name for name in called):
+            return True
+        return any(self.machine.is_relevant(self.machine, each) for each in self._operations)
+
     def import_(self, node: Import, frame: StackFrame) -> None:
         """Bind what an import brings: a scanned module, or a library by its name."""
-        importer = Path(frame.file)
+        importer, self.import_line = Path(frame.file), node.line
         if node.name == "*":
             self._import_all(self._module(_module_name(node), importer), frame)
             return
@@ -97,17 +137,35 @@ class PythonModules:
             return MapValue(self._library_members(f"{owner.name}."))
         if isinstance(owner, ExternalSymbol):
             return self._library_member(f"{owner.name}.{name}")
-        return (
-            self.library.get(f"{owner.name}.{name}") if isinstance(owner, LibraryFunction) else None
-        )
+        return self._function_member(owner, name) if isinstance(owner, LibraryFunction) else None
+
+    def _function_member(self, owner: LibraryFunction, name: str) -> Value | None:
+        """Return a member of what a library's function stands for: `Base.__init__` of its class."""
+        if name == "__call__":
+            return owner
+        if name == "__name__":
+            return Scalar(owner.name.rpartition(".")[2])
+        if name == "__init__":
+            return LibraryFunction(name, partial(initialise_base, owner))
+        return self.library.get(f"{owner.name}.{name}")
 
     def _module(self, dotted: str, importer: Path) -> Value:
         path = self.files.python_module(dotted, importer)
         if path is None or (
             self.is_library(dotted) and not self._is_in_script_folder(path, dotted)
         ):
+            self._note_missing(dotted, importer)
             return ExternalSymbol(dotted)
         return self._modules.get(path) or self.run_module(path, dotted)
+
+    def _note_missing(self, dotted: str, importer: Path) -> None:
+        """Note a module of the workspace that is not there; what a build makes is none."""
+        package, _, rest = dotted.partition(".")
+        is_ours = not package or self.files.package_path(package) is not None
+        if is_ours and rest.strip(".") and not _GENERATED.intersection(rest.split(".")):
+            place = Evidence(file=str(importer), line=self.import_line)
+            why = "the workspace has no such module: what it joins is not known"
+            self.machine.recorder.add_unresolved(f"import of {dotted}", why, place)
 
     def is_library(self, dotted: str) -> bool:
         """Tell whether a module is one of a library that RTron knows, or has messages."""
@@ -144,9 +202,8 @@ class PythonModules:
 
     def _import_all(self, module: Value, frame: StackFrame) -> None:
         if isinstance(module, ModuleValue):
-            for name, value in list(module.fields.items()):
-                if not name.startswith("__"):
-                    self.machine.undo_log.set(frame.variables, name, value)
+            for name, value in _exported(module):
+                self.machine.undo_log.set(frame.variables, name, value)
         elif isinstance(module, ExternalSymbol):
             self._star_imports.setdefault(id(frame.variables), []).append(module.name)
 
@@ -173,14 +230,35 @@ class PythonModules:
             self.machine.recorder.add_problem(path, problem)
         for name, function in named_functions(unit.body):
             self._functions_by_name.setdefault(name, []).append(function)
+            if _OPERATION.fullmatch(function.name):
+                self._operations.append(function)
+        for name, behind in aliases(unit.body):
+            self._aliases.setdefault(name, set()).update(behind)
+
+
+def initialise_base(
+    base: LibraryFunction, machine: AbstractMachine, _: object, arguments: Arguments
+) -> Value:
+    """`Base.__init__(self, …)` of a class of a library."""
+    made, owner = base.call(machine, base.owner, arguments.without_first(1)), arguments.get(0)
+    if isinstance(made, Instance) and isinstance(owner, Instance):
+        for name, value in made.fields.items():
+            machine.undo_log.set(owner.fields, name, value)
+    return NONE
+
+
+_MAKERS = {"__init__", "__new__", "__post_init__"}
 
 
 def named_functions(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[str, Function]]:
-    """Yield every function with the plain name it is called by: `__init__` by its class's."""
+    """Yield every function with the plain name it is called by: `__init__` by its class's.
+
+    What a class's objects are called by is their class's name, too.
+    """
     for statement in body:
         definition = statement.definition if isinstance(statement, Define) else None
         if isinstance(definition, Function):
-            yield (cls if definition.name == "__init__" else definition.name), definition
+            yield (cls if definition.name in _MAKERS else definition.name), definition
             yield from named_functions(definition.body or ())
         elif isinstance(definition, Class):
             yield from named_functions(definition.body, definition.name)
@@ -190,6 +268,17 @@ def named_functions(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[s
         else:
             for name in ("body", "orelse", "final"):
                 yield from named_functions(getattr(statement, name, ()) or ())
+            for _, _, handler in statement.handlers if isinstance(statement, Try) else ():
+                yield from named_functions(handler)
+
+
+def _exported(module: ModuleValue) -> list[tuple[str, Value]]:
+    """Return what `from module import *` brings: what `__all__` lists, else what is not private."""
+    listed = module.fields.get("__all__")
+    if isinstance(listed, ListValue) and not listed.open:
+        names = [item.value for item in listed.items if isinstance(item, Scalar)]
+        return [(name, module.fields[name]) for name in names if name in module.fields]
+    return [(name, value) for name, value in module.fields.items() if not name.startswith("_")]
 
 
 def _reexported_name(dotted: str) -> str:

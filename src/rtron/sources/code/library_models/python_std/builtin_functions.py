@@ -2,24 +2,23 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
-
 from rtron.sources.code.interpreter.abstract_values.elements import SLICE
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
-    OPEN,
     TRUE,
     UNKNOWN,
     ClassValue,
     ExternalSymbol,
+    FunctionValue,
     Instance,
     LibraryClass,
     LibraryFunction,
     ListValue,
     MapValue,
+    ModuleValue,
     Scalar,
     Unknown,
     Value,
@@ -27,35 +26,54 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     is_tainted,
     join,
     map_options,
+    options,
     text_with_holes,
     truth,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.assignment import assign_member, forget_texts
 from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.interpreter.execution.language_runtime import python_runtime
+from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIONS
 from rtron.sources.code.interpreter.python.method_resolution_order import super_object
 from rtron.sources.code.ir import Class
+from rtron.sources.code.library_models.common.containers import dict_of, keyword_fields
 from rtron.sources.code.library_models.common.sorting import sort_items
+from rtron.sources.code.library_models.common.strings import apply_format_spec
 from rtron.sources.code.library_models.python_std.dynamic_code import (
     DYNAMIC_CODE_BUILTINS,
     get_member,
 )
+from rtron.sources.code.library_models.python_std.list_methods import ITERATORS, next_item
 
 MAX_RANGE = 256
 
 
-def _str(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return concat((arguments.get(0) or Scalar(""),))
+def _str(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    return concat((machine.runtime.shown(arguments.get(0) or Scalar("")),))
+
+
+def _repr(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    def shown(value: Value) -> Value:
+        is_text = isinstance(value, Scalar) and isinstance(value.value, str)
+        return Scalar(repr(value.value), value.tainted) if is_text else concat((value,))  # type: ignore[union-attr]
+
+    return map_options(arguments.get(0) or NONE, shown)
 
 
 def _number(
-    make: Callable[[Any], object], _: AbstractMachine, __: object, arguments: Arguments
+    make: Callable[..., object], _: AbstractMachine, __: object, arguments: Arguments
 ) -> Value:
+    """`int(text, base)`, `round(number, digits)` and the like."""
+    rest = [value.value for value in arguments.values[1:] if isinstance(value, Scalar)]
+    is_known = len(rest) == len(arguments.values[1:])
+
     def made(value: Value) -> Value:
         if not isinstance(value, Scalar):
             return value
         try:
-            return Scalar(make(value.value), value.tainted)
+            return Scalar(make(value.value, *rest), value.tainted) if is_known else Unknown("number")
         except (TypeError, ValueError, OverflowError):
             return Unknown("number")
 
@@ -68,7 +86,10 @@ def _bool(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     return Unknown("bool") if decided is None else Scalar(decided, is_tainted(value))
 
 
-def _len(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _len(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    method = machine.runtime.special_method(arguments.value(0), "__len__")
+    if method is not None:
+        return dispatch(machine, method, arguments.with_values())
     items, certain = items_of(arguments.value(0))
     return Scalar(len(items)) if certain else Unknown("len")
 
@@ -97,24 +118,46 @@ def _slice(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     )
 
 
-def _enumerate(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.value(0))
+def _enumerate(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    items, certain = machine.runtime.iterate(arguments.value(0))
     start = arguments.get(1, "start")
     first = start.value if isinstance(start, Scalar) and isinstance(start.value, int) else 0
     pairs = tuple(list_of((Scalar(first + at), item), "tuple") for at, item in enumerate(items))
     return list_of(pairs, certain=certain)
 
 
-def _zip(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    found = [items_of(value) for value in arguments.values]
-    rows = zip(*(items for items, _ in found), strict=False)
+def _zip(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    found = [machine.runtime.iterate(value) for value in arguments.values]
+    iterators = [iter(items) for items, _ in found]
+    for at, value in enumerate(arguments.values):
+        first = next(n for n, other in enumerate(arguments.values) if other is value)
+        if isinstance(value, ListValue) and value.kind in ITERATORS:
+            iterators[at] = iterators[first]
+    rows = zip(*iterators, strict=False)
     pairs = tuple(list_of(row, "tuple") for row in rows)
     return list_of(pairs, certain=all(certain for _, certain in found))
 
 
-def _copy(kind: str, _: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or list_of(()))
+def _copy(kind: str, machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    given = arguments.get(0) or list_of(())
+    if kind in ITERATORS and isinstance(given, ListValue) and given.kind in ITERATORS:
+        return given
+    items, certain = machine.runtime.iterate(given)
     return list_of(items, kind, certain=certain)
+
+
+def _next(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`next(iterator, default)`."""
+    method = machine.runtime.special_method(arguments.value(0), "__next__")
+    if method is not None:
+        return dispatch(machine, method, arguments.with_values())
+    found = [next_item(machine, one, arguments.get(1)) for one in options(arguments.value(0))]
+    return join(found)
+
+
+def _reversed(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    items, certain = machine.runtime.iterate(arguments.get(0) or NONE)
+    return list_of(items[::-1], "iterator", certain=certain)
 
 
 def _call_on_items(
@@ -123,14 +166,14 @@ def _call_on_items(
     """Call a function, if there is one, on each item of what is given."""
     if function is None or function == NONE:
         return []
-    items, certain = items_of(given)
+    items, certain = machine.runtime.iterate(given)
     if not certain:
         machine.escape(function)
     return [dispatch(machine, function, at.with_values(item)) for item in items]
 
 
 def _sorted(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.value(0))
+    items, certain = machine.runtime.iterate(arguments.value(0))
     if not certain:
         machine.escape(arguments.keywords.get("key"))
     return list_of(sort_items(machine, items, arguments), certain=certain)
@@ -138,24 +181,36 @@ def _sorted(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
 
 def _dict(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     given = arguments.get(0)
-    made = MapValue(dict(given.fields) if isinstance(given, MapValue) else {})
-    for item in items_of(given)[0] if isinstance(given, ListValue) else ():
-        key, value = (*items_of(item)[0], UNKNOWN, UNKNOWN)[:2]
-        made.fields[key.value if isinstance(key, Scalar) else OPEN] = value
-    made.fields.update(arguments.keywords)
+    made = dict_of(given) if given is not None else MapValue()
+    made.fields.update(keyword_fields(arguments))
     return made
 
 
 def _map(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    function, values = arguments.value(0), arguments.value(1)
-    found = _call_on_items(machine, function, values, arguments)
-    return list_of(found, certain=items_of(values)[1])
+    """`map(function, items, …)`."""
+    function = arguments.value(0)
+    rows = _zip(machine, None, arguments.without_first(1))
+    return call_on_rows(machine, function, rows, arguments)
+
+
+def call_on_rows(
+    machine: AbstractMachine, function: Value, rows: Value, at: Arguments
+) -> Value:
+    """Call a function with the items of each row, as `map` and `itertools.starmap` do."""
+    items, certain = machine.runtime.iterate(rows)
+    if not certain:
+        machine.escape(function)
+    found = [dispatch(machine, function, at.with_values(*items_of(row)[0])) for row in items]
+    return list_of(found, "iterator", certain=certain)
 
 
 def _filter(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    items, _certain = items_of(arguments.value(1))
-    _call_on_items(machine, arguments.get(0), arguments.get(1) or NONE, arguments)
-    return list_of(items, certain=False)
+    function, given = arguments.get(0) or NONE, arguments.get(1) or NONE
+    items, certain = machine.runtime.iterate(given)
+    answers = items if function == NONE else _call_on_items(machine, function, given, arguments)
+    decided = [truth(answer) for answer in answers]
+    kept = [item for item, keep in zip(items, decided, strict=True) if keep is not False]
+    return list_of(kept, "iterator", certain=certain and None not in decided)
 
 
 def _isinstance(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -168,10 +223,9 @@ def _isinstance(machine: AbstractMachine, _: object, arguments: Arguments) -> Va
     if isinstance(value, MapValue) and isinstance(expected_class, LibraryFunction):
         return Scalar(expected_class.name == "dict")
     if isinstance(value, Scalar) and isinstance(expected_class, LibraryFunction):
-        names = {"unicode": "str", "basestring": "str", "long": "int"}
-        return Scalar(
-            type(value.value).__name__ == names.get(expected_class.name, expected_class.name)
-        )
+        names = {"unicode": "str", "basestring": "str", "long": "int", "Path": "PathString"}
+        kinds = {type(value.value).__name__, *({"int"} if value.value in {True, False} else ())}
+        return Scalar(names.get(expected_class.name, expected_class.name) in kinds)
     return Unknown("isinstance")
 
 
@@ -184,9 +238,14 @@ def _getattr(machine: AbstractMachine, _: object, arguments: Arguments) -> Value
 
 
 def _setattr(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    owner, name = arguments.get(0), arguments.get(1)
-    if isinstance(owner, (Instance, ClassValue)) and isinstance(name, Scalar):
-        machine.undo_log.set(owner.fields, str(name.value), arguments.get(2) or NONE)
+    """`setattr(owner, name, value)`; under a name that is not known, any text may be replaced."""
+    value = arguments.get(2) or NONE
+    for name in options(arguments.get(1)):
+        for owner in options(arguments.get(0)):
+            if isinstance(name, Scalar):
+                assign_member(machine, owner, str(name.value), value, arguments)
+            elif isinstance(owner, (Instance, ClassValue, ModuleValue)):
+                forget_texts(machine, owner.fields)
     return NONE
 
 
@@ -209,9 +268,9 @@ def _super(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     return super_object(owner, cls, order if cls in order else tuple(machine.runtime.lineage(cls)))
 
 
-def _sum(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.value(0))
-    total: Value = Scalar(0)
+def _sum(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    items, certain = machine.runtime.iterate(arguments.value(0))
+    total: Value = arguments.get(1, "start") or Scalar(0)
     for item in items:
         total = binary("+", total, item)
     return total if certain else Unknown("sum")
@@ -220,36 +279,80 @@ def _sum(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
 def _min_or_max(
     pick: Callable[..., object], machine: AbstractMachine, _: object, arguments: Arguments
 ) -> Value:
-    values = (
-        arguments.values if len(arguments.values) > 1 else items_of(arguments.get(0) or NONE)[0]
-    )
-    _call_on_items(machine, arguments.keywords.get("key"), list_of(values), arguments)
-    known = [value.value for value in values if isinstance(value, Scalar)]
-    if not known or len(known) != len(values):
+    given, key = arguments.get(0) or NONE, arguments.keywords.get("key")
+    several = len(arguments.values) > 1
+    values, certain = (arguments.values, True) if several else machine.runtime.iterate(given)
+    by_key = key is not None and key != NONE
+    keys = _call_on_items(machine, key, list_of(values), arguments) if by_key else values
+    known = [one.value for one in keys if isinstance(one, Scalar)]
+    if not values and certain:
+        return arguments.keywords.get("default", Unknown("extreme"))
+    if len(known) != len(values) or not certain:
         return Unknown("extreme")
     try:
-        return Scalar(pick(known))
+        return values[known.index(pick(known))]
     except TypeError:
         return Unknown("extreme")
 
 
-def _any_or_all(_: AbstractMachine, __: object, arguments: Arguments, *, deciding: bool) -> Value:
-    items, certain = items_of(arguments.value(0))
+def _any_or_all(
+    machine: AbstractMachine, _: object, arguments: Arguments, *, deciding: bool
+) -> Value:
+    items, certain = machine.runtime.iterate(arguments.value(0))
     answers = [truth(item) for item in items]
     if deciding in answers:
         return Scalar(deciding)
     return Scalar(not deciding) if certain and None not in answers else Unknown("any")
 
 
-def _type(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _type(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`type(value)`, or `type("Name", bases, members)`, which makes a class."""
     value, members = arguments.get(0), arguments.get(2)
     if isinstance(members, MapValue):
         name = text_with_holes(value or UNKNOWN)
         definition = Class(name=name, file=arguments.frame.file, line=arguments.line)
-        bases = items_of(arguments.get(1) or NONE)[0]
-        return ClassValue(definition, bases, members.entries)
+        runtime = python_runtime(machine)
+        bases = runtime.base_classes(items_of(arguments.get(1) or NONE)[0])
+        return runtime.finish_class(
+            ClassValue(definition, bases, members.entries), arguments.frame
+        )
     return value.type if isinstance(value, Instance) else Unknown("type")
+
+
+def _format(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`format(value, "02d")`."""
+    given = arguments.get(1) or Scalar("")
+    spec = given.value if isinstance(given, Scalar) else None
+    value = machine.runtime.shown(arguments.value(0))
+    if not isinstance(spec, str):
+        return Unknown("format")
+    return map_options(value, lambda one: apply_format_spec(one, spec))
+
+
+def _callable(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    value = arguments.value(0)
+    if isinstance(value, (Scalar, ListValue, MapValue)):
+        return FALSE
+    is_function = isinstance(value, (FunctionValue, LibraryFunction, ClassValue, LibraryClass))
+    return TRUE if is_function else Unknown("callable")
+
+
+def fold(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """`reduce(function, items, start)`."""
+    function, start = arguments.value(0), arguments.get(2)
+    items, certain = machine.runtime.iterate(arguments.value(1))
+    if not certain:
+        machine.escape(function)
+        return Unknown("reduce")
+    values = (*(() if start is None else (start,)), *items)
+    made = values[0] if values else Unknown("reduce")
+    for item in values[1:]:
+        made = dispatch(machine, function, arguments.with_values(made, item))
+    return made
+
+
+def _exit(_: AbstractMachine, __: object, ___: Arguments) -> Value:
+    raise ThrownError("SystemExit")
 
 
 def _return_unknown(name: str, machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -260,7 +363,7 @@ def _return_unknown(name: str, machine: AbstractMachine, _: object, arguments: A
 _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "str": _str,
     "unicode": _str,
-    "repr": _str,
+    "repr": _repr,
     "int": partial(_number, int),
     "long": partial(_number, int),
     "float": partial(_number, float),
@@ -278,9 +381,9 @@ _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "tuple": partial(_copy, "tuple"),
     "set": partial(_copy, "set"),
     "frozenset": partial(_copy, "set"),
-    "reversed": lambda machine, _, a: list_of(items_of(a.get(0) or NONE)[0][::-1]),
-    "iter": partial(_copy, "list"),
-    "next": lambda machine, _, a: join(items_of(a.get(0) or NONE)[0] or (Unknown("next"),)),
+    "reversed": _reversed,
+    "iter": partial(_copy, "iterator"),
+    "next": _next,
     "sorted": _sorted,
     "dict": _dict,
     "map": _map,
@@ -296,6 +399,12 @@ _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "any": partial(_any_or_all, deciding=True),
     "all": partial(_any_or_all, deciding=False),
     "type": _type,
+    "format": _format,
+    "callable": _callable,
+    "chr": partial(_number, chr),
+    "ord": partial(_number, ord),
+    "reduce": lambda machine, _, arguments: fold(machine, arguments),
+    **dict.fromkeys(("exit", "quit"), _exit),
     **{name: partial(_return_unknown, name) for name in ("input", "raw_input", "id", "print")},
 }
 FILE = LibraryClass("file")
@@ -304,9 +413,8 @@ BUILTINS: Mapping[str, Value] = {
     "False": FALSE,
     "None": NONE,
     "basestring": LibraryFunction("str", _str),
-    **{
-        name: ExternalSymbol(name) for name in ("object", "property", "staticmethod", "classmethod")
-    },
+    "object": ExternalSymbol("object"),
+    **{n: DESCRIPTOR_FUNCTIONS[n] for n in ("property", "staticmethod", "classmethod")},
     **{name: LibraryFunction(name, call) for name, call in _BUILTIN_FUNCTIONS.items()},
     **DYNAMIC_CODE_BUILTINS,
 }

@@ -1,0 +1,307 @@
+"""Programs for rospy and rclpy whose endpoints are known by construction, made from a seed."""
+
+import random
+import re
+from dataclasses import dataclass, field
+from itertools import count
+from textwrap import indent
+
+import python_calls
+import python_names
+import python_places
+
+_HEAD = """import asyncio, collections, concurrent.futures, contextlib, copy, dataclasses, enum
+import functools, importlib, itertools, json, operator, os, pathlib, queue, string, sys, threading
+import types, typing
+import yaml
+"""
+_WORDS = ("alpha", "beta", "gamma", "delta")
+_PLACEHOLDER = re.compile(r"\b(NAME|HEAD|TAIL|UPPER|NUMBER|WORD)\b")
+_DEAD_SHARE = 0.25
+
+
+@dataclass(frozen=True)
+class Library:
+    """A client library: how a program begins and ends, and what makes each kind of endpoint.
+
+    A maker is (the function or class, its arguments around the name `%s`, the same by keyword, a
+    partial of it, whether it is a class).
+    """
+
+    ros: int
+    head: str
+    tail: str
+    makers: dict[str, tuple[str, str, str, str, bool]]
+    calls: str
+    names: str
+    later: str
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """What one fragment declares: by name, its lines (first, last), and whether it ever runs."""
+
+    kind: str
+    name: str
+    lines: tuple[int, int]
+    lives: bool
+    parts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program's text and its endpoints."""
+
+    text: str
+    endpoints: tuple[Endpoint, ...] = field(default=())
+
+
+ROSPY = Library(
+    ros=1,
+    head=f"""{_HEAD}import rospy, actionlib
+from actionlib.msg import TestAction
+from std_msgs.msg import String
+from tf2_msgs.srv import FrameGraph
+
+keep = [None]
+
+
+def serve(request):
+    return None
+
+
+rospy.init_node("n")
+""",
+    tail='print("READY", flush=True)\nrospy.spin()\n',
+    makers={
+        "publish": (
+            "rospy.Publisher",
+            "%s, String, queue_size=1",
+            "name=%s, data_class=String, queue_size=1",
+            "functools.partial(rospy.Publisher, data_class=String, queue_size=1)",
+            True,
+        ),
+        "subscribe": (
+            "rospy.Subscriber",
+            "%s, String, serve",
+            "name=%s, data_class=String",
+            "functools.partial(rospy.Subscriber, data_class=String, callback=serve)",
+            True,
+        ),
+        "service": (
+            "rospy.Service",
+            "%s, FrameGraph, serve",
+            "name=%s, service_class=FrameGraph, handler=serve",
+            "functools.partial(rospy.Service, service_class=FrameGraph, handler=serve)",
+            True,
+        ),
+        "service_client": (
+            "rospy.ServiceProxy",
+            "%s, FrameGraph",
+            "name=%s, service_class=FrameGraph",
+            "functools.partial(rospy.ServiceProxy, service_class=FrameGraph)",
+            True,
+        ),
+        "action_client": (
+            "actionlib.SimpleActionClient",
+            "%s, TestAction",
+            "ns=%s, ActionSpec=TestAction",
+            "functools.partial(actionlib.SimpleActionClient, ActionSpec=TestAction)",
+            True,
+        ),
+        "action_server": (
+            "actionlib.SimpleActionServer",
+            "%s, TestAction, execute_cb=serve, auto_start=True",
+            "name=%s, ActionSpec=TestAction, execute_cb=serve, auto_start=True",
+            "functools.partial(actionlib.SimpleActionServer, ActionSpec=TestAction, auto_start=True)",
+            True,
+        ),
+    },
+    calls=python_calls.ROSPY,
+    names=python_names.ROSPY,
+    later=python_places.LATER_ROSPY,
+)
+RCLPY = Library(
+    ros=2,
+    head=f"""{_HEAD}import rclpy
+from rcl_interfaces.srv import GetParameters
+from rclpy.action import ActionClient, ActionServer
+from rclpy.node import Node
+from std_msgs.msg import String
+from test_msgs.action import Fibonacci
+
+keep = [None]
+
+
+def serve(request, response=None):
+    return response
+
+
+rclpy.init()
+node = rclpy.create_node("n")
+""",
+    tail='print("READY", flush=True)\n',
+    makers={
+        "publish": (
+            "node.create_publisher",
+            "String, %s, 10",
+            "msg_type=String, topic=%s, qos_profile=10",
+            "functools.partial(node.create_publisher, String, qos_profile=10)",
+            False,
+        ),
+        "subscribe": (
+            "node.create_subscription",
+            "String, %s, serve, 10",
+            "msg_type=String, topic=%s, callback=serve, qos_profile=10",
+            "functools.partial(node.create_subscription, String, callback=serve, qos_profile=10)",
+            False,
+        ),
+        "service": (
+            "node.create_service",
+            "GetParameters, %s, serve",
+            "srv_type=GetParameters, srv_name=%s, callback=serve",
+            "functools.partial(node.create_service, GetParameters, callback=serve)",
+            False,
+        ),
+        "service_client": (
+            "node.create_client",
+            "GetParameters, %s",
+            "srv_type=GetParameters, srv_name=%s",
+            "functools.partial(node.create_client, GetParameters)",
+            False,
+        ),
+        "action_client": (
+            "ActionClient",
+            "node, Fibonacci, %s",
+            "node=node, action_type=Fibonacci, action_name=%s",
+            "functools.partial(ActionClient, node, Fibonacci)",
+            True,
+        ),
+        "action_server": (
+            "ActionServer",
+            "node, Fibonacci, %s, serve",
+            "node=node, action_type=Fibonacci, action_name=%s, execute_callback=serve",
+            "functools.partial(ActionServer, node, Fibonacci, execute_callback=serve)",
+            True,
+        ),
+    },
+    calls=python_calls.RCLPY,
+    names=python_names.RCLPY,
+    later=python_places.LATER_RCLPY,
+)
+
+
+def templates(text):
+    """Return the templates of a text."""
+    return [part.strip("\n") for part in text.split("---\n")]
+
+
+class Maker:
+    """Makes the program of one seed."""
+
+    def __init__(self, library, seed):
+        self._library = library
+        self._random = random.Random(seed)
+        self._numbers = count(1)
+
+    def program(self, fragments):
+        """Return a program of so many fragments."""
+        lines = self._library.head.splitlines()
+        found = []
+        for number in range(1, fragments + 1):
+            text, endpoint = self._fragment(number)
+            first = len(lines) + 1
+            lines += text.splitlines()
+            found.append((endpoint, (first, len(lines))))
+        lines += self._library.tail.splitlines()
+        endpoints = tuple(Endpoint(e[0], e[1], lines, *e[2:]) for e, lines in found)
+        return Program("\n".join(lines) + "\n", endpoints)
+
+    def _fragment(self, number):
+        kind = self._choose(list(self._library.makers))
+        word = self._choose(_WORDS)
+        block, parts = self._call(kind, number, word)
+        lives, depth = self._random.random() > _DEAD_SHARE, self._choose([0, 0, 1, 1, 2])
+        places = [self._place(python_places.LIVE) for _ in range(depth)]
+        if not lives:
+            places.insert(self._random.randrange(depth + 1), self._place(python_places.DEAD))
+        elif self._random.random() < 0.15:
+            places.append(self._place(self._library.later))
+        for place in places:
+            block = _within(self._own(place), block)
+        return block, (kind, f"t{number:03d}_{word}", lives, (*parts, *places))
+
+    def _call(self, kind, number, word):
+        """Return statements that make an endpoint of a name, and the templates that they are of."""
+        maker = self._library.makers[kind]
+        forms = templates(python_calls.GENERIC)
+        if maker[4]:
+            forms += templates(python_calls.SUBCLASSES) * 2
+        if kind == "publish":
+            forms += templates(self._library.calls)
+        form = self._choose(forms)
+        named = self._choose(_name_templates(self._library))
+        setup, _, expression = self._own(_named(named, number, word)).rpartition("\n")
+        statements = self._own(_called(form, maker, f"({expression})", self._choose))
+        return f"{setup}\n{statements}".strip("\n"), (form, named)
+
+    def _place(self, text):
+        return self._choose(templates(text))
+
+    def _own(self, text):
+        return re.sub(r"(?<=\w)@", f"_{next(self._numbers)}", text)
+
+    def _choose(self, found):
+        return self._random.choice(found)
+
+
+def _name_templates(library):
+    texts = (
+        python_names.PLAIN,
+        python_names.CONTAINERS,
+        python_names.FUNCTIONS,
+        python_names.CLASSES,
+        library.names,
+    )
+    return [one for text in texts for one in templates(text)]
+
+
+def _named(template, number, word):
+    head, tail = f"t{number:03d}_", word
+    parts = {
+        "NAME": repr(head + tail),
+        "HEAD": repr(head),
+        "TAIL": repr(tail),
+        "UPPER": repr((head + tail).upper()),
+        "NUMBER": str(number),
+        "WORD": repr(word),
+    }
+    return _PLACEHOLDER.sub(lambda found: parts[found[0]], template)
+
+
+def _called(form, maker, expression, choose):
+    """Fill a form in: DIRECT(x), KEYWORDS(x) and ARGS(x) have no parentheses in x."""
+    function, args, keywords, partial, _ = maker
+    called = choose([f"(lambda n: {function}({args % 'n'}))", partial])
+    text = re.sub(r"\bDIRECT\(([^()]*)\)", lambda m: f"{function}({args % m[1]})", form)
+    text = re.sub(r"\bKEYWORDS\(([^()]*)\)", lambda m: f"{function}({keywords % m[1]})", text)
+    text = re.sub(r"\bARGS\(([^()]*)\)", lambda m: args % m[1], text)
+    text = re.sub(r"\bMAKER\b", lambda _: function, text)
+    text = re.sub(r"\bF\b", lambda _: called, text)
+    return re.sub(r"\bE\b", lambda _: expression, text)
+
+
+def _within(place, block):
+    """Put a block where a place has it."""
+    lines = []
+    for line in place.splitlines():
+        if line.strip() == "BLOCK":
+            lines.append(indent(block, line[: len(line) - len(line.lstrip())]))
+        else:
+            lines.append(line)
+    return "\n".join(lines)
+
+
+def make_program(library, seed, fragments=6):
+    """Return the program of a seed."""
+    return Maker(library, seed).program(fragments)
