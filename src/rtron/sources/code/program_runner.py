@@ -269,7 +269,9 @@ def _run_part(machine: AbstractMachine, path: Path, run: Callable[[], object]) -
     except StepsExceededError as error:
         _note_incomplete(machine, path, TOO_LARGE, error.place)
     except ThrownError as error:
-        _note_incomplete(machine, path, f"{error.name} ends it before all of it is run", error.place)
+        _note_incomplete(
+            machine, path, f"{error.name} ends it before all of it is run", error.place
+        )
     except RecursionError:
         _note_incomplete(machine, path, "nested too deep")
 

@@ -39,13 +39,12 @@ class Library:
 
 @dataclass(frozen=True)
 class Endpoint:
-    """What one fragment declares: by name, its lines (first, last), and whether it ever runs."""
+    """What one fragment declares: its lines (first, last), and whether these ever run."""
 
     kind: str
     name: str
     lines: tuple[int, int]
     lives: bool
-    parts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -64,6 +63,9 @@ from std_msgs.msg import String
 from tf2_msgs.srv import FrameGraph
 
 keep = [None]
+
+
+SERVER = {{"ActionSpec": TestAction, "auto_start": True}}
 
 
 def serve(request):
@@ -113,7 +115,7 @@ rospy.init_node("n")
             "actionlib.SimpleActionServer",
             "%s, TestAction, execute_cb=serve, auto_start=True",
             "name=%s, ActionSpec=TestAction, execute_cb=serve, auto_start=True",
-            "functools.partial(actionlib.SimpleActionServer, ActionSpec=TestAction, auto_start=True)",
+            "functools.partial(actionlib.SimpleActionServer, **SERVER)",
             True,
         ),
     },
@@ -140,7 +142,7 @@ def serve(request, response=None):
 rclpy.init()
 node = rclpy.create_node("n")
 """,
-    tail='print("READY", flush=True)\n',
+    tail='print("READY", flush=True)\nrclpy.spin(node)\n',
     makers={
         "publish": (
             "node.create_publisher",
@@ -206,21 +208,28 @@ class Maker:
 
     def program(self, fragments):
         """Return a program of so many fragments."""
-        lines = self._library.head.splitlines()
-        found = []
-        for number in range(1, fragments + 1):
-            text, endpoint = self._fragment(number)
+        return self._joined(self._fragment(number) for number in range(1, fragments + 1))
+
+    def single(self, form, named, place, *, lives):
+        """Return a program of one fragment, which publishes."""
+        block = self._own(_within(place, self._block("publish", 1, _WORDS[0], form, named)))
+        return self._joined([(block, ("publish", f"t001_{_WORDS[0]}", lives))])
+
+    def _joined(self, fragments):
+        lines, found = self._library.head.splitlines(), []
+        for text, (kind, name, lives) in fragments:
             first = len(lines) + 1
             lines += text.splitlines()
-            found.append((endpoint, (first, len(lines))))
+            found.append(Endpoint(kind, name, (first, len(lines)), lives))
         lines += self._library.tail.splitlines()
-        endpoints = tuple(Endpoint(e[0], e[1], lines, *e[2:]) for e, lines in found)
-        return Program("\n".join(lines) + "\n", endpoints)
+        return Program("\n".join(lines) + "\n", tuple(found))
 
     def _fragment(self, number):
         kind = self._choose(list(self._library.makers))
         word = self._choose(_WORDS)
-        block, parts = self._call(kind, number, word)
+        form = self._choose(_forms(self._library, kind))
+        named = self._choose(_name_templates(self._library))
+        block = self._block(kind, number, word, form, named)
         lives, depth = self._random.random() > _DEAD_SHARE, self._choose([0, 0, 1, 1, 2])
         places = [self._place(python_places.LIVE) for _ in range(depth)]
         if not lives:
@@ -229,21 +238,14 @@ class Maker:
             places.append(self._place(self._library.later))
         for place in places:
             block = _within(self._own(place), block)
-        return block, (kind, f"t{number:03d}_{word}", lives, (*parts, *places))
+        return block, (kind, f"t{number:03d}_{word}", lives)
 
-    def _call(self, kind, number, word):
-        """Return statements that make an endpoint of a name, and the templates that they are of."""
+    def _block(self, kind, number, word, form, named):
+        """Return statements that make an endpoint of a name."""
         maker = self._library.makers[kind]
-        forms = templates(python_calls.GENERIC)
-        if maker[4]:
-            forms += templates(python_calls.SUBCLASSES) * 2
-        if kind == "publish":
-            forms += templates(self._library.calls)
-        form = self._choose(forms)
-        named = self._choose(_name_templates(self._library))
         setup, _, expression = self._own(_named(named, number, word)).rpartition("\n")
         statements = self._own(_called(form, maker, f"({expression})", self._choose))
-        return f"{setup}\n{statements}".strip("\n"), (form, named)
+        return f"{setup}\n{statements}".strip("\n")
 
     def _place(self, text):
         return self._choose(templates(text))
@@ -253,6 +255,13 @@ class Maker:
 
     def _choose(self, found):
         return self._random.choice(found)
+
+
+def _forms(library, kind):
+    """Return the forms of calls that make a kind of endpoint; the rarer ones count twice."""
+    forms = templates(python_calls.GENERIC)
+    forms += templates(python_calls.SUBCLASSES) * 2 if library.makers[kind][4] else []
+    return forms + (templates(library.calls) if kind == "publish" else [])
 
 
 def _name_templates(library):
@@ -305,3 +314,16 @@ def _within(place, block):
 def make_program(library, seed, fragments=6):
     """Return the program of a seed."""
     return Maker(library, seed).program(fragments)
+
+
+def single_programs(library):
+    """Yield a program for each way to a name, each form of a call and each place, alone."""
+    plain, inline = "DIRECT(E)", "BLOCK"
+    for named in _name_templates(library):
+        yield Maker(library, 0).single(plain, named, inline, lives=True)
+    for form in dict.fromkeys(_forms(library, "publish")):
+        yield Maker(library, 0).single(form, "NAME", inline, lives=True)
+    for place in templates(python_places.LIVE) + templates(library.later):
+        yield Maker(library, 0).single(plain, "NAME", place, lives=True)
+    for place in templates(python_places.DEAD):
+        yield Maker(library, 0).single(plain, "NAME", place, lives=False)

@@ -174,9 +174,7 @@ def test_a_lambda_is_a_function_with_defaults():
 )
 def test_a_walrus_assigns_where_it_stands(text):
     found = [
-        node
-        for node in ir_nodes(value(text.format("(b := c)")))
-        if isinstance(node, AssignExpr)
+        node for node in ir_nodes(value(text.format("(b := c)"))) if isinstance(node, AssignExpr)
     ]
     assert found == [AssignExpr(B, C)]
 

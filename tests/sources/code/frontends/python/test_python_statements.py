@@ -67,9 +67,7 @@ CASES = {
     "while a:\n break": (While(A, (Break(),), line=1),),
     "for a in b:\n continue": (ForEach(A, B, (Continue(),), 1),),
     "for a in b:\n c\nelse:\n d": (ForEach(A, B, (Evaluate(C, 2),), 1, (Evaluate(D, 4),)),),
-    "while a:\n b\nelse:\n d": (
-        While(A, (Evaluate(B, 2),), line=1, orelse=(Evaluate(D, 4),)),
-    ),
+    "while a:\n b\nelse:\n d": (While(A, (Evaluate(B, 2),), line=1, orelse=(Evaluate(D, 4),)),),
     "with a as b, c:\n d": (With(A, B, (With(C, None, (Evaluate(D, 2),), 1),), 1),),
     "raise": (Raise(),),
     "raise a from b": (Raise(A),),

@@ -11,14 +11,14 @@ FOLLOWED = {
     "roslaunch.main(argv=['', 'p', 'a.launch', 'x:=1'])": FILE,
     "roslaunch.parent.ROSLaunchParent(0, ['/a.launch']).start()": ("/a.launch", ()),
     "roslaunch.ROSLaunchParent(0, [('/a.launch', ['x:=1'])])": ("/a.launch", ("x:=1",)),
-    "roslaunch.parent.ROSLaunchParent(\n    0, roslaunch.rlutil.resolve_launch_arguments(['p', 'a']))": (
+    "f = roslaunch.rlutil.resolve_launch_arguments(['p', 'a'])\nroslaunch.ROSLaunchParent(0, f)": (
         "p/a",
         (),
     ),
     "l = roslaunch.scriptapi.ROSLaunch()\nl.load('/a.launch')": ("/a.launch", ()),
     "roslaunch.config.load_config_default(['/a.launch'], 0)": ("/a.launch", ()),
     "roslaunch.scriptapi.ROSLaunch().launch(roslaunch.core.Node('p', 't'))": ("p/t", ("rosrun",)),
-    "roslaunch.core.Node('p', 't', name='n', args='a b', remap_args=[('c', 'd')], namespace='/s')": (
+    "roslaunch.Node('p', 't', name='n', args='a b', remap_args=[('c', 'd')], namespace='/s')": (
         "p/t",
         ("rosrun", "a", "b", "c:=d", "__name:=n", "__ns:=/s"),
     ),

@@ -201,11 +201,17 @@ def _comprehension(
 @_lower.register
 def _(node: ast.Lambda, source: SourceFile) -> Expr:
     params = lower_parameters(
-            node.args, lambda default: lower_optional(default, source), source.own_name
-        )
+        node.args, lambda default: lower_optional(default, source), source.own_name
+    )
     body = (ir.Return(lower_expression(node.body, source), node.lineno),)
     return ir.Lambda(
-        ir.Function(name="<lambda>", file=source.file, line=node.lineno, params=params, body=body)
+        ir.Function(
+            name=source.lambda_name(node.lineno),
+            file=source.file,
+            line=node.lineno,
+            params=params,
+            body=body,
+        )
     )
 
 

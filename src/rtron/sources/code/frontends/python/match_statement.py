@@ -59,9 +59,7 @@ def _binding(name: str | None, value: Expr) -> Iterator[Expr]:
         yield ir.Logic("or", (ir.AssignExpr(ir.Name(name), value), _TRUE))
 
 
-def _mapping_tests(
-    pattern: ast.MatchMapping, subject: Expr, source: SourceFile
-) -> Iterator[Expr]:
+def _mapping_tests(pattern: ast.MatchMapping, subject: Expr, source: SourceFile) -> Iterator[Expr]:
     yield _is_instance(subject, "dict", pattern)
     for key, inner in zip(pattern.keys, pattern.patterns, strict=True):
         lowered = lower_expression(key, source)

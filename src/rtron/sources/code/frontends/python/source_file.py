@@ -1,6 +1,7 @@
 """What lowering a file carries along."""
 
 import ast
+from collections import Counter
 from dataclasses import dataclass, field
 
 from rtron.sources.code.ir import SourceProblem, Stmt
@@ -23,6 +24,12 @@ class SourceFile:
     preceding: list[Stmt] = field(default_factory=list)
     depth: int = 0
     class_name: str = ""
+    lambdas: Counter[int] = field(default_factory=Counter)
+
+    def lambda_name(self, line: int) -> str:
+        """Return what a lambda is called: those of one line are told apart."""
+        self.lambdas[line] += 1
+        return "<lambda>" if self.lambdas[line] == 1 else f"<lambda {self.lambdas[line]}>"
 
     def own_name(self, name: str) -> str:
         """Return a name as Python has it: `__x` is a class's own, `_Class__x` (private names)."""

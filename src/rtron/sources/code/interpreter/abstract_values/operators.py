@@ -86,12 +86,20 @@ def _binary(name: str, left: Value, right: Value) -> Value:
         return percent_format(left, right)
     if name == "+":
         return _add(left, right)
-    if name == "*" and isinstance(left, ListValue):
+    if isinstance(left, (ListValue, MapValue)):
+        return _combine_containers(name, left, right)
+    return _arithmetic(name, left, right)
+
+
+def _combine_containers(name: str, left: ListValue | MapValue, right: Value) -> Value:
+    if isinstance(left, MapValue):
+        if isinstance(right, MapValue) and name == "|":
+            return MapValue({**left.fields, **right.fields})
+        return _arithmetic(name, left, right)
+    if name == "*":
         return _repeat(left, right)
     if name in _SETS and is_set(left) and isinstance(right, ListValue):
         return _combine_sets(name, left, right)
-    if name == "|" and isinstance(left, MapValue) and isinstance(right, MapValue):
-        return MapValue({**left.fields, **right.fields})
     return _arithmetic(name, left, right)
 
 
@@ -101,7 +109,7 @@ def is_set(value: Value) -> TypeGuard[ListValue]:
 
 
 def _combine_sets(name: str, left: ListValue, right: ListValue) -> Value:
-    """`a | b`, `a & b`, `a - b`, `a ^ b` of sets; where that is not known, all they hold."""
+    """Return `a | b`, `a & b`, `a - b` or `a ^ b`; where that is not known, all they hold."""
     items = (*left.items, *(item for item in right.items if item not in left.items))
     answers = [(_contains(item, left), _contains(item, right)) for item in items]
     kept = [item for item, sides in zip(items, answers, strict=True) if _SETS[name](*sides)]
@@ -152,7 +160,7 @@ def _check_size(value: Any) -> Any:  # noqa: ANN401 - any Python value
 
 def _compare(name: str, left: Value, right: Value) -> Value:
     is_same = left is right or (isinstance(left, _COMPARED) and left == right)
-    if is_same and not isinstance(left, (Unknown, ExternalSymbol, PartialText)):
+    if is_same and not _is_undecidable(left):
         return Scalar(name in {"==", "is", "<=", ">="})
     if isinstance(left, Scalar) and isinstance(right, Scalar):
         try:
@@ -162,11 +170,8 @@ def _compare(name: str, left: Value, right: Value) -> Value:
         return Scalar(answer, left.tainted or right.tainted)
     if isinstance(left, ListValue) and isinstance(right, ListValue):
         return _compare_lists(name, left, right)
-    if isinstance(left, MapValue) and isinstance(right, MapValue):
-        return Unknown("comparison")
-    if _is_undecidable(left) or _is_undecidable(right):
-        return Unknown("comparison")
-    if _compares_itself(left) and type(left) is type(right):
+    may_be_equal = type(left) is type(right) and _compares_itself(left)
+    if may_be_equal or _is_undecidable(left) or _is_undecidable(right):
         return Unknown("comparison")
     return Scalar(name in {"!=", "is not"})
 
@@ -181,11 +186,10 @@ def _compare_lists(name: str, left: ListValue, right: ListValue) -> Value:
 
 
 def _compares_itself(value: Value) -> bool:
-    """Tell whether equal values may be different objects: records, bound methods, `__eq__`."""
-    if isinstance(value, Instance):
-        is_plain = isinstance(value.type, ClassValue)
-        return not is_plain or not {"__eq__", "__fields__"}.isdisjoint(value.type.fields)  # type: ignore[union-attr]
-    return isinstance(value, FunctionValue)
+    """Tell whether equal values may be different objects: dicts, records, bound methods."""
+    if isinstance(value, Instance) and isinstance(value.type, ClassValue):
+        return not {"__eq__", "__fields__"}.isdisjoint(value.type.fields)
+    return isinstance(value, (Instance, FunctionValue, MapValue))
 
 
 def _is_undecidable(value: Value) -> bool:

@@ -236,6 +236,7 @@ Value: TypeAlias = (
     | BindPlaceholder
 )
 
+
 def map_key(value: Value) -> Any:  # noqa: ANN401 - any key
     """Return the key that a value is in a dict; OPEN for one that is not known.
 

@@ -4,7 +4,12 @@ from dataclasses import replace
 from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import is_slice, slice_of
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of, unpack, unpack_with_rest
+from rtron.sources.code.interpreter.abstract_values.items import (
+    items_of,
+    list_of,
+    unpack,
+    unpack_with_rest,
+)
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     ClassValue,

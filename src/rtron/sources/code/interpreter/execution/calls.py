@@ -205,7 +205,7 @@ def _evaluate_arguments(machine: AbstractMachine, node: Call, frame: StackFrame)
 def _evaluate_values(
     machine: AbstractMachine, node: Call, frame: StackFrame
 ) -> tuple[list[Value], bool]:
-    """Return the positional arguments, and whether these are all; where are those behind `*`?"""
+    """Return the positional arguments, and whether these are all."""
     values: list[Value] = []
     is_known = True
     for arg in node.args:

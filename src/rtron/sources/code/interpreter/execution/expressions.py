@@ -59,9 +59,26 @@ from rtron.sources.code.ir import (
 MAX_ITEMS = 256
 IN_PLACE_OPERATORS = {"+=": "+", "|=": "|"}
 SPECIAL_METHODS = {
-    **{"+": "add", "-": "sub", "*": "mul", "/": "truediv", "//": "floordiv", "%": "mod", "@": "matmul"},
-    **{"<<": "lshift", ">>": "rshift", "&": "and", "|": "or", "^": "xor", "**": "pow"},
-    **{"==": "eq", "!=": "ne", "<": "lt", "<=": "le", ">": "gt", ">=": "ge", "in": "contains"},
+    "+": "add",
+    "-": "sub",
+    "*": "mul",
+    "/": "truediv",
+    "//": "floordiv",
+    "%": "mod",
+    "@": "matmul",
+    "<<": "lshift",
+    ">>": "rshift",
+    "&": "and",
+    "|": "or",
+    "^": "xor",
+    "**": "pow",
+    "==": "eq",
+    "!=": "ne",
+    "<": "lt",
+    "<=": "le",
+    ">": "gt",
+    ">=": "ge",
+    "in": "contains",
 }
 """What Python calls its operators (docs.python.org: reference/datamodel)."""
 
@@ -121,7 +138,9 @@ def _binary(machine: AbstractMachine, node: Binary, frame: StackFrame) -> Value:
         return _python_binary(machine, node.operator, left, at)
     overloaded = _overloaded_operator(machine, node, left)
     if overloaded is not None:
-        return dispatch(machine, overloaded, replace(at, slots=(slot_of(machine, node.right, frame),)))
+        return dispatch(
+            machine, overloaded, replace(at, slots=(slot_of(machine, node.right, frame),))
+        )
     if node.operator == ">>" and not isinstance(left, Scalar):
         _read_into(machine, node.right, frame)
     if node.operator == "/" and _are_integers(left, right):
@@ -129,9 +148,7 @@ def _binary(machine: AbstractMachine, node: Binary, frame: StackFrame) -> Value:
     return binary(node.operator, left, right)
 
 
-def _python_binary(
-    machine: AbstractMachine, operator: str, left: Value, at: Arguments
-) -> Value:
+def _python_binary(machine: AbstractMachine, operator: str, left: Value, at: Arguments) -> Value:
     """Return `left operator right`, by the methods of scanned classes where they have some."""
     if operator in IN_PLACE_OPERATORS:
         changed = _change_in_place(machine, operator, left, at)
@@ -155,13 +172,15 @@ def _special_operator(
     if operator == "in":
         return machine.runtime.special_method(right, f"__{name}__"), left
     method = machine.runtime.special_method(left, f"__{name}__")
-    return (method, right) if method else (machine.runtime.special_method(right, f"__r{name}__"), left)
+    return (
+        (method, right) if method else (machine.runtime.special_method(right, f"__r{name}__"), left)
+    )
 
 
 def _change_in_place(
     machine: AbstractMachine, operator: str, left: Value, at: Arguments
 ) -> Value | None:
-    """`a += b`, `a |= b`: a list, set or dict stays the same object; None for what does not."""
+    """Change a list, set or dict itself by `a += b`, `a |= b`; None for what that replaces."""
     name = SPECIAL_METHODS[IN_PLACE_OPERATORS[operator]]
     method = machine.runtime.special_method(left, f"__i{name}__")
     if method is not None:

@@ -19,9 +19,9 @@ class StorageSlot(NamedTuple):
 class StackFrame:
     """One call of a function, or the top of a file.
 
-    `closure` is the frame around a Python function; `body` says that the frame is the body of a
-    "class" or "comprehension", whose names functions within do not see, or go to the frame around;
-    `globals` and `nonlocals` are the names that are declared so. `aliases` are C++ references: names that
+    `closure` is the frame around a Python function. `body` says that the frame is the body of a
+    "class", whose names functions within do not see, or of a "comprehension". `globals` and
+    `nonlocals` are the names that are declared so. `aliases` are C++ references: names that
     stand for a slot of the caller; `constants` tells of C++ names whether all of the variables
     that have it in this function are constant. `types` binds template parameters. `scope`
     is the C++ namespace or class that the code is written in. `caller` is the call that led here.

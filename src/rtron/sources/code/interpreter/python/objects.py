@@ -213,8 +213,7 @@ class PythonObjects(PythonModules):
     def _tell_bases(self, made: ClassValue, at: Arguments) -> None:
         """Run the `__init_subclass__` of a class's bases, and its metaclass's `__init__`."""
         words = {
-            name: self.machine.evaluate(value, at.frame)
-            for name, value in made.definition.keywords
+            name: self.machine.evaluate(value, at.frame) for name, value in made.definition.keywords
         }
         metaclass = words.pop("metaclass", None)
         told = _first_member(list(self.lineage(made))[1:], "__init_subclass__")

@@ -38,11 +38,11 @@ from rtron.sources.code.library_models.common.strings import (
     PYTHON_STRING_METHODS,
     bound_string_method,
 )
-from rtron.sources.code.library_models.python_std.list_methods import PYTHON_LIST_METHODS
 from rtron.sources.code.library_models.python_std.environment import (
     ENVIRONMENT_METHODS,
     EnvironmentValue,
 )
+from rtron.sources.code.library_models.python_std.list_methods import PYTHON_LIST_METHODS
 from rtron.sources.code.library_models.python_std.paths import PathString, path_member
 
 

@@ -48,7 +48,9 @@ def note_unknown_call(
     if makes and isinstance(called, (Unknown, ExternalSymbol)):
         first = next((v for v in arguments.all_values if is_text(v)), Unknown())
         what = f"{name}({text_with_holes(first)})"
-        machine.recorder.add_unresolved(what, "what it is called on is not known", arguments.evidence)
+        machine.recorder.add_unresolved(
+            what, "what it is called on is not known", arguments.evidence
+        )
     elif isinstance(called, ExternalSymbol) and _gives_endpoint(arguments):
         why = "is not in the source, and gets what it takes to join nodes"
         machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)

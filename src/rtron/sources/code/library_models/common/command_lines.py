@@ -37,26 +37,30 @@ def shell_words(command: str) -> list[str]:
 def record_started(machine: AbstractMachine, words: list[str], at: Arguments) -> None:
     """Record what a command line starts; other commands are none of our business."""
     for tool, given in _tool_commands(words):
-        rest = [word for word in given if not word.startswith("-")]
-        if tool == "ros2" and rest and rest[0] in _ROS2_TOOLS:
-            tool, rest = _ROS2_TOOLS[rest[0]], rest[1:]
-        if tool == "rostopic":
-            _record_topic_tool(machine, given, at)
-        elif tool in {"ros2", "rosbag"} and "{" not in "".join(rest[:_MIN_WORDS]):
-            _note_joining_command(machine, tool, rest, at)
-        elif any("{" in word for word in (tool, *rest[:_MIN_WORDS])) or not rest:
-            what = " ".join([tool, *rest[:_MIN_WORDS]])
-            machine.recorder.add_unresolved(what, "the command is not known", at.evidence)
-        elif tool == "rosrun" and len(rest) >= _MIN_WORDS:
-            machine.recorder.add_start("/".join(rest[:2]), ("rosrun", *rest[2:]), at.evidence)
-        elif tool == "roslaunch":
-            machine.recorder.add_start(*launch_file_arguments(rest), at.evidence)
+        _record_command(machine, tool, given, at)
+
+
+def _record_command(machine: AbstractMachine, tool: str, given: list[str], at: Arguments) -> None:
+    rest = [word for word in given if not word.startswith("-")]
+    if tool == "ros2" and rest and rest[0] in _ROS2_TOOLS:
+        _record_command(machine, _ROS2_TOOLS[rest[0]], given[1:], at)
+    elif tool == "rostopic":
+        _record_topic_tool(machine, given, at)
+    elif tool in {"ros2", "rosbag"} and "{" not in "".join(rest[:_MIN_WORDS]):
+        _note_joining_command(machine, tool, rest, at)
+    elif any("{" in word for word in (tool, *rest[:_MIN_WORDS])) or not rest:
+        what = " ".join([tool, *rest[:_MIN_WORDS]])
+        machine.recorder.add_unresolved(what, "the command is not known", at.evidence)
+    elif tool == "rosrun" and len(rest) >= _MIN_WORDS:
+        machine.recorder.add_start("/".join(rest[:2]), ("rosrun", *rest[2:]), at.evidence)
+    elif tool == "roslaunch":
+        machine.recorder.add_start(*launch_file_arguments(rest), at.evidence)
 
 
 def _note_joining_command(
     machine: AbstractMachine, tool: str, words: list[str], at: Arguments
 ) -> None:
-    """Note `ros2 topic pub …`, `rosbag record …`: nodes that nothing is known of before they run."""
+    """Note `ros2 topic pub …`, `rosbag record …`: what nodes these are is not told before."""
     kind, verb, *_ = (*(["bag"] if tool == "rosbag" else ()), *words, "", "")
     if verb in _JOINING_VERBS.get(kind, ()):
         what, why = " ".join([tool, *words[:3]]), "what this command joins is not followed"

@@ -8,7 +8,7 @@ from string import Formatter
 from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     MAX_LENGTH,
     LibraryFunction,
@@ -181,7 +181,9 @@ def _format_fields(machine: AbstractMachine, text: str, arguments: Arguments) ->
 
 def _convert(value: Value, conversion: str | None) -> Value:
     """Apply `!r` or `!a`, which put a text into quotes."""
-    is_quoted = conversion in {"r", "a"} and isinstance(value, Scalar) and isinstance(value.value, str)
+    is_quoted = (
+        conversion in {"r", "a"} and isinstance(value, Scalar) and isinstance(value.value, str)
+    )
     return Scalar(repr(value.value), value.tainted) if is_quoted else value  # type: ignore[union-attr]
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
+
 from rtron.sources.code.interpreter.abstract_values.elements import SLICE
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary
@@ -73,7 +74,9 @@ def _number(
         if not isinstance(value, Scalar):
             return value
         try:
-            return Scalar(make(value.value, *rest), value.tainted) if is_known else Unknown("number")
+            return (
+                Scalar(make(value.value, *rest), value.tainted) if is_known else Unknown("number")
+            )
         except (TypeError, ValueError, OverflowError):
             return Unknown("number")
 
@@ -193,9 +196,7 @@ def _map(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     return call_on_rows(machine, function, rows, arguments)
 
 
-def call_on_rows(
-    machine: AbstractMachine, function: Value, rows: Value, at: Arguments
-) -> Value:
+def call_on_rows(machine: AbstractMachine, function: Value, rows: Value, at: Arguments) -> Value:
     """Call a function with the items of each row, as `map` and `itertools.starmap` do."""
     items, certain = machine.runtime.iterate(rows)
     if not certain:
@@ -313,9 +314,7 @@ def _type(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
         definition = Class(name=name, file=arguments.frame.file, line=arguments.line)
         runtime = python_runtime(machine)
         bases = runtime.base_classes(items_of(arguments.get(1) or NONE)[0])
-        return runtime.finish_class(
-            ClassValue(definition, bases, members.entries), arguments.frame
-        )
+        return runtime.finish_class(ClassValue(definition, bases, members.entries), arguments.frame)
     return value.type if isinstance(value, Instance) else Unknown("type")
 
 

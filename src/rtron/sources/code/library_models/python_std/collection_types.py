@@ -195,6 +195,10 @@ def _suppress(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     return Instance(SUPPRESS, {"names": list_of(arguments.values)})
 
 
+_QUEUES = (
+    *("queue.Queue", "queue.SimpleQueue", "Queue.Queue"),
+    *("multiprocessing.Queue", "asyncio.Queue"),
+)
 _NAMESPACE = LibraryClass("types.SimpleNamespace")
 
 
@@ -209,6 +213,7 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "functools.partial": _partial,
     "functools.wraps": _wraps,
     "functools.reduce": lambda machine, _, arguments: fold(machine, arguments),
+    **dict.fromkeys(_QUEUES, lambda *_: list_of((), "queue")),
     "itertools.islice": _slice_items,
     "itertools.starmap": _starmap,
     "itertools.repeat": _repeat,

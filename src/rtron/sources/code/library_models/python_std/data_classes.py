@@ -101,9 +101,7 @@ def is_field(value: Value | None) -> bool:
     return isinstance(value, Instance) and value.type is _FIELD
 
 
-def _default_value(
-    machine: AbstractMachine, default: Value | None, at: Arguments
-) -> Value | None:
+def _default_value(machine: AbstractMachine, default: Value | None, at: Arguments) -> Value | None:
     """Return a field's default, which a factory makes anew for each object."""
     if OPEN_KEYWORD in at.keywords:
         return None

@@ -102,7 +102,8 @@ _SET_METHODS: dict[str, str] = {
     "symmetric_difference": "^",
 }
 _METHODS: dict[str, Callable[..., Value]] = {
-    "popleft": _pop_left,
+    **dict.fromkeys(("popleft", "get", "get_nowait"), _pop_left),
+    **dict.fromkeys(("put", "put_nowait"), LIST_METHODS["append"]),
     "extendleft": _extend_left,
     "index": _index,
     "count": _count,

@@ -80,4 +80,6 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     **{f"os.spawn{kind}": _spawn_list for kind in ("v", "vp", "ve", "vpe")},
     **{f"os.spawn{kind}": _spawn_words for kind in ("l", "lp")},
 }
-PROCESSES: Mapping[str, Value] = {name: LibraryFunction(name, call) for name, call in _CALLS.items()}
+PROCESSES: Mapping[str, Value] = {
+    name: LibraryFunction(name, call) for name, call in _CALLS.items()
+}

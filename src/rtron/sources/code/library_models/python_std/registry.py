@@ -6,9 +6,6 @@ from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    Instance,
-    LibraryClass,
     LibraryFunction,
     Scalar,
     Unknown,
@@ -42,7 +39,10 @@ def _known_texts(values: tuple[Value, ...]) -> list[str] | None:
 
 
 def _call_path_function(
-    function: Callable[..., str | tuple[str, ...]], machine: AbstractMachine, _: object, arguments: Arguments
+    function: Callable[..., str | tuple[str, ...]],
+    machine: AbstractMachine,
+    _: object,
+    arguments: Arguments,
 ) -> Value:
     del machine
     texts = _known_texts(arguments.values)
@@ -87,6 +87,7 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "sys.exit": _exit,
     "os._exit": _exit,
     "rospy.myargv": _myargv,
+    **PACKAGE_PATHS,
 }
 PYTHON_LIBRARY: Mapping[str, Value] = {
     **DATACLASSES,
@@ -95,7 +96,6 @@ PYTHON_LIBRARY: Mapping[str, Value] = {
     **DATA_FILE_FUNCTIONS,
     **DYNAMIC_CODE_FUNCTIONS,
     **PYTHON_PATHS,
-    **PACKAGE_PATHS,
     **PROCESSES,
     **ROSLAUNCH_API,
     **THREADS,

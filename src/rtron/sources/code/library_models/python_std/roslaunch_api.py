@@ -95,7 +95,9 @@ def _launch_node(machine: AbstractMachine, _: object, arguments: Arguments) -> V
     )
     if "{" in package + type:
         what = f"node {package}/{type}"
-        machine.recorder.add_unresolved(what, "which program it is is not known", arguments.evidence)
+        machine.recorder.add_unresolved(
+            what, "which program it is is not known", arguments.evidence
+        )
     else:
         words = ("rosrun", *_node_words(arguments))
         machine.recorder.add_start(f"{package}/{type}", words, arguments.evidence)
@@ -133,7 +135,9 @@ _LAUNCH_NAMES = (
 )
 _CALLS: Mapping[str, Callable[..., Value]] = {
     "roslaunch.main": _main,
-    **dict.fromkeys(("roslaunch.parent.ROSLaunchParent", "roslaunch.ROSLaunchParent"), _launch_parent),
+    **dict.fromkeys(
+        ("roslaunch.parent.ROSLaunchParent", "roslaunch.ROSLaunchParent"), _launch_parent
+    ),
     "roslaunch.config.load_config_default": _load_config,
     "roslaunch.rlutil.resolve_launch_arguments": _resolve_launch,
     **dict.fromkeys(_LAUNCH_NAMES, _make_launch),
