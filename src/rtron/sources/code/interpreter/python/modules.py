@@ -55,7 +55,6 @@ class PythonModules:
     files: SourceProvider
     library: Mapping[str, Value]
     machine: AbstractMachine = field(init=False)
-    import_line: int = 0
     _modules: dict[Path, ModuleValue] = field(default_factory=dict)
     _star_imports: dict[int, list[str]] = field(default_factory=dict)
     _functions_by_name: dict[str, list[Function]] = field(default_factory=dict)
@@ -108,7 +107,7 @@ class PythonModules:
 
     def import_(self, node: Import, frame: StackFrame) -> None:
         """Bind what an import brings: a scanned module, or a library by its name."""
-        importer, self.import_line = Path(frame.file), node.line
+        importer = Path(frame.file)
         if node.name == "*":
             self._import_all(self._module(_module_name(node), importer), frame)
             return
@@ -118,6 +117,8 @@ class PythonModules:
             value = module if node.alias else self._module(alias, importer)
         else:
             value = self._from_module(_module_name(node), node.name, importer)
+        if isinstance(value, ExternalSymbol):
+            self._note_missing(node, importer)
         self.machine.undo_log.set(frame.variables, alias, value)
 
     def _from_module(self, dotted: str, name: str, importer: Path) -> Value:
@@ -154,18 +155,19 @@ class PythonModules:
         if path is None or (
             self.is_library(dotted) and not self._is_in_script_folder(path, dotted)
         ):
-            self._note_missing(dotted, importer)
             return ExternalSymbol(dotted)
         return self._modules.get(path) or self.run_module(path, dotted)
 
-    def _note_missing(self, dotted: str, importer: Path) -> None:
+    def _note_missing(self, node: Import, importer: Path) -> None:
         """Note a module of the workspace that is not there; what a build makes is none."""
-        package, _, rest = dotted.partition(".")
+        module = _module_name(node)
+        package, _, rest = module.partition(".")
+        missing = module if rest.strip(".") else f"{module}{'.' * bool(package)}{node.name or ''}"
         is_ours = not package or self.files.package_path(package) is not None
-        if is_ours and rest.strip(".") and not _GENERATED.intersection(rest.split(".")):
-            place = Evidence(file=str(importer), line=self.import_line)
+        if is_ours and missing != package and not _GENERATED.intersection(missing.split(".")):
+            place = Evidence(file=str(importer), line=node.line)
             why = "the workspace has no such module: what it joins is not known"
-            self.machine.recorder.add_unresolved(f"import of {dotted}", why, place)
+            self.machine.recorder.add_unresolved(f"import of {missing}", why, place)
 
     def is_library(self, dotted: str) -> bool:
         """Tell whether a module is one of a library that RTron knows, or has messages."""

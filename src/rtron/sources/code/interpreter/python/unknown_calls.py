@@ -40,6 +40,7 @@ def note_unknown_call(
     machine: AbstractMachine,
     called: Value,
     arguments: Arguments,
+    is_known: Callable[[str], bool],
     is_foreign_package: Callable[[str], bool],
 ) -> None:
     """Note a call of what is not known, if it makes an endpoint by its name or by what it gets."""
@@ -51,13 +52,17 @@ def note_unknown_call(
         machine.recorder.add_unresolved(
             what, "what it is called on is not known", arguments.evidence
         )
-    elif isinstance(called, ExternalSymbol) and _gives_endpoint(arguments):
+    elif _is_foreign(called, is_known) and _gives_endpoint(arguments):
         why = "is not in the source, and gets what it takes to join nodes"
         machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)
     top = name.partition(".")[0]
     if isinstance(called, ExternalSymbol) and is_foreign_package(top):
         why = "is a ROS package that is not in the source: what it joins is not known"
         machine.recorder.add_unresolved(f"package {top}", why, arguments.evidence)
+
+
+def _is_foreign(called: Value, is_known: Callable[[str], bool]) -> bool:
+    return isinstance(called, ExternalSymbol) and not is_known(called.name)
 
 
 def is_computing_package(name: str) -> bool:
