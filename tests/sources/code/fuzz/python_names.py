@@ -63,6 +63,66 @@ None or NAME
 functools.reduce(lambda a, b: a + b, [HEAD, TAIL])
 ---
 string.Template("${a}$b").substitute(a=HEAD, b=TAIL)
+---
+map@ = {"k": TAIL}
+f"{HEAD}{map@['k']}"
+---
+f"{HEAD + TAIL}"
+---
+f"{HEAD if NUMBER else 'wrong'}{TAIL:s}"
+---
+width@ = 3
+f"t{NUMBER:0{width@}d}_{WORD}"
+---
+"{:>{}}".format(NAME, 2)
+---
+"{0.tail}{1[0]}".format(types.SimpleNamespace(tail=HEAD), [TAIL])
+---
+"t%s_%s" % (str(NUMBER).rjust(3, "0"), WORD)
+---
+"".join(map(str, [HEAD, TAIL]))
+---
+"".join(part for part in (HEAD, TAIL))
+---
+NAME.encode().decode("utf-8")
+---
+("%s" % NAME).title().lower()
+---
+NAME[:2] + NAME[2:]
+---
+("wrong " + NAME).split()[1]
+---
+NAME.removeprefix("x").removesuffix("y")
+---
+["wrong", NAME][(1 + 2 * 3) % 2 ** 1 + 0 // 1]
+---
+["wrong", NAME][1 << 0]
+---
+["wrong", NAME][divmod(7, 3)[1]]
+---
+["wrong", NAME][~-2]
+---
+["wrong", NAME][int("1")]
+---
+["wrong", NAME][bool([0])]
+---
+["wrong", NAME][len("a" * 3) - 2]
+---
+["wrong", NAME][round(0.6) if isinstance(2, (int, float)) else 0]
+---
+NAME if hasattr("a", "upper") and not hasattr("a", "wrong") else "wrong"
+---
+NAME if callable(len) and not callable("a") else "wrong"
+---
+NAME if [1, 2] == [1, 2] and (1,) != (2,) and {1: 2} == {1: 2} else "wrong"
+---
+NAME if any(x > 1 for x in (1, 2)) and all(x > 0 for x in (1, 2)) else "wrong"
+---
+NAME if "a" < "b" < "c" and "z" not in "abc" else "wrong"
+---
+NAME if type("a") is str else "wrong"
+---
+NAME if isinstance("a", str) and not isinstance(None, str) else "wrong"
 """
 CONTAINERS = """{"k": NAME, "l": "wrong"}["k"]
 ---
@@ -178,6 +238,109 @@ Row@("wrong", NAME).name
 Row@ = collections.namedtuple("Row", ["kind", "name"])
 kind@, name@ = Row@(name=NAME, kind="wrong")
 name@
+---
+Row@ = collections.namedtuple("Row", "kind name")
+Row@("x", "wrong")._replace(name=NAME)._asdict()["name"]
+---
+list@ = ["b", NAME, "a"]
+list@.remove("b")
+list@.reverse()
+list@.pop()
+---
+list@ = ["wrong", "x"]
+list@[0:1] = [NAME]
+list@[0]
+---
+list@ = ["wrong"] * 2
+list@[-1] = NAME
+list@[1]
+---
+list@ = ["zz", NAME]
+list@.sort(reverse=True)
+list@[1]
+---
+list@ = sorted([("b", "wrong"), ("a", NAME)], key=lambda pair: pair[0])
+list@[0][1]
+---
+map@ = {"a": "wrong"}
+map@ |= {"a": NAME}
+map@["a"]
+---
+({"a": "wrong"} | {"a": NAME})["a"]
+---
+map@ = {"a": {"b": []}}
+map@["a"]["b"].append(NAME)
+map@["a"]["b"][0]
+---
+map@ = {"b": "wrong", "a": NAME}
+[map@[key] for key in sorted(map@)][0]
+---
+map@ = {"a": NAME}
+key@, text@ = map@.popitem()
+text@
+---
+map@ = {"a": "wrong", "b": NAME}
+del map@["a"]
+list(map@.values())[0]
+---
+dict.fromkeys(["a"], NAME)["a"]
+---
+{value: key for key, value in {NAME: "a"}.items()}["a"]
+---
+set@ = {"wrong"}
+set@ |= {NAME}
+set@.discard("wrong")
+list(set@)[0]
+---
+{"wrong", NAME}.difference({"wrong"}).pop()
+---
+{"x", NAME}.intersection([NAME, "y"]).pop()
+---
+deque@ = collections.deque(["x"])
+deque@.appendleft(NAME)
+deque@[0]
+---
+a@ = b@ = []
+a@.append(NAME)
+b@[0]
+---
+(a@, b@), c@ = ["wrong", NAME], "other"
+b@
+---
+*_, last@ = ("wrong", "other", NAME)
+last@
+---
+[pair[1] for pair in zip("ab", ["wrong", NAME]) if pair[0] == "b"][0]
+---
+[name for index, (key, name) in enumerate([("a", "wrong"), ("b", NAME)], start=1) if index == 2][0]
+---
+[["wrong", NAME][index] for index in range(1, -1, -1)][0]
+---
+[a + b for a, b in itertools.product([HEAD], ["zzz", TAIL])][1]
+---
+functools.reduce(lambda made, key: made[key], ["a", 0], {"a": [NAME]})
+---
+min([NAME, "zzzz"])
+---
+next(filter(None, ["", NAME]))
+---
+next((one for one in [] if one), NAME)
+---
+iterator@ = iter(["wrong", NAME])
+next(iterator@)
+next(iterator@)
+---
+list(dict.fromkeys([NAME, NAME]))[0]
+---
+list(zip(*[("wrong", "x"), (NAME, "y")]))[0][1]
+---
+list(itertools.chain.from_iterable([["wrong"], [NAME]]))[1]
+---
+ast.literal_eval("['wrong', '" + NAME + "']")[1]
+---
+collections.ChainMap({"a": NAME}, {"a": "wrong"})["a"]
+---
+types.MappingProxyType({"a": NAME})["a"]
 """
 FUNCTIONS = """def name@():
     return NAME
@@ -355,6 +518,198 @@ def name@():
             text = NAME
     return text
 name@()
+---
+def add@(text, made=[]):
+    made.append(text)
+    return made
+add@("wrong")
+add@(NAME)[1]
+---
+functions@ = [lambda: text for text in ["wrong", NAME]]
+functions@[0]()
+---
+functions@ = []
+for text@ in [NAME, "wrong"]:
+    functions@.append(lambda text=text@: text)
+functions@[0]()
+---
+def count@():
+    number = 0
+    def step():
+        nonlocal number
+        number += 1
+        return number
+    return step
+step@ = count@()
+step@()
+["x", "wrong", NAME][step@()]
+---
+def name@():
+    return "wrong"
+def name@():
+    return NAME
+name@()
+---
+def name@():
+    try:
+        return NAME
+    finally:
+        text = "wrong"
+name@()
+---
+def name@():
+    try:
+        try:
+            raise KeyError("x")
+        finally:
+            text = NAME
+    except KeyError:
+        return text
+name@()
+---
+class Wrong@(Exception):
+    pass
+class Worse@(Wrong@):
+    pass
+def name@():
+    try:
+        raise Worse@()
+    except KeyError:
+        return "wrong"
+    except Wrong@:
+        return NAME
+name@()
+---
+def name@():
+    for a in "ab":
+        for b in "ab":
+            if b == "a":
+                continue
+            if a == "b":
+                return NAME
+            break
+    return "wrong"
+name@()
+---
+def name@(value):
+    if isinstance(value, dict):
+        return name@(value["a"])
+    elif isinstance(value, (list, tuple)):
+        return name@(value[0])
+    return value
+name@({"a": [NAME]})
+---
+def name@(a, b="wrong", *args, c="wrong", **kwargs):
+    return a + c
+name@(HEAD, "x", "y", c=TAIL, d="z")
+---
+def name@(a, b):
+    return a + b
+name@(b=TAIL, a=HEAD)
+---
+def name@(*args):
+    first, *rest = args
+    return rest[0]
+name@("wrong", NAME)
+---
+list = ["wrong", NAME]
+text@ = list[1]
+del list
+text@
+---
+def name@():
+    str = NAME
+    return str
+name@()
+---
+def name@():
+    import json as other
+    return other.loads('["' + NAME + '"]')[0]
+name@()
+---
+def name@():
+    if typing.TYPE_CHECKING:
+        return "wrong"
+    return NAME
+name@()
+---
+def outer@(function):
+    return lambda *args, **kwargs: function(*args, **kwargs)
+@outer@
+@outer@
+def name@(a, b=TAIL):
+    return a + b
+name@(HEAD)
+---
+parser@ = argparse.ArgumentParser()
+parser@.add_argument("--topic", default=NAME)
+parser@.parse_args([]).topic
+---
+def name@(point):
+    match point:
+        case int() | float():
+            return "wrong"
+        case str(text) if text.startswith("x"):
+            return "wrong"
+        case str(text):
+            return text
+name@(NAME)
+---
+def name@(point):
+    match point:
+        case {"a": [_, {"b": text}], **rest}:
+            return text
+        case _:
+            return "wrong"
+name@({"a": [1, {"b": NAME}], "c": 2})
+---
+def name@(point):
+    match point:
+        case (first, *middle, last) if last == "wrong":
+            return first
+name@([NAME, "x", "wrong"])
+---
+def name@(text):
+    text += TAIL
+    return text
+name@(HEAD)
+---
+(lambda *args, **kwargs: args[0] + kwargs["b"])(HEAD, b=TAIL)
+---
+def names@(depth):
+    if depth:
+        yield from names@(depth - 1)
+    yield NAME
+list(names@(1))[0]
+---
+def name@():
+    number = 10
+    while number > 0:
+        number -= 3
+        if number < 2:
+            break
+    else:
+        return "wrong"
+    return NAME
+name@()
+---
+try:
+    text@ = int("x")
+except ValueError:
+    text@ = NAME
+text@
+---
+try:
+    text@ = ["wrong"][5]
+except IndexError:
+    text@ = NAME
+text@
+---
+try:
+    text@ = None.upper()
+except AttributeError:
+    text@ = NAME
+text@
 """
 CLASSES = """class Names@:
     text = NAME
@@ -605,6 +960,208 @@ def make@(text):
         name = text
     return Made
 make@(NAME)().name
+---
+class Names@:
+    count = 0
+    def __init__(self):
+        Names@.count += 1
+        self.text = ["wrong", NAME, "wrong"][Names@.count]
+Names@().text
+---
+class Outer@:
+    class Inner:
+        text = NAME
+Outer@.Inner.text
+---
+class Names@:
+    texts = {}
+    for key@ in ("a", "b"):
+        texts[key@] = "wrong" if key@ == "a" else NAME
+Names@.texts["b"]
+---
+class Names@:
+    __slots__ = ("text",)
+    def __init__(self, text):
+        self.text = text
+Names@(NAME).text
+---
+class Names@:
+    def __init__(self, text):
+        self.text = text
+    @classmethod
+    def of(cls, *parts):
+        return cls("".join(parts))
+Names@.of(HEAD, TAIL).text
+---
+class Base@:
+    @property
+    def tail(self):
+        return "wrong"
+    def text(self):
+        return HEAD + self.tail
+class Names@(Base@):
+    @property
+    def tail(self):
+        return TAIL
+Names@().text()
+---
+class Base@(abc.ABC):
+    @abc.abstractmethod
+    def tail(self):
+        pass
+    def text(self):
+        return HEAD + self.tail()
+class Names@(Base@):
+    def tail(self):
+        return TAIL
+Names@().text()
+---
+class A@:
+    def parts(self):
+        return [HEAD]
+class B@(A@):
+    def parts(self):
+        return super().parts() + ["x"]
+class C@(A@):
+    def parts(self):
+        return super().parts() + [TAIL]
+class D@(B@, C@):
+    pass
+"".join(D@().parts()[:2])
+---
+class Names@:
+    def text(self, tail):
+        return HEAD + tail
+    short = text
+Names@().short(TAIL)
+---
+class Names@:
+    def text(self, head, tail):
+        return head + tail
+    short = functools.partialmethod(text, HEAD)
+Names@().short(TAIL)
+---
+class Names@:
+    def text(self, tail):
+        return HEAD + tail
+method@ = Names@().text
+list(map(method@, [TAIL]))[0]
+---
+class Names@:
+    pass
+one@ = Names@()
+one@.text = "wrong"
+two@ = one@
+two@.text = NAME
+one@.text
+---
+class Names@:
+    def __eq__(self, other):
+        return True
+NAME if Names@() == Names@() else "wrong"
+---
+class Names@:
+    def __bool__(self):
+        return False
+"wrong" if Names@() else NAME
+---
+class Names@:
+    def __len__(self):
+        return 0
+"wrong" if Names@() else NAME
+---
+class Names@:
+    def __contains__(self, key):
+        return key == "a"
+NAME if "a" in Names@() else "wrong"
+---
+class Names@:
+    def __next__(self):
+        return NAME
+    def __iter__(self):
+        return self
+next(Names@())
+---
+class Names@(dict):
+    pass
+one@ = Names@()
+one@["a"] = NAME
+one@["a"]
+---
+class Names@(list):
+    pass
+one@ = Names@()
+one@.append(NAME)
+one@[0]
+---
+class Names@(str):
+    pass
+Names@(NAME)
+---
+@dataclasses.dataclass
+class Base@:
+    head: str
+@dataclasses.dataclass
+class Names@(Base@):
+    tail: str = TAIL
+    kind: typing.ClassVar[str] = "wrong"
+    def text(self):
+        return self.head + self.tail
+Names@(HEAD).text()
+---
+@dataclasses.dataclass(frozen=True)
+class Names@:
+    text: str = "wrong"
+dataclasses.replace(Names@(), text=NAME).text
+---
+@dataclasses.dataclass
+class Names@:
+    a: str
+    b: str = NAME
+dataclasses.asdict(Names@("wrong"))["b"]
+---
+class Names@(enum.IntEnum):
+    A = 0
+    B = 1
+["wrong", NAME][Names@.B]
+---
+class Names@(enum.Enum):
+    A = enum.auto()
+    B = enum.auto()
+[NAME, "wrong"][[one.name for one in Names@].index("A")]
+---
+class Names@(str, enum.Enum):
+    A = NAME
+Names@.A.value
+---
+class Names@(enum.Enum):
+    A = NAME
+Names@(NAME).value
+---
+class Names@:
+    @staticmethod
+    def _text():
+        return NAME
+    TEXTS = {"a": _text}
+Names@.TEXTS["a"]()
+---
+class Names@:
+    def __init__(self, **texts):
+        self.__dict__.update(texts)
+    def __getattr__(self, name):
+        return "wrong"
+Names@(text=NAME).text
+---
+Names@().text if "Names@" in globals() else NAME
+---
+class Base@:
+    def __init__(self, **kwargs):
+        for key, value in kwargs.items():
+            setattr(self, "_" + key, value)
+class Names@(Base@):
+    def __init__(self, text):
+        super().__init__(text=text)
+Names@(NAME)._text
 """
 ROSPY = """rospy.get_param("~unset@", NAME)
 ---

@@ -181,6 +181,198 @@ def run@():
     BLOCK
 globals()["call@"] = run@
 call@()
+---
+if __name__ == "__main__":
+    BLOCK
+---
+try:
+    try:
+        raise KeyError("x")
+    except ValueError:
+        pass
+    finally:
+        BLOCK
+except KeyError:
+    pass
+---
+with threading.Lock(), contextlib.nullcontext():
+    BLOCK
+---
+@contextlib.contextmanager
+def run@():
+    BLOCK
+    yield
+with run@():
+    pass
+---
+with contextlib.ExitStack() as stack@:
+    BLOCK
+---
+def run@():
+    BLOCK
+list(map(lambda function: function(), [run@]))
+---
+def run@():
+    BLOCK
+queue@ = [run@]
+while queue@:
+    queue@.pop(0)()
+---
+class Run@:
+    pass
+def run@(self):
+    BLOCK
+Run@.run = run@
+Run@().run()
+---
+class Run@:
+    def setup_a(self):
+        BLOCK
+    def run(self, kind):
+        getattr(self, f"setup_{kind}")()
+Run@().run("a")
+---
+class Run@:
+    def run(self):
+        BLOCK
+type(Run@()).run(None)
+---
+class A@:
+    def run(self):
+        pass
+class B@(A@):
+    def run(self):
+        BLOCK
+for one@ in (A@, B@):
+    one@().run()
+---
+class Run@:
+    def __init__(self):
+        self.actions = {"a": self.make}
+    def make(self):
+        BLOCK
+    def run(self):
+        for name, action in self.actions.items():
+            action()
+Run@().run()
+---
+class Run@:
+    def __init__(self):
+        self.listeners = []
+    def add(self, listener):
+        self.listeners.append(listener)
+    def fire(self):
+        for listener in self.listeners:
+            listener(self)
+def run@(_):
+    BLOCK
+owner@ = Run@()
+owner@.add(run@)
+owner@.fire()
+---
+def run@():
+    BLOCK
+globals()["run@"]()
+---
+def run@():
+    BLOCK
+getattr(sys.modules[__name__], "run@", run@)()
+---
+def run@(value):
+    BLOCK
+    return value
+run@(1) and run@(1)
+---
+def run@():
+    BLOCK
+with concurrent.futures.ThreadPoolExecutor() as pool@:
+    pool@.submit(run@).result()
+---
+async def run@():
+    BLOCK
+coroutine@ = run@()
+try:
+    coroutine@.send(None)
+except StopIteration:
+    pass
+---
+class Run@:
+    def __init__(self, function):
+        function()
+@Run@
+def run@():
+    BLOCK
+---
+class Run@:
+    def __enter__(self):
+        BLOCK
+        return self
+    def __exit__(self, *error):
+        return True
+with Run@() as run@:
+    raise ValueError("x")
+---
+class Run@:
+    def __exit__(self, *error):
+        BLOCK
+    def __enter__(self):
+        return self
+with Run@():
+    pass
+---
+def run@(step=0):
+    while True:
+        step += 1
+        if step == 3:
+            break
+        elif step == 2:
+            BLOCK
+run@()
+---
+def run@():
+    try:
+        return 1
+    finally:
+        BLOCK
+run@()
+---
+def run@(*functions, **named):
+    for function in functions:
+        function()
+    named["last"]()
+def block@():
+    BLOCK
+run@(print, last=block@)
+---
+def run@(depth):
+    def inner():
+        if depth:
+            BLOCK
+    return inner
+run@(1)()
+---
+class Run@:
+    _one = None
+    @classmethod
+    def get(cls):
+        if cls._one is None:
+            cls._one = cls()
+            cls._one.setup()
+        return cls._one
+    def setup(self):
+        BLOCK
+Run@.get()
+---
+class Base@:
+    kinds = []
+    def __init_subclass__(cls):
+        super().__init_subclass__()
+        Base@.kinds.append(cls)
+class Run@(Base@):
+    def run(self):
+        BLOCK
+for kind@ in Base@.kinds:
+    kind@().run()
 """
 LATER_ROSPY = """def run@(event):
     BLOCK
@@ -337,4 +529,100 @@ if isinstance("a", int):
 ---
 if "a" in ("b", "c"):
     BLOCK
+---
+def run@():
+    BLOCK
+def run@():
+    pass
+run@()
+---
+class Run@:
+    @property
+    def run(self):
+        BLOCK
+Run@()
+---
+class Run@:
+    run = None
+    def __getattr__(self, name):
+        BLOCK
+Run@().run
+---
+class Run@:
+    def __call__(self):
+        BLOCK
+Run@()
+---
+class Base@:
+    def __init__(self):
+        BLOCK
+class Run@(Base@):
+    def __init__(self):
+        pass
+Run@()
+---
+if one@ := 0:
+    BLOCK
+---
+match 3:
+    case int(one@) if one@ > 5:
+        BLOCK
+---
+def run@():
+    BLOCK
+any(one or run@() for one in [1])
+---
+def run@():
+    BLOCK
+1 or run@()
+---
+def run@():
+    BLOCK
+    return 1
+{"a": 1}.get("a", run@)
+---
+def run@():
+    BLOCK
+functools.partial(run@)
+---
+if [] or {} or "" or 0 or None:
+    BLOCK
+---
+if not {"a": 1}.get("a"):
+    BLOCK
+---
+def run@(flag=False):
+    if flag:
+        BLOCK
+run@()
+---
+class Run@:
+    flag = False
+    def run(self):
+        if self.flag:
+            BLOCK
+Run@().run()
+---
+def run@():
+    for one in "ab":
+        return
+    BLOCK
+run@()
+---
+def run@():
+    try:
+        raise KeyError("x")
+    finally:
+        return
+    BLOCK
+run@()
+---
+class Run@(Exception):
+    pass
+try:
+    raise Run@()
+except ValueError:
+    BLOCK
+except Run@:
+    pass
 """

@@ -10,9 +10,9 @@ import python_calls
 import python_names
 import python_places
 
-_HEAD = """import asyncio, collections, concurrent.futures, contextlib, copy, dataclasses, enum
-import functools, importlib, itertools, json, operator, os, pathlib, queue, string, sys, threading
-import types, typing
+_HEAD = """import abc, argparse, ast, asyncio, collections, concurrent.futures, contextlib, copy
+import dataclasses, enum, functools, importlib, itertools, json, operator, os, pathlib, queue
+import string, sys, threading, types, typing
 import yaml
 """
 _WORDS = ("alpha", "beta", "gamma", "delta")

@@ -141,9 +141,9 @@ def test_a_formatted_value_is_a_call_of_format(text, template):
     assert part == Call(Attr(Const(template), "format"), (A,), (), 1)
 
 
-def test_the_parts_of_a_format_are_seen():
-    (part,) = value("f'{a:{b}}'").parts
-    assert B in part.parts
+def test_the_parts_of_a_format_are_arguments_too():
+    (part,) = value("f'{a:0{b}d}'").parts
+    assert part == Call(Attr(Const("{:0{}d}"), "format"), (A, B), (), 1)
 
 
 def test_a_call_knows_its_line():

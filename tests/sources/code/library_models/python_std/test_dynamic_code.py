@@ -182,7 +182,9 @@ def package(tmp_path, text, depends="helper_ros"):
 
 
 def test_a_ros_package_that_is_not_here_is_noted_once(tmp_path):
-    found = package(tmp_path, "import helper_ros, numpy\nhelper_ros.go()\nhelper_ros.go()\nnumpy.a()")
+    found = package(
+        tmp_path, "import helper_ros, numpy\nhelper_ros.go()\nhelper_ros.go()\nnumpy.a()"
+    )
     (note,) = found.unresolved
     assert (note.what, note.evidence[0].line) == ("package helper_ros", 2)
 
@@ -221,7 +223,9 @@ WRITES = {
 
 @pytest.mark.parametrize("write", WRITES)
 def test_a_member_that_may_have_been_replaced_is_no_literal(write):
-    body = f"class A:\n    topic = 'a'\n    def __init__(self): self.topic = 'a'\no = A()\n{write}\n"
+    body = (
+        f"class A:\n    topic = 'a'\n    def __init__(self): self.topic = 'a'\no = A()\n{write}\n"
+    )
     assert names(python(f"{body}rospy.Publisher(o.topic, Bool)")) == WRITES[write]
 
 

@@ -126,16 +126,16 @@ def _(node: ast.JoinedStr, source: SourceFile) -> Expr:
 
 @_lower.register
 def _(node: ast.FormattedValue, source: SourceFile) -> Expr:
-    """Lower a value; under a format it is `"{:…}".format(value)`, if the format is a literal."""
+    """Lower a value; under a format it is `"{:…}".format(value, …)`."""
     spec = node.format_spec.values if isinstance(node.format_spec, ast.JoinedStr) else []
     if not spec and node.conversion in (-1, ord("s")):
         return lower_expression(node.value, source)
-    if any(not isinstance(part, ast.Constant) for part in spec):
-        return lower_opaque(node, [node.value, *spec], source)
     conversion = f"!{chr(node.conversion)}" if node.conversion != -1 else ""
-    written = "".join(str(part.value) for part in spec if isinstance(part, ast.Constant))
-    template = ir.Attr(ir.Const(f"{{{conversion}:{written}}}"), "format")
-    return ir.Call(template, (lower_expression(node.value, source),), line=node.lineno)
+    written = [str(part.value) if isinstance(part, ast.Constant) else "{}" for part in spec]
+    template = ir.Attr(ir.Const(f"{{{conversion}:{''.join(written)}}}"), "format")
+    inner = (part for part in spec if not isinstance(part, ast.Constant))
+    args = lower_expressions([node.value, *inner], source)
+    return ir.Call(template, args, line=node.lineno)
 
 
 @_lower.register

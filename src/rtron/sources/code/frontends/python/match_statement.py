@@ -55,8 +55,9 @@ def _tests(pattern: ast.pattern, subject: Expr, source: SourceFile) -> Iterator[
 
 
 def _binding(name: str | None, value: Expr) -> Iterator[Expr]:
+    """Yield a test that binds a name and always holds: what is not empty counts as true."""
     if name:
-        yield ir.Logic("or", (ir.AssignExpr(ir.Name(name), value), _TRUE))
+        yield ir.SequenceExpr((ir.AssignExpr(ir.Name(name), value),), "tuple")
 
 
 def _mapping_tests(pattern: ast.MatchMapping, subject: Expr, source: SourceFile) -> Iterator[Expr]:

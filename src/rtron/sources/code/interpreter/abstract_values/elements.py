@@ -22,9 +22,13 @@ SLICE = LibraryClass("slice")
 
 
 def element(owner: Value, key: Value) -> Value:
-    """Return an element or slice, or an Unknown with the names of the owner and the key."""
+    """Return an element or slice, or an Unknown with the names of the owner and the key.
+
+    An object that is an index is a member of an enumeration of numbers.
+    """
     if is_slice(key):
         return _slice_value(owner, key)
+    key = _number_of(owner, key)
     if isinstance(owner, MapValue):
         return _map_entry(owner, key)
     if isinstance(owner, ClassValue) and isinstance(key, Scalar):
@@ -36,6 +40,11 @@ def element(owner: Value, key: Value) -> Value:
     elif isinstance(owner, ListValue) and owner.items:
         return join(owner.items)
     return _unknown_element(owner, key)
+
+
+def _number_of(owner: Value, key: Value) -> Value:
+    is_member = isinstance(owner, ListValue) and isinstance(key, Instance)
+    return key.fields.get("value", key) if is_member else key  # type: ignore[union-attr]
 
 
 def _unknown_element(owner: Value, key: Value) -> Unknown:

@@ -40,12 +40,16 @@ _ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "*": operator.mul,
     "/": operator.truediv,
     "//": operator.floordiv,
+    "**": operator.pow,
+    "<<": operator.lshift,
     "%": operator.mod,
     "&": operator.and_,
     "|": operator.or_,
     "^": operator.xor,
     ">>": operator.rshift,
 }
+_KINDS: Mapping[str, Callable[[list[Any]], Any]] = {"tuple": tuple, "set": frozenset}
+_MAX_DEPTH = 8
 _COMPARED = (MessageType, LibraryFunction)
 _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
     "==": operator.eq,
@@ -135,12 +139,18 @@ def _arithmetic(name: str, left: Value, right: Value) -> Value:
     try:
         if name == "*" and not _is_short_repetition(left.value, right.value):
             return Unknown("large", tainted)
+        if name in {"**", "<<"} and not (_is_small(left.value) and _is_small(right.value)):
+            return Unknown("large", tainted)
         return Scalar(_check_size(_ARITHMETIC[name](left.value, right.value)), tainted)
     except TypeError:
         is_path = name == "/" and is_text(left) and is_text(right)
         return concat((left, Scalar("/"), right)) if is_path else Unknown("?", tainted)
     except (ArithmeticError, ValueError):
         return Unknown("?", tainted)
+
+
+def _is_small(value: Any) -> bool:  # noqa: ANN401 - any Python value
+    return isinstance(value, (int, float)) and abs(value) < MAX_BITS
 
 
 def _is_short_repetition(left: Any, right: Any) -> bool:  # noqa: ANN401 - any Python values
@@ -168,28 +178,40 @@ def _compare(name: str, left: Value, right: Value) -> Value:
         except TypeError:
             return Unknown("comparison")
         return Scalar(answer, left.tainted or right.tainted)
-    if isinstance(left, ListValue) and isinstance(right, ListValue):
-        return _compare_lists(name, left, right)
+    if isinstance(left, (ListValue, MapValue)) and type(left) is type(right):
+        return _compare_containers(name, left, right)
     may_be_equal = type(left) is type(right) and _compares_itself(left)
     if may_be_equal or _is_undecidable(left) or _is_undecidable(right):
         return Unknown("comparison")
     return Scalar(name in {"!=", "is not"})
 
 
-def _compare_lists(name: str, left: ListValue, right: ListValue) -> Value:
-    """Compare lists of numbers and texts; which of others are equal is not known."""
-    items = (*left.items, *right.items)
-    plain = all(isinstance(item, Scalar) for item in items) and left.kind == right.kind != "set"
-    if not plain or left.open or right.open or name not in {"==", "!="}:
+def _compare_containers(name: str, left: Value, right: Value) -> Value:
+    """Compare lists or dicts of numbers and texts; which of others are equal is not known."""
+    try:
+        is_same = _plain(left, _MAX_DEPTH) == _plain(right, _MAX_DEPTH)
+    except ValueError:
         return Unknown("comparison")
-    return Scalar((left.items == right.items) is (name == "=="))
+    return Scalar(is_same is (name == "==")) if name in {"==", "!="} else Unknown("comparison")
+
+
+def _plain(value: Value, depth: int) -> Any:  # noqa: ANN401 - any Python value
+    """Return the Python value that a value is; a ValueError for one that is not known whole."""
+    if isinstance(value, Scalar):
+        return value.value
+    if depth and isinstance(value, ListValue) and not value.open:
+        items = [_plain(item, depth - 1) for item in value.items]
+        return _KINDS.get(value.kind, list)(items)
+    if depth and isinstance(value, MapValue) and not value.open:
+        return {key: _plain(entry, depth - 1) for key, entry in value.fields.items()}
+    raise ValueError(value)
 
 
 def _compares_itself(value: Value) -> bool:
-    """Tell whether equal values may be different objects: dicts, records, bound methods."""
+    """Tell whether equal values may be different objects: records, bound methods."""
     if isinstance(value, Instance) and isinstance(value.type, ClassValue):
         return not {"__eq__", "__fields__"}.isdisjoint(value.type.fields)
-    return isinstance(value, (Instance, FunctionValue, MapValue))
+    return isinstance(value, (Instance, FunctionValue))
 
 
 def _is_undecidable(value: Value) -> bool:
@@ -300,6 +322,8 @@ def unary(name: str, operand: Value) -> Value:
         value = operand.value
         if name == "-":
             return Scalar(-value, operand.tainted)
+        if name == "~" and isinstance(value, int):
+            return Scalar(~int(value), operand.tainted)
         if name == "+":
             return operand
     return Unknown("?", is_tainted(operand))

@@ -20,6 +20,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     is_text,
     join,
     text_with_holes,
+    truth,
 )
 from rtron.sources.code.interpreter.cpp.iterators import dereference
 from rtron.sources.code.interpreter.cpp.mutating_methods import mutate
@@ -179,6 +180,15 @@ def _forget_written_strings(machine: AbstractMachine, name: str, arguments: Argu
             machine.undo_log.set(
                 *slot, after if name in MUTATING_FUNCTIONS else join((before, after))
             )
+
+
+def truth_of(machine: AbstractMachine, value: Value) -> bool | None:
+    """Return whether a value counts as true, as its scanned class says by a method."""
+    for name in ("__bool__", "__nonzero__", "__len__"):
+        method = machine.runtime.special_method(value, name)
+        if method is not None:
+            return truth(dispatch(machine, method, Arguments(frame=StackFrame(file=""))))
+    return truth(value)
 
 
 def callee_name(called: Value) -> str:

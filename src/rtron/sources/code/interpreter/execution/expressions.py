@@ -24,12 +24,11 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     join,
     map_key,
     options,
-    truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments, evaluate_defaults
 from rtron.sources.code.interpreter.execution.assignment import assign, slot_of
-from rtron.sources.code.interpreter.execution.calls import call, dispatch
+from rtron.sources.code.interpreter.execution.calls import call, dispatch, truth_of
 from rtron.sources.code.interpreter.execution.exceptions import operands_fit
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
 from rtron.sources.code.interpreter.execution.loops import target_name
@@ -214,7 +213,7 @@ def _unary(machine: AbstractMachine, node: Unary, frame: StackFrame) -> Value:
     operand = machine.evaluate(node.operand, frame)
     if node.operator != "not":
         return unary(node.operator, operand)
-    decided = truth(operand)
+    decided = truth_of(machine, operand)
     return Unknown("not") if decided is None else Scalar(not decided)
 
 
@@ -223,7 +222,7 @@ def _logic(machine: AbstractMachine, node: Logic, frame: StackFrame) -> Value:
     found: list[Value] = []
     for operand in node.operands:
         value = machine.evaluate(operand, frame)
-        decided = truth(value)
+        decided = truth_of(machine, value)
         if decided is not (not deciding):
             found.append(value)
         if decided is deciding:
@@ -233,7 +232,7 @@ def _logic(machine: AbstractMachine, node: Logic, frame: StackFrame) -> Value:
 
 
 def _conditional(machine: AbstractMachine, node: Conditional, frame: StackFrame) -> Value:
-    decided = truth(machine.evaluate(node.test, frame))
+    decided = truth_of(machine, machine.evaluate(node.test, frame))
     if decided is None:
         return join([machine.evaluate(node.body, frame), machine.evaluate(node.orelse, frame)])
     return machine.evaluate(node.body if decided else node.orelse, frame)
@@ -299,7 +298,7 @@ def _run_loops(
     certain = certain and len(items) <= MAX_ITEMS
     for item in (*items[:MAX_ITEMS], *(() if certain else (Unknown(target_name(target)),))):
         assign(machine, target, item, frame)
-        answers = [truth(machine.evaluate(test, frame)) for test in tests]
+        answers = [truth_of(machine, machine.evaluate(test, frame)) for test in tests]
         if False in answers:
             continue
         if len(found) > MAX_ITEMS:

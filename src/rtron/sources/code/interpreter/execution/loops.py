@@ -8,10 +8,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
-    truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, Outcome
 from rtron.sources.code.interpreter.execution.assignment import assign, slot_of
+from rtron.sources.code.interpreter.execution.calls import truth_of
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Expr, ForEach, Name, While
 from rtron.sources.code.ir.references import assigned_names
@@ -92,7 +92,7 @@ def while_(machine: AbstractMachine, node: While, frame: StackFrame) -> Outcome:
 
 def _run_rounds(machine: AbstractMachine, node: While, frame: StackFrame, most: int) -> Outcome:
     for _ in range(most):
-        decided = truth(machine.evaluate(node.test, frame))
+        decided = truth_of(machine, machine.evaluate(node.test, frame))
         if decided is None:
             break
         if not decided:

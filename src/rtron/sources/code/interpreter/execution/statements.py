@@ -11,7 +11,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     is_tainted,
-    truth,
 )
 from rtron.sources.code.interpreter.execution import loops
 from rtron.sources.code.interpreter.execution.abstract_machine import (
@@ -20,6 +19,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import (
     ThrownError,
 )
 from rtron.sources.code.interpreter.execution.assignment import assign, remove_element
+from rtron.sources.code.interpreter.execution.calls import truth_of
 from rtron.sources.code.interpreter.execution.context_managers import run_with
 from rtron.sources.code.interpreter.execution.exceptions import catches
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime, python_runtime
@@ -42,6 +42,7 @@ from rtron.sources.code.ir import (
     New,
     Raise,
     Return,
+    Star,
     Stmt,
     Try,
     While,
@@ -89,7 +90,7 @@ def _declare(machine: AbstractMachine, node: Declare, frame: StackFrame) -> Outc
 
 def _if(machine: AbstractMachine, node: If, frame: StackFrame) -> Outcome:
     test = machine.evaluate(node.test, frame)
-    decided = truth(test)
+    decided = truth_of(machine, test)
     if decided is None:
         return _undecided_if(machine, node, test, frame)
     return machine.execute(node.body if decided else node.orelse, frame)
@@ -111,7 +112,10 @@ def _return(machine: AbstractMachine, node: Return, frame: StackFrame) -> Outcom
 
 
 def _yield(machine: AbstractMachine, node: Yield, frame: StackFrame) -> Outcome:
-    if node.value is not None:
+    """Keep what a generator gives; `yield from` gives all of another."""
+    if isinstance(node.value, Star):
+        frame.yields.extend(machine.runtime.iterate(machine.evaluate(node.value.value, frame))[0])
+    elif node.value is not None:
         frame.yields.append(machine.evaluate(node.value, frame))
     return None
 

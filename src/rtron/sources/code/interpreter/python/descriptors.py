@@ -6,7 +6,6 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     ClassValue,
-    FunctionValue,
     Instance,
     LibraryClass,
     LibraryFunction,
@@ -16,6 +15,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.calls import dispatch
 
 
 def _with_setter(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
@@ -34,7 +34,13 @@ PROPERTY = LibraryClass(
     "property",
     methods={"setter": _with_setter, "getter": _with_getter, "deleter": _with_deleter},
 )
-STATIC_METHOD = LibraryClass("staticmethod")
+
+
+def _call_static(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    return dispatch(machine, owner.fields["getter"], arguments)
+
+
+STATIC_METHOD = LibraryClass("staticmethod", methods={"__call__": _call_static})
 CLASS_METHOD = LibraryClass("classmethod")
 DESCRIPTORS = {
     "property": PROPERTY,
@@ -81,8 +87,3 @@ OBJECT_METHODS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("__init__", "__init_subclass__", "__del__"), _do_nothing),
 }
 """The methods that every class has (docs.python.org: reference/datamodel)."""
-
-
-def is_function(value: Value | None) -> bool:
-    """Tell whether a value is a function that a call may enter."""
-    return isinstance(value, (FunctionValue, LibraryFunction))

@@ -102,9 +102,7 @@ class PythonRuntime(PythonObjects):
 
     def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
         """Note a call of what is not in the source, if it may join nodes; a package once."""
-        note_unknown_call(
-            self.machine, called, arguments, self._is_known, self._is_foreign_package
-        )
+        note_unknown_call(self.machine, called, arguments, self._is_known, self._is_foreign_package)
 
     def _is_foreign_package(self, name: str) -> bool:
         """Tell whether a module is a package of ROS that is not here; once for each."""

@@ -20,6 +20,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     concat,
     is_tainted,
     parts_of,
+    text_with_holes,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -174,9 +175,18 @@ def _format_fields(machine: AbstractMachine, text: str, arguments: Arguments) ->
             is_next = not name or name[0] in ".["
             value = _format_field(machine, f"{index}{name}" if is_next else name, arguments)
             value = _convert(machine.runtime.shown(value), conversion)
-            parts.append(apply_format_spec(value, spec or ""))
             index += is_next
+            later = arguments.values[index if is_next else 0 :]
+            written = _format_spec(machine, spec or "", replace(arguments, values=later))
+            parts.append(apply_format_spec(value, written))
     return parts
+
+
+def _format_spec(machine: AbstractMachine, spec: str, arguments: Arguments) -> str:
+    """Return a format with the fields in it put in: `0{}d`."""
+    if "{" not in spec:
+        return spec
+    return text_with_holes(concat(_format_fields(machine, spec, arguments)))
 
 
 def _convert(value: Value, conversion: str | None) -> Value:

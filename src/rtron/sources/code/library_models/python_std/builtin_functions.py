@@ -34,7 +34,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.assignment import assign_member, forget_texts
-from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.interpreter.execution.calls import dispatch, truth_of
 from rtron.sources.code.interpreter.execution.language_runtime import python_runtime
 from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIONS
 from rtron.sources.code.interpreter.python.method_resolution_order import super_object
@@ -83,9 +83,20 @@ def _number(
     return map_options(arguments.get(0) or Scalar(0), made)
 
 
-def _bool(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _power(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    return binary("**", arguments.value(0), arguments.value(1))
+
+
+def _divide(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`divmod(number, other)`."""
+    return list_of(
+        [binary(n, arguments.value(0), arguments.value(1)) for n in ("//", "%")], "tuple"
+    )
+
+
+def _bool(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     value = arguments.get(0) or FALSE
-    decided = truth(value)
+    decided = truth_of(machine, value)
     return Unknown("bool") if decided is None else Scalar(decided, is_tainted(value))
 
 
@@ -216,6 +227,12 @@ def _filter(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
 
 def _isinstance(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     value, expected_class = arguments.get(0), arguments.get(1)
+    if isinstance(expected_class, ListValue) and not expected_class.open:
+        given = value or NONE
+        kinds = (arguments.with_values(given, one) for one in expected_class.items)
+        found = [_isinstance(machine, None, one) for one in kinds]
+        answers = [truth(one) for one in found]
+        return TRUE if True in answers else Unknown("isinstance") if None in answers else FALSE
     if isinstance(value, Instance) and isinstance(expected_class, ClassValue):
         return Scalar(any(cls is expected_class for cls in machine.runtime.lineage(value.type)))
     kinds = {"list": "list", "tuple": "tuple", "set": "set"}
@@ -254,6 +271,8 @@ def _hasattr(machine: AbstractMachine, _: object, arguments: Arguments) -> Value
     owner, name = arguments.get(0), arguments.get(1)
     if isinstance(owner, (Instance, ClassValue)) and isinstance(name, Scalar):
         return Scalar(machine.runtime.attribute(owner, str(name.value), ()) is not None)
+    if isinstance(owner, Scalar) and isinstance(name, Scalar):
+        return Scalar(hasattr(owner.value, str(name.value)))
     return Unknown("hasattr")
 
 
@@ -315,7 +334,11 @@ def _type(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
         runtime = python_runtime(machine)
         bases = runtime.base_classes(items_of(arguments.get(1) or NONE)[0])
         return runtime.finish_class(ClassValue(definition, bases, members.entries), arguments.frame)
-    return value.type if isinstance(value, Instance) else Unknown("type")
+    if isinstance(value, Instance):
+        return value.type
+    kind = "dict" if isinstance(value, MapValue) else getattr(value, "kind", "")
+    plain = type(value.value).__name__ if isinstance(value, Scalar) else kind
+    return BUILTINS.get(plain, Unknown("type"))
 
 
 def _format(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -367,6 +390,8 @@ _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "long": partial(_number, int),
     "float": partial(_number, float),
     "abs": partial(_number, abs),
+    "pow": _power,
+    "divmod": _divide,
     "round": partial(_number, round),
     "bool": _bool,
     "len": _len,

@@ -4,11 +4,13 @@ import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    OPEN,
     UNKNOWN,
     FunctionValue,
     Instance,
@@ -19,6 +21,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
+    map_key,
     text_with_holes,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import PARTIAL, AbstractMachine
@@ -195,6 +198,22 @@ def _suppress(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     return Instance(SUPPRESS, {"names": list_of(arguments.values)})
 
 
+def _dict_from_keys(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`dict.fromkeys(keys, value)`."""
+    items, certain = machine.runtime.iterate(arguments.value(0))
+    value = arguments.get(1) or NONE
+    made: dict[Any, Value] = {map_key(item): value for item in items}
+    return MapValue(made if certain else {**made, OPEN: value})
+
+
+def _chain_map(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`ChainMap(first, second, …)`: the first that has a key counts."""
+    made = MapValue()
+    for value in reversed(arguments.values):
+        made.fields.update(value.fields if isinstance(value, MapValue) else {OPEN: UNKNOWN})
+    return made
+
+
 _QUEUES = (
     *("queue.Queue", "queue.SimpleQueue", "Queue.Queue"),
     *("multiprocessing.Queue", "asyncio.Queue"),
@@ -210,7 +229,10 @@ def _wraps(_: AbstractMachine, __: object, ___: Arguments) -> Value:
 _CALLS: Mapping[str, Callable[..., Value]] = {
     "collections.defaultdict": _default_dict,
     "collections.namedtuple": _named_tuple,
-    "functools.partial": _partial,
+    **dict.fromkeys(("functools.partial", "functools.partialmethod"), _partial),
+    "dict.fromkeys": _dict_from_keys,
+    "types.MappingProxyType": return_argument,
+    "collections.ChainMap": _chain_map,
     "functools.wraps": _wraps,
     "functools.reduce": lambda machine, _, arguments: fold(machine, arguments),
     **dict.fromkeys(_QUEUES, lambda *_: list_of((), "queue")),

@@ -134,7 +134,25 @@ def iterate_fields(machine: AbstractMachine, owner: Instance) -> tuple[Value, ..
     return tuple(owner.fields.get(name, Unknown(name)) for name in names)
 
 
+def _replace(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`replace(object, **changes)`."""
+    owner = arguments.get(0)
+    if not isinstance(owner, Instance):
+        return Unknown("replace")
+    made = Instance(owner.type, dict(owner.fields))
+    for name, value in arguments.keywords.items():
+        machine.undo_log.set(made.fields, name, value)
+    return made
+
+
+def _as_dict(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    owner = arguments.get(0)
+    return MapValue(dict(owner.fields)) if isinstance(owner, Instance) else Unknown("asdict")
+
+
 DATACLASSES: Mapping[str, Value] = {
+    "dataclasses.replace": LibraryFunction("replace", _replace),
+    "dataclasses.asdict": LibraryFunction("asdict", _as_dict),
     "dataclasses.dataclass": LibraryFunction("dataclass", _decorate_class),
     "dataclasses.field": LibraryFunction("field", _make_field),
 }

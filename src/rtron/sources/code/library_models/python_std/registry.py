@@ -109,5 +109,6 @@ def node_constants(machine: AbstractMachine) -> dict[str, Value]:
         "sys.argv": command_line_value(machine.recorder.site),
         "os.environ": environment_value(machine.recorder.site),
         "os.sep": Scalar("/"),
+        "typing.TYPE_CHECKING": Scalar(value=False),
         "sys.version_info.major": Scalar(3),
     }
