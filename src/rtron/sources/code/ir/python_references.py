@@ -24,7 +24,10 @@ from rtron.sources.code.ir import (
 from rtron.sources.code.ir.references import cache_by_identity, ir_nodes
 
 _ADDING_METHODS = {"append", "appendleft", "add", "insert", "setdefault", "update", "extend"}
-_DYNAMIC_FUNCTIONS = {"getattr", "globals", "vars", "locals", "__import__", "import_module"}
+_DYNAMIC_FUNCTIONS = {
+    *("getattr", "globals", "vars", "locals", "__import__", "import_module", "exec", "eval"),
+    *("execfile", "run_path", "run_module"),
+}
 
 
 @cache_by_identity

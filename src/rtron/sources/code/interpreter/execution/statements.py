@@ -18,7 +18,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import (
     Outcome,
     ThrownError,
 )
-from rtron.sources.code.interpreter.execution.assignment import assign, remove_element
+from rtron.sources.code.interpreter.execution.assignment import assign, remove_element, slot_of
 from rtron.sources.code.interpreter.execution.calls import truth_of
 from rtron.sources.code.interpreter.execution.context_managers import run_with
 from rtron.sources.code.interpreter.execution.exceptions import catches
@@ -229,6 +229,10 @@ def _delete(machine: AbstractMachine, node: Delete, frame: StackFrame) -> Outcom
         if isinstance(target, Index):
             owner, key = machine.evaluate(target.owner, frame), machine.evaluate(target.key, frame)
             remove_element(machine, owner, key)
+        elif not machine.runtime.passes_by_reference:
+            slot = slot_of(machine, target, frame)
+            if slot is not None and slot.key in slot.holder:
+                machine.undo_log.remove(slot.holder, slot.key)
     return None
 
 

@@ -130,7 +130,9 @@ class PythonObjects(PythonModules):
         if owner.type is SUPER:
             return self._super_member(owner, name)
         if name in owner.fields:
-            return self.machine.volatile_value(name, owner.fields[name])
+            is_fixed = name in self.machine.volatile and ENUM in self.lineage(owner.type)
+            found = owner.fields[name]
+            return found if is_fixed else self.machine.volatile_value(name, found)
         if name in _OWN_FIELDS:
             return owner.type if name == "__class__" else members_of(owner)
         if isinstance(owner.type, LibraryClass):
