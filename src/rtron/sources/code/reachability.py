@@ -308,14 +308,23 @@ _PYTHON_ENDPOINT_CALLS = ENDPOINT_CALLS | {
 }
 
 
+def _calls_maker(machine: AbstractMachine, name: str, function: Function) -> bool:
+    """Tell whether a function of Python makes an endpoint by another; another program's main no."""
+    if machine.runtime.passes_by_reference or name == "main" or not joins_nodes(machine, function):
+        return False
+    reached = _reachable_functions(machine, [function])
+    return any(machine.runtime.related_names(one) & _PYTHON_ENDPOINT_CALLS for one in reached)
+
+
 def note_unreached(machine: AbstractMachine, functions: Iterable[tuple[str, Function]]) -> None:
     """Note the functions that would declare something and never ran, one note a file."""
     wanted = ENDPOINT_CALLS if machine.runtime.passes_by_reference else _PYTHON_ENDPOINT_CALLS
     unreached: dict[str, list[tuple[str, Function]]] = defaultdict(list)
     for name, function in functions:
         ran = function.key in machine.executed_functions
-        names = machine.runtime.related_names(function)
-        if function.body is not None and not ran and names & wanted:
+        if function.body is None or ran:
+            continue
+        if machine.runtime.related_names(function) & wanted or _calls_maker(machine, name, function):
             unreached[function.file].append((name, function))
     for file, found in unreached.items():
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""

@@ -32,8 +32,9 @@ _DYNAMIC_FUNCTIONS = {
 
 @cache_by_identity
 def mentioned_names(function: Function) -> frozenset[str]:
-    """Return the variables and members that a function mentions."""
-    return frozenset(_names(function.body))
+    """Return the variables and members that a function mentions, also in its defaults."""
+    defaults = tuple(param.default for param in function.params if param.default is not None)
+    return frozenset(_names((function.body, defaults)))
 
 
 @cache_by_identity

@@ -60,6 +60,7 @@ class PythonModules:
     _functions_by_name: dict[str, list[Function]] = field(default_factory=dict)
     _aliases: dict[str, set[str]] = field(default_factory=dict)
     _operations: list[Function] = field(default_factory=list)
+    _unknown_calls: dict[tuple[str, int, str, int], bool] = field(default_factory=dict)
 
     def run_module(self, path: Path, name: str) -> ModuleValue:
         """Run a file's top level as the module `name`."""
@@ -96,13 +97,28 @@ class PythonModules:
         return frozenset(found)
 
     def calls_unknown(self, function: Function) -> bool:
-        """Tell whether a function calls what its source does not name, or may do so by a method.
+        """Tell whether a function, or what it calls, calls what its source does not name.
 
-        Such a method is one of Python's operations, `__getitem__`, that itself joins nodes.
+        Any may, where one of Python's operations, `__getitem__`, joins nodes.
         """
-        called = dynamic_calls(function)
-        if any(name not in self._functions_by_name for name in called):
-            return True
+        key = (*function.key, self.version())
+        if key not in self._unknown_calls:
+            found = self._has_joining_operation() or self._reaches_unknown(function)
+            self._unknown_calls[key] = found
+        return self._unknown_calls[key]
+
+    def _reaches_unknown(self, function: Function) -> bool:
+        seen, queue = set[tuple[str, int, str]](), [function]
+        while queue:
+            current = queue.pop()
+            if any(name not in self._functions_by_name for name in dynamic_calls(current)):
+                return True
+            if current.key not in seen:
+                seen.add(current.key)
+                queue.extend(one for n in callees(current) for one in self.functions_named(n))
+        return False
+
+    def _has_joining_operation(self) -> bool:
         return any(self.machine.is_relevant(self.machine, each) for each in self._operations)
 
     def import_(self, node: Import, frame: StackFrame) -> None:
