@@ -1,20 +1,32 @@
-"""Programs for rospy and rclpy whose endpoints are known by construction, made from a seed."""
+"""Programs for rospy and rclpy whose endpoints are known by construction, made from a seed.
+
+They are put together from the templates in `python_templates/`, in which `@` makes a program's
+variables its own:
+
+- `names_*`: ways to a name. The last line is the expression. NAME is the name as a literal, HEAD
+  and TAIL its two halves, UPPER its upper case, NUMBER and WORD what it is made of (`t012_word`).
+- `calls*`: ways to an endpoint of a name. E is the expression of the name, F a function that makes
+  the endpoint of a name, DIRECT(x) and KEYWORDS(x) make it of the name x; MAKER is the library's
+  own function or class, ARGS(x) its arguments.
+- `places_*`: places that surely run (live), run once the node spins (later), or never do (dead);
+  BLOCK is there.
+"""
 
 import random
 import re
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import count
+from pathlib import Path
 from textwrap import indent
-
-import python_calls
-import python_names
-import python_places
 
 _HEAD = """import abc, argparse, ast, asyncio, collections, concurrent.futures, contextlib, copy
 import dataclasses, enum, functools, importlib, itertools, json, operator, os, pathlib, queue
 import string, sys, threading, types, typing
 import yaml
 """
+_TEMPLATES = Path(__file__).parent / "python_templates"
+_NAME_KINDS = ("plain", "containers", "functions", "classes")
 _WORDS = ("alpha", "beta", "gamma", "delta")
 _PLACEHOLDER = re.compile(r"\b(NAME|HEAD|TAIL|UPPER|NUMBER|WORD)\b")
 _DEAD_SHARE = 0.25
@@ -28,13 +40,11 @@ class Library:
     partial of it, whether it is a class).
     """
 
+    name: str
     ros: int
     head: str
     tail: str
     makers: dict[str, tuple[str, str, str, str, bool]]
-    calls: str
-    names: str
-    later: str
 
 
 @dataclass(frozen=True)
@@ -56,6 +66,7 @@ class Program:
 
 
 ROSPY = Library(
+    name="rospy",
     ros=1,
     head=f"""{_HEAD}import rospy, actionlib
 from actionlib.msg import TestAction
@@ -119,11 +130,9 @@ rospy.init_node("n")
             True,
         ),
     },
-    calls=python_calls.ROSPY,
-    names=python_names.ROSPY,
-    later=python_places.LATER_ROSPY,
 )
 RCLPY = Library(
+    name="rclpy",
     ros=2,
     head=f"""{_HEAD}import rclpy
 from rcl_interfaces.srv import GetParameters
@@ -187,15 +196,14 @@ node = rclpy.create_node("n")
             True,
         ),
     },
-    calls=python_calls.RCLPY,
-    names=python_names.RCLPY,
-    later=python_places.LATER_RCLPY,
 )
 
 
-def templates(text):
-    """Return the templates of a text."""
-    return [part.strip("\n") for part in text.split("---\n")]
+@cache
+def templates(*names):
+    """Return the templates of some files, which a line of dashes parts."""
+    texts = [(_TEMPLATES / f"{name}.txt").read_text() for name in names]
+    return [part.strip("\n") for text in texts for part in text.split("---\n")]
 
 
 class Maker:
@@ -231,11 +239,11 @@ class Maker:
         named = self._choose(_name_templates(self._library))
         block = self._block(kind, number, word, form, named)
         lives, depth = self._random.random() > _DEAD_SHARE, self._choose([0, 0, 1, 1, 2])
-        places = [self._place(python_places.LIVE) for _ in range(depth)]
+        places = [self._place("places_live") for _ in range(depth)]
         if not lives:
-            places.insert(self._random.randrange(depth + 1), self._place(python_places.DEAD))
+            places.insert(self._random.randrange(depth + 1), self._place("places_dead"))
         elif self._random.random() < 0.15:
-            places.append(self._place(self._library.later))
+            places.append(self._place(f"places_later_{self._library.name}"))
         for place in places:
             block = _within(self._own(place), block)
         return block, (kind, f"t{number:03d}_{word}", lives)
@@ -247,8 +255,8 @@ class Maker:
         statements = self._own(_called(form, maker, f"({expression})", self._choose))
         return f"{setup}\n{statements}".strip("\n")
 
-    def _place(self, text):
-        return self._choose(templates(text))
+    def _place(self, file):
+        return self._choose(templates(file))
 
     def _own(self, text):
         return re.sub(r"(?<=\w)@", f"_{next(self._numbers)}", text)
@@ -259,20 +267,13 @@ class Maker:
 
 def _forms(library, kind):
     """Return the forms of calls that make a kind of endpoint; the rarer ones count twice."""
-    forms = templates(python_calls.GENERIC)
-    forms += templates(python_calls.SUBCLASSES) * 2 if library.makers[kind][4] else []
-    return forms + (templates(library.calls) if kind == "publish" else [])
+    subclasses = templates("calls_subclasses") * 2 if library.makers[kind][4] else []
+    own = templates(f"calls_{library.name}") if kind == "publish" else []
+    return [*templates("calls"), *subclasses, *own]
 
 
 def _name_templates(library):
-    texts = (
-        python_names.PLAIN,
-        python_names.CONTAINERS,
-        python_names.FUNCTIONS,
-        python_names.CLASSES,
-        library.names,
-    )
-    return [one for text in texts for one in templates(text)]
+    return templates(*(f"names_{kind}" for kind in (*_NAME_KINDS, library.name)))
 
 
 def _named(template, number, word):
@@ -323,7 +324,7 @@ def single_programs(library):
         yield Maker(library, 0).single(plain, named, inline, lives=True)
     for form in dict.fromkeys(_forms(library, "publish")):
         yield Maker(library, 0).single(form, "NAME", inline, lives=True)
-    for place in templates(python_places.LIVE) + templates(library.later):
+    for place in templates("places_live", f"places_later_{library.name}"):
         yield Maker(library, 0).single(plain, "NAME", place, lives=True)
-    for place in templates(python_places.DEAD):
+    for place in templates("places_dead"):
         yield Maker(library, 0).single(plain, "NAME", place, lives=False)

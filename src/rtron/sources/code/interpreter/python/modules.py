@@ -60,6 +60,7 @@ class PythonModules:
     _functions_by_name: dict[str, list[Function]] = field(default_factory=dict)
     _aliases: dict[str, set[str]] = field(default_factory=dict)
     _operations: list[Function] = field(default_factory=list)
+    _related_names: dict[tuple[str, int, str, int], frozenset[str]] = field(default_factory=dict)
     _unknown_calls: dict[tuple[str, int, str, int], bool] = field(default_factory=dict)
 
     def run_module(self, path: Path, name: str) -> ModuleValue:
@@ -88,6 +89,12 @@ class PythonModules:
 
     def related_names(self, function: Function) -> frozenset[str]:
         """Return the names of what a function may call, by whatever name it calls it."""
+        key = (*function.key, self.version())
+        if key not in self._related_names:
+            self._related_names[key] = self._find_related(function)
+        return self._related_names[key]
+
+    def _find_related(self, function: Function) -> frozenset[str]:
         found, queue = set(mentioned_names(function)), list(callees(function))
         found.update(queue)
         while queue:
