@@ -318,13 +318,15 @@ def _calls_maker(machine: AbstractMachine, name: str, function: Function) -> boo
 
 def note_unreached(machine: AbstractMachine, functions: Iterable[tuple[str, Function]]) -> None:
     """Note the functions that would declare something and never ran, one note a file."""
-    wanted = ENDPOINT_CALLS if machine.runtime.passes_by_reference else _PYTHON_ENDPOINT_CALLS
+    makers = ENDPOINT_CALLS if machine.runtime.passes_by_reference else _PYTHON_ENDPOINT_CALLS
     unreached: dict[str, list[tuple[str, Function]]] = defaultdict(list)
     for name, function in functions:
         ran = function.key in machine.executed_functions
         if function.body is None or ran:
             continue
-        if machine.runtime.related_names(function) & wanted or _calls_maker(machine, name, function):
+        if machine.runtime.related_names(function) & makers or _calls_maker(
+            machine, name, function
+        ):
             unreached[function.file].append((name, function))
     for file, found in unreached.items():
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""

@@ -247,18 +247,11 @@ def map_key(value: Value) -> Any:  # noqa: ANN401 - any key
     if isinstance(value, ListValue) and value.kind == "tuple" and not value.open:
         keys = tuple(map_key(item) for item in value.items)
         return OPEN if OPEN in keys else keys
-    return value if isinstance(value, _IDENTIFIED) else OPEN
+    return value if isinstance(value, IDENTIFIED) else OPEN
 
 
-def key_value(key: object, *, tainted: bool = False) -> Value:
-    """Return the value that a key of a dict stands for."""
-    if isinstance(key, tuple):
-        items = tuple(key_value(item, tainted=tainted) for item in key)
-        return ListValue({"items": items, "open": False}, "tuple")
-    return key if isinstance(key, _IDENTIFIED) else Scalar(key, tainted)
-
-
-_IDENTIFIED = (Instance, ClassValue, MessageType, FunctionValue, LibraryFunction, LibraryClass)
+IDENTIFIED = (Instance, ClassValue, MessageType, FunctionValue, LibraryFunction, LibraryClass)
+"""What is a key of a dict by its identity."""
 NONE = Scalar(None)
 UNKNOWN = Unknown()
 TRUE = Scalar(value=True)
@@ -319,16 +312,8 @@ def _truth_of_container(value: Any) -> bool | None:  # noqa: ANN401 - a list or 
 
 def _truth_of_instance(value: Any) -> bool | None:  # noqa: ANN401 - an Instance
     if not isinstance(value.type, LibraryClass):
-        return None if _decides_truth(value.type) else True
+        return True
     return truth(value.fields["truth"]) if "truth" in value.fields else None
-
-
-def _decides_truth(cls: Value, depth: int = 4) -> bool:
-    """Tell whether a class of Python says itself when an object counts as true."""
-    if not isinstance(cls, ClassValue) or not depth:
-        return False
-    own = not {"__bool__", "__nonzero__", "__len__"}.isdisjoint(cls.fields)
-    return own or any(_decides_truth(base, depth - 1) for base in cls.bases)
 
 
 def _truth_of_text(value: Any) -> bool | None:  # noqa: ANN401 - a PartialText

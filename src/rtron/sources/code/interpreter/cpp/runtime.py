@@ -74,6 +74,7 @@ class CppRuntime(CppObjects):
     def special_method(self, owner: Value, name: str) -> Value | None:
         """C++ has none of Python's."""
         del owner, name
+        return None
 
     def related_names(self, function: Function) -> frozenset[str]:
         """Return the plain names of what a function calls, makes or hands on."""

@@ -131,8 +131,8 @@ class PythonObjects(PythonModules):
             return self._super_member(owner, name)
         if name in owner.fields:
             is_fixed = name in self.machine.volatile and ENUM in self.lineage(owner.type)
-            found = owner.fields[name]
-            return found if is_fixed else self.machine.volatile_value(name, found)
+            own: Value = owner.fields[name]
+            return own if is_fixed else self.machine.volatile_value(name, own)
         if name in _OWN_FIELDS:
             return owner.type if name == "__class__" else members_of(owner)
         if isinstance(owner.type, LibraryClass):
@@ -156,8 +156,9 @@ class PythonObjects(PythonModules):
         if found is None and name in OBJECT_METHODS:
             return LibraryFunction(name, OBJECT_METHODS[name], owner)
         if isinstance(owner, ClassValue):
-            is_bound = found is not None and name == "__init_subclass__"
-            return _bind_function(found, owner) if is_bound else _bind_to_class(owner, found)
+            if found is not None and name == "__init_subclass__":
+                return _bind_function(found, owner)
+            return _bind_to_class(owner, found)
         return self._bind_member(owner, found) if isinstance(owner, Instance) else None
 
     def _bind_member(self, owner: Instance, found: Value | None) -> Value | None:
@@ -218,9 +219,9 @@ class PythonObjects(PythonModules):
             name: self.machine.evaluate(value, at.frame) for name, value in made.definition.keywords
         }
         metaclass = words.pop("metaclass", None)
-        told = _first_member(list(self.lineage(made))[1:], "__init_subclass__")
-        if told is not None and not isinstance(told, LibraryFunction):
-            function = told.fields["getter"] if isinstance(told, Instance) else told
+        hook = _first_member(list(self.lineage(made))[1:], "__init_subclass__")
+        if hook is not None and not isinstance(hook, LibraryFunction):
+            function = hook.fields["getter"] if isinstance(hook, Instance) else hook
             dispatch(self.machine, function, replace(at, values=(made,), keywords=words))
         if isinstance(metaclass, ClassValue):
             self._run_metaclass(metaclass, made, at)

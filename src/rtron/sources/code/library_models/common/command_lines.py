@@ -61,7 +61,8 @@ def _note_joining_command(
     machine: AbstractMachine, tool: str, words: list[str], at: Arguments
 ) -> None:
     """Note `ros2 topic pub …`, `rosbag record …`: what nodes these are is not told before."""
-    kind, verb, *_ = (*(["bag"] if tool == "rosbag" else ()), *words, "", "")
+    implied = ["bag"] if tool == "rosbag" else []
+    kind, verb, *_ = [*implied, *words, "", ""]
     if verb in _JOINING_VERBS.get(kind, ()):
         what, why = " ".join([tool, *words[:3]]), "what this command joins is not followed"
         machine.recorder.add_unresolved(what, why, at.evidence)

@@ -4,7 +4,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of, pair_of
+from rtron.sources.code.interpreter.abstract_values.items import (
+    items_of,
+    key_value,
+    list_of,
+    pair_of,
+)
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     OPEN,
@@ -20,7 +25,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Value,
     is_tainted,
     join,
-    key_value,
     map_key,
     truth,
 )

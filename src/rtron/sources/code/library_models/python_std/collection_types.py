@@ -31,12 +31,9 @@ from rtron.sources.code.interpreter.execution.context_managers import SUPPRESS
 from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIONS
 from rtron.sources.code.library_models.common.containers import keyword_fields
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
-from rtron.sources.code.library_models.python_std.builtin_functions import (
-    BUILTINS,
-    call_on_rows,
-    fold,
-)
+from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.code.library_models.python_std.data_classes import ENUM
+from rtron.sources.code.library_models.python_std.iteration import call_on_rows, fold
 
 MAX_ROWS = 256
 _MAX_DEPTH = 8
