@@ -4,7 +4,7 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import Any, TypeGuard
 
-from rtron.sources.code.interpreter.abstract_values.items import list_of
+from rtron.sources.code.interpreter.abstract_values.items import is_record, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     MAX_CHOICES,
     MAX_LENGTH,
@@ -211,7 +211,7 @@ def _compares_itself(value: Value) -> bool:
     """Tell whether equal values may be different objects: records, bound methods."""
     if isinstance(value, Instance) and isinstance(value.type, ClassValue):
         return not {"__eq__", "__fields__"}.isdisjoint(value.type.fields)
-    return isinstance(value, (Instance, FunctionValue))
+    return isinstance(value, FunctionValue) or is_record(getattr(value, "type", None))
 
 
 def _is_undecidable(value: Value) -> bool:

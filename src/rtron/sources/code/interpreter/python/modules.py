@@ -183,11 +183,12 @@ class PythonModules:
 
     def _note_missing(self, node: Import, importer: Path) -> None:
         """Note a module of the workspace that is not there; what a build makes is none."""
-        module = _module_name(node)
-        package, _, rest = module.partition(".")
-        missing = module if rest.strip(".") else f"{module}{'.' * bool(package)}{node.name or ''}"
+        package, _, rest = _module_name(node).partition(".")
+        inner = rest.strip(".") or node.name or ""
+        missing = _module_name(node) if rest.strip(".") else f"{package}.{rest}{inner}"
         is_ours = not package or self.files.package_path(package) is not None
-        if is_ours and missing != package and not _GENERATED.intersection(missing.split(".")):
+        is_made = self.is_library(missing) or not _GENERATED.isdisjoint(missing.split("."))
+        if is_ours and inner and not is_made:
             place = Evidence(file=str(importer), line=node.line)
             why = "the workspace has no such module: what it joins is not known"
             self.machine.recorder.add_unresolved(f"import of {missing}", why, place)
