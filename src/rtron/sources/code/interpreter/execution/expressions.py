@@ -135,7 +135,7 @@ def _binary(machine: AbstractMachine, node: Binary, frame: StackFrame) -> Value:
     at = Arguments(values=(right,), line=node.line, frame=frame)
     if not machine.runtime.passes_by_reference:
         return _python_binary(machine, node.operator, left, at)
-    overloaded = _overloaded_operator(machine, node, left)
+    overloaded = _overloaded_operator(machine, node.operator, left)
     if overloaded is not None:
         return dispatch(
             machine, overloaded, replace(at, slots=(slot_of(machine, node.right, frame),))
@@ -166,8 +166,9 @@ def _special_operator(
 ) -> tuple[Value | None, Value]:
     """Return Python's method for an operator, bound to its object, and what it gets."""
     name = SPECIAL_METHODS.get(operator)
-    if name is None:
-        return None, right
+    own = _overloaded_operator(machine, operator, left)
+    if own is not None or name is None:
+        return own, right
     if operator == "in":
         return machine.runtime.special_method(right, f"__{name}__"), left
     method = machine.runtime.special_method(left, f"__{name}__")
@@ -203,10 +204,11 @@ def _read_into(machine: AbstractMachine, target: Expr, frame: StackFrame) -> Non
         machine.undo_log.set(*slot, Unknown(str(slot.key)))
 
 
-def _overloaded_operator(machine: AbstractMachine, node: Binary, left: Value) -> Value | None:
+def _overloaded_operator(machine: AbstractMachine, operator: str, left: Value) -> Value | None:
+    """Return what a class of C++, or of a library, has for an operator."""
     if not isinstance(left, Instance):
         return None
-    return machine.runtime.attribute(left, f"operator{node.operator}", ())
+    return machine.runtime.attribute(left, f"operator{operator}", ())
 
 
 def _unary(machine: AbstractMachine, node: Unary, frame: StackFrame) -> Value:

@@ -122,7 +122,8 @@ class PythonModules:
                 return True
             if current.key not in seen:
                 seen.add(current.key)
-                queue.extend(one for n in callees(current) for one in self.functions_named(n))
+                words = self.related_names(current)
+                queue.extend(one for word in words for one in self.functions_named(word))
         return False
 
     def _has_joining_operation(self) -> bool:

@@ -26,6 +26,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     is_tainted,
     join,
     map_key,
+    text_with_holes,
     truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -226,8 +227,11 @@ def _pop_last_entry(machine: AbstractMachine, owner: MapValue, _: Arguments) -> 
 
 def _set_default(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
     key = arguments.value(0)
-    if owner.key_of(key) not in owner.fields:
-        machine.undo_log.set(owner.fields, owner.key_of(key), arguments.get(1) or NONE)
+    name = owner.key_of(key)
+    if name is OPEN:
+        machine.undo_log.set(owner.fields, OPEN, Unknown(text_with_holes(key)))
+    elif name not in owner.fields:
+        machine.undo_log.set(owner.fields, name, arguments.get(1) or NONE)
     return element(owner, key)
 
 
