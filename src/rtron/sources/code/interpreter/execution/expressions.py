@@ -14,6 +14,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
     FunctionValue,
     Instance,
+    LibraryClass,
     ListValue,
     MapValue,
     Scalar,
@@ -206,9 +207,10 @@ def _read_into(machine: AbstractMachine, target: Expr, frame: StackFrame) -> Non
 
 def _overloaded_operator(machine: AbstractMachine, operator: str, left: Value) -> Value | None:
     """Return what a class of C++, or of a library, has for an operator."""
-    if not isinstance(left, Instance):
-        return None
-    return machine.runtime.attribute(left, f"operator{operator}", ())
+    is_library = isinstance(left, Instance) and isinstance(left.type, LibraryClass)
+    if isinstance(left, Instance) and (machine.runtime.passes_by_reference or is_library):
+        return machine.runtime.attribute(left, f"operator{operator}", ())
+    return None
 
 
 def _unary(machine: AbstractMachine, node: Unary, frame: StackFrame) -> Value:

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ExternalSymbol,
-    Instance,
     MessageType,
     Unknown,
     Value,
@@ -14,7 +13,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import callee_name
-from rtron.sources.code.library_models.ros2_common.nodes import NAME_FIELD
 
 _MAKERS = frozenset(
     [
@@ -52,7 +50,7 @@ def note_unknown_call(
         machine.recorder.add_unresolved(
             what, "what it is called on is not known", arguments.evidence
         )
-    elif _is_foreign(called, is_known) and _gives_endpoint(arguments):
+    elif _is_foreign(called, is_known) and _gives_name_and_type(arguments):
         why = "is not in the source, and gets what it takes to join nodes"
         machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)
     top = name.partition(".")[0]
@@ -70,11 +68,9 @@ def is_computing_package(name: str) -> bool:
     return name in _PACKAGES_WITHOUT_NODES or name.endswith(("_msgs", "_srvs", "_interfaces"))
 
 
-def _gives_endpoint(arguments: Arguments) -> bool:
-    """Tell whether a call gets a node, or both a name and the type of a message."""
+def _gives_name_and_type(arguments: Arguments) -> bool:
     given = arguments.all_values
-    has_node = any(isinstance(value, Instance) and NAME_FIELD in value.fields for value in given)
-    return has_node or (any(map(is_text, given)) and any(map(_is_interface, given)))
+    return any(map(is_text, given)) and any(map(_is_interface, given))
 
 
 def _is_interface(value: Value) -> bool:
