@@ -229,7 +229,7 @@ def _set_default(machine: AbstractMachine, owner: MapValue, arguments: Arguments
     key = arguments.value(0)
     name = owner.key_of(key)
     if name is OPEN:
-        machine.undo_log.set(owner.fields, OPEN, Unknown(text_with_holes(key)))
+        machine.undo_log.set(owner.fields, OPEN, Unknown(text_with_holes(key).strip("{}")))
     elif name not in owner.fields:
         machine.undo_log.set(owner.fields, name, arguments.get(1) or NONE)
     return element(owner, key)
