@@ -1,16 +1,11 @@
-"""How many programs a run makes, and from which seed: `make fuzz` says both."""
+"""How many programs of each client library a run makes, and from which seed: `make fuzz` says both."""
 
 import os
 
 import pytest
 
-PROGRAMS = int(os.environ.get("RTRON_FUZZ_PROGRAMS", "25"))
-SEED = int(os.environ.get("RTRON_FUZZ_SEED", "1"))
-
-
-def pytest_report_header():
-    """Say what repeats the run."""
-    return f"fuzz: {PROGRAMS} programs from seed {SEED}"
+PROGRAMS = int(os.environ.get("FUZZ_PROGRAMS", "25"))
+SEED = int(os.environ.get("FUZZ_SEED", "0"))
 
 
 @pytest.fixture
