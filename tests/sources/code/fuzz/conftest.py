@@ -1,4 +1,4 @@
-"""How many programs of each client library a run makes, and from which seed: `make fuzz` says both."""
+"""How many programs of each client library a run makes, and from which seed (`make fuzz`)."""
 
 import os
 
