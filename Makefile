@@ -62,8 +62,10 @@ mutation: setup ## Change the policies in over a thousand small ways; the tests 
 	$(BIN)/mutmut run --max-children 1
 	$(PYTHON) -W ignore scripts/mutate.py
 
-fuzz: setup ## Give the wire parsers over 100000 hostile inputs (3 minutes)
+fuzz: setup ## Give the wire parsers over 100000 hostile inputs, and scan 1000 random programs; SEED=N repeats these (4 minutes)
 	$(BIN)/pytest tests/wire --hypothesis-profile=fuzz -k fuzz --timeout=0 -q
+	seed=$(or $(SEED),$$(date +%s)); echo "programs from seed $$seed on"; \
+	  FUZZ_PROGRAMS=500 FUZZ_SEED=$$seed $(BIN)/pytest tests/sources/code/fuzz -m "not long" --timeout=0 -q
 
 bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json (2 hours)
 	$(PYTHON) -m bench

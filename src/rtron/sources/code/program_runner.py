@@ -16,6 +16,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.cpp.runtime import CppRuntime
 from rtron.sources.code.interpreter.cpp.symbol_table import SymbolTable
 from rtron.sources.code.interpreter.execution.abstract_machine import (
+    TOO_LARGE,
     AbstractMachine,
     StepsExceededError,
     ThrownError,
@@ -297,13 +298,17 @@ def _run_all(machine: AbstractMachine, path: Path, run: Callable[[], object]) ->
 def _run_part(machine: AbstractMachine, path: Path, run: Callable[[], object]) -> None:
     try:
         run()
-    except StepsExceededError:
-        _note_incomplete(machine, path, "too large to be run whole")
+    except StepsExceededError as error:
+        _note_incomplete(machine, path, TOO_LARGE, error.place)
     except ThrownError as error:
-        _note_incomplete(machine, path, f"{error.name} ends it before all of it is run")
+        _note_incomplete(
+            machine, path, f"{error.name} ends it before all of it is run", error.place
+        )
     except RecursionError:
         _note_incomplete(machine, path, "nested too deep")
 
 
-def _note_incomplete(machine: AbstractMachine, path: Path, why: str) -> None:
-    machine.recorder.add_unresolved(path.name, why, Evidence(file=str(path)))
+def _note_incomplete(
+    machine: AbstractMachine, path: Path, why: str, place: Evidence | None = None
+) -> None:
+    machine.recorder.add_unresolved(path.name, why, place or Evidence(file=str(path)))

@@ -13,6 +13,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Value,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import (
+    TOO_LARGE,
     AbstractMachine,
     StepsExceededError,
     ThrownError,
@@ -74,6 +75,7 @@ _CONTAINER_METHODS = frozenset(
 )
 """Called of containers and pointers, most often: that a class has one says nothing."""
 MAX_RUNS = 400
+MAX_PLACES = 200
 MAX_STEPS = 100_000
 MAX_ROS2_STEPS = 400_000
 """A lifecycle node of ROS 2 makes all that it has in one callback."""
@@ -97,6 +99,10 @@ def run_pending(machine: AbstractMachine) -> None:
             continue
         machine.executed_functions.add(waiting.function.key)
         _run_callback(machine, waiting)
+    waiting = next(_runnable_callbacks(machine), None)
+    if waiting is not None:
+        place = Evidence(file=waiting.function.file, line=waiting.function.line)
+        machine.recorder.add_unresolved(waiting.function.name, "more callbacks than are run", place)
 
 
 def _run_deferred(machine: AbstractMachine) -> None:
@@ -107,7 +113,8 @@ def _run_deferred(machine: AbstractMachine) -> None:
             make()
     except (StepsExceededError, ThrownError) as error:
         what = f"what a library makes: {type(error).__name__}"
-        machine.recorder.add_unresolved(what, "not all of it is run", Evidence(file=""))
+        place = error.place or Evidence(file="")
+        machine.recorder.add_unresolved(what, "not all of it is run", place)
 
 
 def _run_callback(machine: AbstractMachine, waiting: FunctionValue) -> None:
@@ -119,19 +126,20 @@ def _run_callback(machine: AbstractMachine, waiting: FunctionValue) -> None:
     try:
         with machine.step_budget(MAX_STEPS if machine.recorder.site.ros == 1 else MAX_ROS2_STEPS):
             dispatch(machine, waiting, Arguments(frame=StackFrame(file=function.file)))
-    except StepsExceededError:
-        machine.recorder.add_unresolved(function.name, "too large to be run whole", location)
+    except StepsExceededError as error:
+        machine.recorder.add_unresolved(function.name, TOO_LARGE, error.place or location)
     except ThrownError as error:
-        machine.recorder.add_unresolved(
-            function.name, f"{error.name} ends it before all of it is run", location
-        )
+        why = f"{error.name} ends it before all of it is run"
+        machine.recorder.add_unresolved(function.name, why, error.place or location)
 
 
 def _runnable_callbacks(machine: AbstractMachine) -> Iterator[FunctionValue]:
     while machine.next_callback < len(machine.pending_callbacks):
         callback = machine.pending_callbacks[machine.next_callback]
         machine.next_callback += 1
-        if joins_nodes(machine, callback.function):
+        if joins_nodes(machine, callback.function) or machine.runtime.calls_unknown(
+            callback.function
+        ):
             yield callback
     for handed in machine.passed_functions:
         if _is_unexecuted(machine, handed.function):
@@ -228,7 +236,7 @@ def _reaches_client_library(machine: AbstractMachine, function: Function) -> boo
     """Look for a call of a client library; what was looked through in vain needs no second look."""
     api, known, seen = _client_library_api(machine), machine.joins_cache, list[Function]()
     for reached in _reachable_functions(machine, [function]):
-        if known.get(reached.key) or called_names(reached) & api:
+        if known.get(reached.key) or machine.runtime.related_names(reached) & api:
             return True
         seen.append(reached)
     known.update((reached.key, False) for reached in seen)
@@ -264,7 +272,8 @@ def _reachable_functions(
         if machine.joins_cache.get(current.key) is False and not include_unrelated:
             continue
         yield current
-        words = called_names(current) - left_out
+        find = called_names if include_unrelated else machine.runtime.related_names
+        words = find(current) - left_out
         queue.extend(other for word in words for other in machine.runtime.functions_named(word))
 
 
@@ -296,18 +305,34 @@ ENDPOINT_CALLS = frozenset(
         *("create_server", "create_generic_publisher", "create_generic_subscription"),
     ]
 )
+_PYTHON_ENDPOINT_CALLS = ENDPOINT_CALLS | {
+    *("Service", "ServiceProxy", "ActionServer", "ActionClient", "wait_for_message"),
+    "create_lifecycle_publisher",
+}
+
+
+def _calls_maker(machine: AbstractMachine, name: str, function: Function) -> bool:
+    """Tell whether a function of Python makes an endpoint by another; another program's main no."""
+    if machine.runtime.passes_by_reference or name == "main" or not joins_nodes(machine, function):
+        return False
+    reached = _reachable_functions(machine, [function])
+    return any(machine.runtime.related_names(one) & _PYTHON_ENDPOINT_CALLS for one in reached)
 
 
 def note_unreached(machine: AbstractMachine, functions: Iterable[tuple[str, Function]]) -> None:
     """Note the functions that would declare something and never ran, one note a file."""
+    makers = ENDPOINT_CALLS if machine.runtime.passes_by_reference else _PYTHON_ENDPOINT_CALLS
     unreached: dict[str, list[tuple[str, Function]]] = defaultdict(list)
     for name, function in functions:
         ran = function.key in machine.executed_functions
-        if function.body is not None and not ran and called_names(function) & ENDPOINT_CALLS:
+        if function.body is None or ran:
+            continue
+        if machine.runtime.related_names(function) & makers or _calls_maker(
+            machine, name, function
+        ):
             unreached[function.file].append((name, function))
     for file, found in unreached.items():
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""
-        name, first = found[0]
-        location = Evidence(file=file, line=first.line)
+        places = [Evidence(file=file, line=function.line) for _, function in found[:MAX_PLACES]]
         why = "joins nodes, but nothing that is seen calls it"
-        machine.recorder.add_unresolved(f"{name}(){more}", why, location)
+        machine.recorder.add_unresolved(f"{found[0][0]}(){more}", why, *places)

@@ -134,6 +134,13 @@ class WorkspaceSources:
         """Return where a package lies."""
         return self.workspace.packages.get(package)
 
+    def is_dependency(self, package: str, path: Path) -> bool:
+        """Tell whether the package of a file says that it depends on another, or it is here."""
+        own = self.workspace.package_of(path)
+        return package in self.workspace.packages or (
+            own is not None and package in self.workspace.manifest(own).depends
+        )
+
     def is_in_package(self, path: Path) -> bool:
         """Tell whether a path exists and lies in a package, links followed."""
         if not self._folders:

@@ -16,6 +16,7 @@ from rtron.sources.code.ir.declarations import (
 )
 from rtron.sources.code.ir.expressions import (
     BRACES,
+    AssignExpr,
     Attr,
     Binary,
     Call,
@@ -52,6 +53,7 @@ from rtron.sources.code.ir.statements import (
     Stmt,
     Try,
     While,
+    With,
     Yield,
 )
 from rtron.sources.code.ir.types import (
@@ -61,10 +63,10 @@ from rtron.sources.code.ir.types import (
 
 __all__ = [
     "BRACES",
-    "Assign", "Attr", "Binary", "Break", "Call", "Class", "Comprehension", "Concat",
+    "Assign", "AssignExpr", "Attr", "Binary", "Break", "Call", "Class", "Comprehension", "Concat",
     "Conditional", "Const", "Continue", "Declare", "Define", "Delete", "Evaluate", "Expr",
     "ForEach", "Function", "Global", "If", "Import", "Index", "Lambda", "Logic", "MappingExpr",
     "Name", "New", "Opaque", "Param", "Raise", "Return", "SequenceExpr", "SourceLanguage",
-    "SourceProblem", "Star", "Stmt", "Try", "TypeRef", "Unary", "Unit", "While", "Yield",
+    "SourceProblem", "Star", "Stmt", "Try", "TypeRef", "Unary", "Unit", "While", "With", "Yield",
     "adapter_alias",
 ]  # fmt: skip

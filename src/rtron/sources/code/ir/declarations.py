@@ -57,7 +57,8 @@ class Function:
 class Class:
     """A class or struct.
 
-    Python: `bases` are expressions, `body` holds the statements. C++: `name` is qualified,
+    Python: `bases` are expressions, `keywords` the named ones behind them (`metaclass`), `body`
+    holds the statements. C++: `name` is qualified,
     `bases` are types, `fields` the data members in order; its methods are among the unit's
     functions.
     """
@@ -70,6 +71,7 @@ class Class:
     body: tuple[Stmt, ...] = ()
     template: tuple[str, ...] = ()
     defaults: tuple[tuple[str, TypeRef], ...] = ()
+    keywords: tuple[tuple[str, Expr], ...] = ()
 
 
 class SourceLanguage(str, Enum):

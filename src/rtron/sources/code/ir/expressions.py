@@ -164,6 +164,14 @@ class Star:
 
 
 @record(frozen=True, slots=True)
+class AssignExpr:
+    """Python's `target := value`: the target is a Name, and has the value from then on."""
+
+    target: "Expr"
+    value: "Expr"
+
+
+@record(frozen=True, slots=True)
 class Opaque:
     """An expression that is not understood: the expressions within it, and its text, cut short."""
 
@@ -188,5 +196,6 @@ Expr: TypeAlias = (
     | Comprehension
     | Lambda
     | Star
+    | AssignExpr
     | Opaque
 )

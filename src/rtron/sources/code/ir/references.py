@@ -7,6 +7,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from rtron.sources.code.ir import (
     Assign,
+    AssignExpr,
     Attr,
     Break,
     Call,
@@ -29,7 +30,7 @@ _ADDING_METHODS = frozenset(
 )
 
 
-_EFFECTFUL_NODES = (Assign, Break, Call, Continue, Delete, New, Return, Yield)
+_EFFECTFUL_NODES = (Assign, AssignExpr, Break, Call, Continue, Delete, New, Return, Yield)
 _HARMLESS_CALLS = frozenset(
     {"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"}
 )
@@ -69,11 +70,13 @@ def written_names(function: Function) -> frozenset[str]:
     """Return the members and globals that a function may assign to."""
     local: set[str] = set()
     changed: list[Expr] = []
-    for node in _nodes(function.body):
+    for node in ir_nodes(function.body):
         if isinstance(node, Declare):
             local.add(node.name)
         elif isinstance(node, Assign):
             changed.extend(t.owner if isinstance(t, Index) else t for t in node.targets)
+        elif isinstance(node, AssignExpr):
+            changed.append(node.target)
         elif isinstance(node, Call):
             added = node.function
             if isinstance(added, Attr) and added.name in _ADDING_METHODS:
@@ -86,14 +89,15 @@ def written_names(function: Function) -> frozenset[str]:
 @cache_by_identity
 def assigned_names(body: tuple[Stmt, ...]) -> frozenset[str]:
     """Return the variables that statements assign to."""
-    found = (target for node in _nodes(body) if isinstance(node, Assign) for target in node.targets)
+    nodes = [node for node in ir_nodes(body) if isinstance(node, (Assign, AssignExpr))]
+    found = (t for n in nodes for t in (n.targets if isinstance(n, Assign) else (n.target,)))
     return frozenset(target.id for target in found if isinstance(target, Name))
 
 
 @cache_by_identity
 def side_effects(body: tuple[Stmt, ...]) -> frozenset[str]:
     """Return what statements may do beside throwing: empty where they leave nothing behind."""
-    found = (node for node in _nodes(body) if isinstance(node, _EFFECTFUL_NODES))
+    found = (node for node in ir_nodes(body) if isinstance(node, _EFFECTFUL_NODES))
     return frozenset(type(node).__name__ for node in found if not _is_harmless(node))
 
 
@@ -106,7 +110,8 @@ def _is_harmless(node: Any) -> bool:  # noqa: ANN401 - any part of the IR
     )
 
 
-def _nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR
+def ir_nodes(node: Any) -> Iterator[Any]:  # noqa: ANN401 - any part of the IR
+    """Yield a part of the IR and all parts within it."""
     stack = [node]
     while stack:
         current = stack.pop()
@@ -128,7 +133,7 @@ def _node_fields(kind: type) -> tuple[str, ...]:
 
 
 def _called_or_made_names(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
-    for current in _nodes(node):
+    for current in ir_nodes(node):
         if isinstance(current, Call):
             yield from _callee_names(current.function)
             yield from _passed_functions(current)

@@ -63,7 +63,8 @@ class If:
 class While:
     """`while`, and C++ `for (;;)` behind its initialiser; `step` runs after each round.
 
-    `first` marks `do … while`, whose body runs before the test.
+    `first` marks `do … while`, whose body runs before the test. `orelse` runs unless the loop is
+    left by `break` (Python).
     """
 
     test: Expr
@@ -71,14 +72,29 @@ class While:
     step: tuple["Stmt", ...] = ()
     first: bool = False
     line: int = 0
+    orelse: tuple["Stmt", ...] = ()
 
 
 @record(frozen=True, slots=True)
 class ForEach:
-    """`for target in iterable`, `for (auto& target : iterable)`; a target of C++ is a Name."""
+    """`for target in iterable`, `for (auto& target : iterable)`; a target of C++ is a Name.
+
+    `orelse` runs unless the loop is left by `break` (Python).
+    """
 
     target: Expr
     iterable: Expr
+    body: tuple["Stmt", ...]
+    line: int = 0
+    orelse: tuple["Stmt", ...] = ()
+
+
+@record(frozen=True, slots=True)
+class With:
+    """Python's `with manager as target`; a target of None takes nothing."""
+
+    manager: Expr
+    target: Expr | None
     body: tuple["Stmt", ...]
     line: int = 0
 
@@ -149,9 +165,10 @@ class Import:
 
 @record(frozen=True, slots=True)
 class Global:
-    """`global` and `nonlocal` names."""
+    """`global` names; unless they are the `module`'s, `nonlocal` ones."""
 
     names: tuple[str, ...]
+    module: bool = True
 
 
 @record(frozen=True, slots=True)
@@ -168,6 +185,7 @@ Stmt: TypeAlias = (
     | If
     | While
     | ForEach
+    | With
     | Return
     | Yield
     | Break

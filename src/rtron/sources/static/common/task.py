@@ -148,6 +148,10 @@ class TrackedFiles:
         """Return where a package lies."""
         return self.files.package_path(package)
 
+    def is_dependency(self, package: str, path: Path) -> bool:
+        """Tell whether the package of a file says that it depends on another."""
+        return self.files.is_dependency(package, path)
+
     def read_text(self, path: Path) -> str | None:
         """Return a data file of the workspace."""
         self.paths_read[path] = None

@@ -5,6 +5,8 @@ import pytest
 from rtron.sources.code.frontends.python import lower_python
 from rtron.sources.code.ir import (
     Assign,
+    AssignExpr,
+    Attr,
     Binary,
     Break,
     Call,
@@ -21,7 +23,6 @@ from rtron.sources.code.ir import (
     Import,
     Logic,
     Name,
-    Opaque,
     Param,
     Raise,
     Return,
@@ -31,7 +32,9 @@ from rtron.sources.code.ir import (
     TypeRef,
     Unary,
     While,
+    With,
 )
+from rtron.sources.code.ir.references import ir_nodes
 
 A, B, C, D = Name("a"), Name("b"), Name("c"), Name("d")
 DO_A, DO_B, DO_C = (Evaluate(name, 2) for name in (A, B, C))
@@ -57,18 +60,15 @@ CASES = {
     "a: int = b": (Assign((A,), B, 1),),
     "a = b = c": (Assign((A, B), C, 1),),
     "a, b = c": (Assign((SequenceExpr((A, B), "tuple"),), C, 1),),
-    "a += b": (Assign((A,), Binary("+", A, B, 1), 1),),
+    "a += b": (Assign((A,), Binary("+=", A, B, 1), 1),),
+    "a -= b": (Assign((A,), Binary("-", A, B, 1), 1),),
     "if a:\n b": (If(A, (Evaluate(B, 2),), (), 1),),
     "if a:\n b\nelif c:\n d": (If(A, (Evaluate(B, 2),), (If(C, (Evaluate(D, 4),), (), 3),), 1),),
     "while a:\n break": (While(A, (Break(),), line=1),),
     "for a in b:\n continue": (ForEach(A, B, (Continue(),), 1),),
-    "for a in b:\n c\nelse:\n d": (ForEach(A, B, (Evaluate(C, 2),), 1), Evaluate(D, 4)),
-    "for a in b:\n break\nelse:\n d": (
-        ForEach(A, B, (Break(),), 1),
-        If(Opaque((), "no break"), (Evaluate(D, 4),), (), 1),
-    ),
-    "while a:\n b\nelse:\n d": (While(A, (Evaluate(B, 2),), line=1), Evaluate(D, 4)),
-    "with a as b, c:\n d": (Assign((B,), A, 1), Evaluate(C, 1), Evaluate(D, 2)),
+    "for a in b:\n c\nelse:\n d": (ForEach(A, B, (Evaluate(C, 2),), 1, (Evaluate(D, 4),)),),
+    "while a:\n b\nelse:\n d": (While(A, (Evaluate(B, 2),), line=1, orelse=(Evaluate(D, 4),)),),
+    "with a as b, c:\n d": (With(A, B, (With(C, None, (Evaluate(D, 2),), 1),), 1),),
     "raise": (Raise(),),
     "raise a from b": (Raise(A),),
     "del a, b": (Delete((A, B)),),
@@ -147,6 +147,7 @@ def test_a_class_holds_its_bases_and_statements():
         file="f.py",
         line=2,
         bases=(B,),
+        keywords=(("metaclass", C),),
         body=(
             Assign((D,), Const(1), 4),
             Define(Function(name="m", file="f.py", line=5, params=(Param("self"),), body=())),
@@ -157,15 +158,14 @@ def test_a_class_holds_its_bases_and_statements():
 def test_functions_nest_and_write_to_outer_names():
     (define,) = body("def f():\n def g():\n  nonlocal a\n")
     (inner,) = define.definition.body
-    assert inner.definition.body == (Global(("a",)),)
+    assert inner.definition.body == (Global(("a",), module=False),)
 
 
 def test_async_statements_are_like_the_others():
     (define,) = body("async def f():\n async for a in b: c\n async with a as b: c\n")
     assert define.definition.body == (
         ForEach(A, B, (Evaluate(C, 2),), 2),
-        Assign((B,), A, 3),
-        Evaluate(C, 3),
+        With(A, B, (Evaluate(C, 3),), 3),
     )
 
 
@@ -199,4 +199,18 @@ def test_match_is_a_chain_of_ifs():
 )
 def test_a_case_binds_the_names_of_its_pattern(pattern, names):
     (_, chain) = body(f"match a:\n case {pattern}: pass\n")
-    assert {assign.targets[0].id for assign in chain.body} == names
+    bound = (node for node in ir_nodes(chain.test) if isinstance(node, AssignExpr))
+    assert {node.target.id for node in bound} == names
+
+
+def test_a_private_name_is_its_class_s_own():
+    (define,) = body("class _K:\n def __m(self, __a): self.__b = __c__, __a\n")
+    (method,) = define.definition.body
+    assert (method.definition.name, method.definition.params[1].name) == ("_K__m", "_K__a")
+    assert method.definition.body == (
+        Assign(
+            (Attr(Name("self"), "_K__b"),),
+            SequenceExpr((Name("__c__"), Name("_K__a")), "tuple"),
+            2,
+        ),
+    )

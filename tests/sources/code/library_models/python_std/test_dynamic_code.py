@@ -137,3 +137,110 @@ def test_a_module_beside_the_script_goes_before_a_library(tmp_path, module):
 
 def test_a_module_elsewhere_does_not_go_before_a_library(tmp_path):
     assert beside(tmp_path, "src/tf.py", GO) == []
+
+
+UNKNOWN_CALLS = {
+    "unknown().Publisher('x', Bool)": "what it is called on is not known",
+    "from vendor import *\nPublisher('x', Bool)": "what it is called on is not known",
+    "import vendor\nvendor.make('x', Bool)": (
+        "is not in the source, and gets what it takes to join nodes"
+    ),
+    "import smach_ros\nsmach_ros.IntrospectionServer('x', 1, '/')": "what it joins is not known",
+    "rospy.Publisher = unknown()": (
+        "is replaced by the program: what calls it is not followed there"
+    ),
+}
+
+
+@pytest.mark.parametrize("body", UNKNOWN_CALLS)
+def test_a_call_of_what_is_not_known_is_noted_with_its_line(body):
+    interface = python(body)
+    assert [note.why for note in interface.unresolved] == [UNKNOWN_CALLS[body]]
+    assert interface.unresolved[0].evidence[0].line == len((HEAD + body).split("\n"))
+
+
+SMACH = {
+    "SimpleActionState('x', Bool)": "action_client",
+    "ServiceState('x', Bool)": "service_client",
+    "MonitorState('x', Bool, print)": "subscribe",
+}
+
+
+@pytest.mark.parametrize("made", SMACH)
+def test_a_state_of_smach_joins_what_its_name_says(made):
+    (found,) = python(f"import smach_ros\nsmach_ros.{made}").declarations
+    assert (found.kind, found.name) == (SMACH[made], "/ns/x")
+
+
+def package(tmp_path, text, depends="helper_ros"):
+    (tmp_path / "package.xml").write_text(
+        f"<package><name>p</name><exec_depend>{depends}</exec_depend></package>"
+    )
+    (tmp_path / "n.py").write_text(text)
+    files = WorkspaceSources(Workspace({"p": tmp_path}, [tmp_path]))
+    return run_python(tmp_path / "n.py", NodeSite(name="/ns/n"), files)
+
+
+def test_a_ros_package_that_is_not_here_is_noted_once(tmp_path):
+    found = package(
+        tmp_path, "import helper_ros, numpy\nhelper_ros.go()\nhelper_ros.go()\nnumpy.a()"
+    )
+    (note,) = found.unresolved
+    assert (note.what, note.evidence[0].line) == ("package helper_ros", 2)
+
+
+@pytest.mark.parametrize("depends", ["cv_bridge", "some_msgs", "numpy"])
+def test_a_package_that_joins_nothing_is_not_noted(tmp_path, depends):
+    assert package(tmp_path, "import cv_bridge\ncv_bridge.CvBridge()", depends).unresolved == ()
+
+
+@pytest.mark.parametrize(
+    ("line", "module"),
+    [
+        ("from p.tools import make", "p.tools"),
+        ("from p import tools", "p.tools"),
+        ("import p.tools", "p.tools"),
+        ("from .tools import make", ".tools"),
+        ("from . import tools", ".tools"),
+    ],
+)
+def test_a_module_of_the_workspace_that_is_not_there_is_noted(tmp_path, line, module):
+    (note,) = package(tmp_path, f"{line}\nfrom p.msg import A\nfrom p.cfg import B\n").unresolved
+    assert (note.what, note.evidence[0].line) == (f"import of {module}", 1)
+
+
+WRITES = {
+    "o.__dict__.update(topic='b')": ["b"],
+    "vars(o).update({'topic': 'b'})": ["b"],
+    "o.__dict__['topic'] = 'b'": ["b"],
+    "for k, v in {'topic': 'b'}.items(): setattr(o, k, v)": ["b"],
+    "setattr(o, unknown(), 'b')": ["{topic}"],
+    "o.__dict__.update(unknown())": ["{topic}"],
+    "o.__dict__[unknown()] = 'b'": ["{topic}"],
+    "vars(o).update(**unknown())": ["{topic}"],
+}
+
+
+@pytest.mark.parametrize("write", WRITES)
+def test_a_member_that_may_have_been_replaced_is_no_literal(write):
+    body = (
+        f"class A:\n    topic = 'a'\n    def __init__(self): self.topic = 'a'\no = A()\n{write}\n"
+    )
+    assert names(python(f"{body}rospy.Publisher(o.topic, Bool)")) == WRITES[write]
+
+
+VARIABLES = {
+    "topic = 'a'\nglobals()['topic'] = 'b'": ["b"],
+    "topic = 'a'\nglobals()[unknown()] = 'b'": ["{topic}"],
+    "topic = 'a'\nglobals().update(unknown())": ["{topic}"],
+    "topic = 'a'\nlocals()['topic'] = 'b'": ["b"],
+    "def f(topic='a', **k): return topic\ntopic = f(**unknown())": ["{topic}"],
+    "def f(topic='a'): return topic\ntopic = f(*unknown())": ["{topic}"],
+    "topic = {'t': 'a', **unknown()}['t']": ["{t}"],
+    "d = {'t': 'a'}\nd.update(unknown())\ntopic = d['t']": ["{t}"],
+}
+
+
+@pytest.mark.parametrize("body", VARIABLES)
+def test_a_variable_that_may_have_been_replaced_is_no_literal(body):
+    assert names(python(f"{body}\nrospy.Publisher(topic, Bool)")) == VARIABLES[body]

@@ -40,11 +40,6 @@ def lower_opaque(node: ast.expr, parts: Iterable[ast.expr], source: SourceFile) 
     return ir.Opaque(lower_expressions(parts, source), source.snippet(node))
 
 
-def _lower_conditionally(nodes: Iterable[ast.expr], source: SourceFile) -> tuple[Expr, ...]:
-    with source.conditional():
-        return lower_expressions(nodes, source)
-
-
 @singledispatch
 def _lower(node: ast.expr, source: SourceFile) -> Expr:
     """Whatever a newer Python may add."""
@@ -53,8 +48,8 @@ def _lower(node: ast.expr, source: SourceFile) -> Expr:
 
 
 @_lower.register
-def _(node: ast.Name, _: SourceFile) -> Expr:
-    return ir.Name(node.id)
+def _(node: ast.Name, source: SourceFile) -> Expr:
+    return ir.Name(source.own_name(node.id))
 
 
 @_lower.register
@@ -66,7 +61,7 @@ def _(node: ast.Constant, source: SourceFile) -> Expr:
 
 @_lower.register
 def _(node: ast.Attribute, source: SourceFile) -> Expr:
-    return ir.Attr(lower_expression(node.value, source), node.attr)
+    return ir.Attr(lower_expression(node.value, source), source.own_name(node.attr))
 
 
 @_lower.register
@@ -103,16 +98,14 @@ def _(node: ast.UnaryOp, source: SourceFile) -> Expr:
 
 @_lower.register
 def _(node: ast.BoolOp, source: SourceFile) -> Expr:
-    first, *others = node.values
-    operands = (lower_expression(first, source), *_lower_conditionally(others, source))
-    return ir.Logic("and" if isinstance(node.op, ast.And) else "or", operands)
+    operator = "and" if isinstance(node.op, ast.And) else "or"
+    return ir.Logic(operator, lower_expressions(node.values, source))
 
 
 @_lower.register
 def _(node: ast.Compare, source: SourceFile) -> Expr:
     """Lower `a < b < c` as `a < b and b < c`."""
-    operands = (*lower_expressions([node.left, node.comparators[0]], source),)
-    operands += _lower_conditionally(node.comparators[1:], source)
+    operands = lower_expressions([node.left, *node.comparators], source)
     steps = tuple(
         ir.Binary(COMPARE[type(operation)], left, right, node.lineno)
         for operation, (left, right) in zip(node.ops, pairwise(operands), strict=True)
@@ -123,7 +116,7 @@ def _(node: ast.Compare, source: SourceFile) -> Expr:
 @_lower.register
 def _(node: ast.IfExp, source: SourceFile) -> Expr:
     test = lower_expression(node.test, source)
-    return ir.Conditional(test, *_lower_conditionally([node.body, node.orelse], source))
+    return ir.Conditional(test, *lower_expressions([node.body, node.orelse], source))
 
 
 @_lower.register
@@ -133,11 +126,16 @@ def _(node: ast.JoinedStr, source: SourceFile) -> Expr:
 
 @_lower.register
 def _(node: ast.FormattedValue, source: SourceFile) -> Expr:
-    """Lower a value; what `!r`, `!a` or a format make of it is not known."""
-    if node.format_spec is None and node.conversion in (-1, ord("s")):
-        return lower_expression(node.value, source)
+    """Lower a value; under a format it is `"{:…}".format(value, …)`."""
     spec = node.format_spec.values if isinstance(node.format_spec, ast.JoinedStr) else []
-    return lower_opaque(node, [node.value, *spec], source)
+    if not spec and node.conversion in (-1, ord("s")):
+        return lower_expression(node.value, source)
+    conversion = f"!{chr(node.conversion)}" if node.conversion != -1 else ""
+    written = [str(part.value) if isinstance(part, ast.Constant) else "{}" for part in spec]
+    template = ir.Attr(ir.Const(f"{{{conversion}:{''.join(written)}}}"), "format")
+    inner = (part for part in spec if not isinstance(part, ast.Constant))
+    args = lower_expressions([node.value, *inner], source)
+    return ir.Call(template, args, line=node.lineno)
 
 
 @_lower.register
@@ -189,25 +187,31 @@ def _(node: ast.DictComp, source: SourceFile) -> Expr:
 def _comprehension(
     kind: str, element: ast.expr, loops: list[ast.comprehension], source: SourceFile
 ) -> Expr:
-    with source.conditional():
-        lowered = [
-            (
-                lower_expression(loop.target, source),
-                lower_expression(loop.iter, source),
-                lower_expressions(loop.ifs, source),
-            )
-            for loop in loops
-        ]
-        return ir.Comprehension(kind, lower_expression(element, source), tuple(lowered))
+    lowered = [
+        (
+            lower_expression(loop.target, source),
+            lower_expression(loop.iter, source),
+            lower_expressions(loop.ifs, source),
+        )
+        for loop in loops
+    ]
+    return ir.Comprehension(kind, lower_expression(element, source), tuple(lowered))
 
 
 @_lower.register
 def _(node: ast.Lambda, source: SourceFile) -> Expr:
-    with source.conditional():
-        params = lower_parameters(node.args, lambda default: lower_optional(default, source))
-        body = (ir.Return(lower_expression(node.body, source), node.lineno),)
+    params = lower_parameters(
+        node.args, lambda default: lower_optional(default, source), source.own_name
+    )
+    body = (ir.Return(lower_expression(node.body, source), node.lineno),)
     return ir.Lambda(
-        ir.Function(name="<lambda>", file=source.file, line=node.lineno, params=params, body=body)
+        ir.Function(
+            name=source.lambda_name(node.lineno),
+            file=source.file,
+            line=node.lineno,
+            params=params,
+            body=body,
+        )
     )
 
 
@@ -224,11 +228,8 @@ def _(node: ast.Await, source: SourceFile) -> Expr:
 
 @_lower.register
 def _(node: ast.NamedExpr, source: SourceFile) -> Expr:
-    if not source.is_unconditional:
-        return lower_opaque(node, [node.value], source)
     target, value = lower_expression(node.target, source), lower_expression(node.value, source)
-    source.preceding.append(ir.Assign((target,), value, node.lineno))
-    return target
+    return ir.AssignExpr(target, value)
 
 
 @_lower.register

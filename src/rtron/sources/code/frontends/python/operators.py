@@ -18,6 +18,8 @@ BINARY: Final[dict[type[ast.operator], str]] = {
     ast.BitOr: "|",
     ast.BitXor: "^",
 }
+IN_PLACE: Final = frozenset({"+", "|"})
+"""Those that change a list, a set or a dict itself under an augmented assignment, `a += b`."""
 UNARY: Final[dict[type[ast.unaryop], str]] = {
     ast.Not: "not",
     ast.USub: "-",

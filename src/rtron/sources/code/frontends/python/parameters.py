@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from rtron.sources.code.ir import Expr, Param, TypeRef
 
@@ -9,10 +10,12 @@ _MAX_DEPTH = 20
 
 
 def lower_parameters(
-    node: ast.arguments, lowered: Callable[[ast.expr | None], Expr | None]
+    node: ast.arguments,
+    lowered: Callable[[ast.expr | None], Expr | None],
+    own_name: Callable[[str], str],
 ) -> tuple[Param, ...]:
     """Return the parameters in the order in which they are written."""
-    return tuple(_parameters(node, lowered))
+    return tuple(replace(param, name=own_name(param.name)) for param in _parameters(node, lowered))
 
 
 def dotted_name(node: ast.expr | None) -> str:

@@ -1,8 +1,7 @@
 """What lowering a file carries along."""
 
 import ast
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections import Counter
 from dataclasses import dataclass, field
 
 from rtron.sources.code.ir import SourceProblem, Stmt
@@ -15,17 +14,28 @@ _TEXT = 60
 class SourceFile:
     """The file that is being lowered.
 
-    `preceding` collects what an expression does before its statement runs (`:=`, `yield`), which is
-    known only where it is surely evaluated (`is_unconditional`). Nesting beyond 100 levels is a
-    problem.
+    `preceding` collects the `yield`s of an expression, which run before its statement. Nesting
+    beyond 100 levels is a problem. `class_name` is that of the class around, empty outside.
     """
 
     file: str
     lines: list[bytes]
     problems: list[SourceProblem] = field(default_factory=list)
     preceding: list[Stmt] = field(default_factory=list)
-    is_unconditional: bool = True
     depth: int = 0
+    class_name: str = ""
+    lambdas: Counter[int] = field(default_factory=Counter)
+
+    def lambda_name(self, line: int) -> str:
+        """Return what a lambda is called: those of one line are told apart."""
+        self.lambdas[line] += 1
+        return "<lambda>" if self.lambdas[line] == 1 else f"<lambda {self.lambdas[line]}>"
+
+    def own_name(self, name: str) -> str:
+        """Return a name as Python has it: `__x` is a class's own, `_Class__x` (private names)."""
+        is_private = name.startswith("__") and not name.endswith("__")
+        plain = self.class_name.lstrip("_")
+        return f"_{plain}{name}" if is_private and plain else name
 
     def is_too_deep(self, line: int) -> bool:
         """Whether a node lies deeper than we go; note the problem, once a line."""
@@ -41,12 +51,3 @@ class SourceFile:
         line = self.lines[node.lineno - 1]
         end = node.end_col_offset if node.end_lineno == node.lineno else len(line)
         return line[node.col_offset : end].decode("utf-8", "replace")[:_TEXT]
-
-    @contextmanager
-    def conditional(self) -> Iterator[None]:
-        """Within: an expression that may be evaluated never, or many times."""
-        sure, self.is_unconditional = self.is_unconditional, False
-        try:
-            yield
-        finally:
-            self.is_unconditional = sure

@@ -11,7 +11,7 @@ from rtron.sources.code.frontends.python.expressions import (
     lower_optional,
 )
 from rtron.sources.code.frontends.python.match_statement import lower_match
-from rtron.sources.code.frontends.python.operators import BINARY
+from rtron.sources.code.frontends.python.operators import BINARY, IN_PLACE
 from rtron.sources.code.frontends.python.parameters import (
     annotation_type,
     dotted_name,
@@ -77,6 +77,7 @@ def _(node: ast.AnnAssign, source: SourceFile) -> _Stmts:
 def _(node: ast.AugAssign, source: SourceFile) -> _Stmts:
     target = lower_expression(node.target, source)
     operator, right = BINARY[type(node.op)], lower_expression(node.value, source)
+    operator += "=" if operator in IN_PLACE else ""
     return (ir.Assign((target,), ir.Binary(operator, target, right, node.lineno), node.lineno),)
 
 
@@ -90,9 +91,8 @@ def _(node: ast.If, source: SourceFile) -> _Stmts:
 @_lower.register
 def _(node: ast.While, source: SourceFile) -> _Stmts:
     test = lower_expression(node.test, source)
-    again = tuple(source.preceding)
-    loop = ir.While(test, lower_statements(node.body, source), again, line=node.lineno)
-    return (loop, *_loop_else(node, source))
+    body, orelse = lower_statements(node.body, source), lower_statements(node.orelse, source)
+    return (ir.While(test, body, tuple(source.preceding), line=node.lineno, orelse=orelse),)
 
 
 @_lower.register(ast.For)
@@ -100,35 +100,20 @@ def _(node: ast.While, source: SourceFile) -> _Stmts:
 def _(node: ast.For | ast.AsyncFor, source: SourceFile) -> _Stmts:
     iterable = lower_expression(node.iter, source)
     target = lower_expression(node.target, source)
-    loop = ir.ForEach(target, iterable, lower_statements(node.body, source), node.lineno)
-    return (loop, *_loop_else(node, source))
-
-
-def _loop_else(node: ast.For | ast.AsyncFor | ast.While, source: SourceFile) -> _Stmts:
-    """Lower the `else` of a loop: it runs unless the loop was left by `break`."""
-    orelse = lower_statements(node.orelse, source)
-    if not orelse or not _breaks(node.body):
-        return orelse
-    return (ir.If(ir.Opaque((), "no break"), orelse, (), node.lineno),)
-
-
-def _breaks(body: list[ast.stmt]) -> bool:
-    return any(isinstance(node, ast.Break) for statement in body for node in ast.walk(statement))
+    body, orelse = lower_statements(node.body, source), lower_statements(node.orelse, source)
+    return (ir.ForEach(target, iterable, body, node.lineno, orelse),)
 
 
 @_lower.register(ast.With)
 @_lower.register(ast.AsyncWith)
 def _(node: ast.With | ast.AsyncWith, source: SourceFile) -> _Stmts:
-    """Take a context manager for what it gives."""
-    heads = [_lower_with_item(item, source) for item in node.items]
-    return (*heads, *lower_statements(node.body, source))
-
-
-def _lower_with_item(item: ast.withitem, source: SourceFile) -> Stmt:
-    line, value = item.context_expr.lineno, lower_expression(item.context_expr, source)
-    if item.optional_vars is None:
-        return ir.Evaluate(value, line)
-    return ir.Assign((lower_expression(item.optional_vars, source),), value, line)
+    """Lower `with a, b` as `with a: with b`."""
+    body = lower_statements(node.body, source)
+    for item in reversed(node.items):
+        manager = lower_expression(item.context_expr, source)
+        target = lower_optional(item.optional_vars, source)
+        body = (ir.With(manager, target, body, item.context_expr.lineno),)
+    return body
 
 
 @_lower.register(ast.Try)
@@ -158,8 +143,7 @@ def _(node: ast.Match, source: SourceFile) -> _Stmts:
 @_lower.register
 def _(node: ast.Assert, source: SourceFile) -> _Stmts:
     test = lower_expression(node.test, source)
-    with source.conditional():
-        args = lower_expressions([node.msg] if node.msg else [], source)
+    args = lower_expressions([node.msg] if node.msg else [], source)
     raised = ir.Raise(ir.Call(ir.Name("AssertionError"), args, line=node.lineno))
     return (ir.If(ir.Unary("not", test), (raised,), (), node.lineno),)
 
@@ -192,7 +176,7 @@ def _(node: ast.Delete, source: SourceFile) -> _Stmts:
 @_lower.register(ast.Global)
 @_lower.register(ast.Nonlocal)
 def _(node: ast.Global | ast.Nonlocal, _: SourceFile) -> _Stmts:
-    return (ir.Global(tuple(node.names)),)
+    return (ir.Global(tuple(node.names), module=isinstance(node, ast.Global)),)
 
 
 @_lower.register
@@ -215,10 +199,12 @@ def _(node: ast.ImportFrom, _: SourceFile) -> _Stmts:
 def _(node: ast.FunctionDef | ast.AsyncFunctionDef, source: SourceFile) -> _Stmts:
     decorators = lower_expressions(node.decorator_list, source)
     function = ir.Function(
-        name=node.name,
+        name=source.own_name(node.name),
         file=source.file,
         line=node.lineno,
-        params=lower_parameters(node.args, lambda default: lower_optional(default, source)),
+        params=lower_parameters(
+            node.args, lambda default: lower_optional(default, source), source.own_name
+        ),
         body=(*_unpack_tuple_parameters(node.args, source), *lower_statements(node.body, source)),
         returns=annotation_type(node.returns),
     )
@@ -238,16 +224,32 @@ def _unpack_tuple_parameters(node: ast.arguments, source: SourceFile) -> _Stmts:
 def _(node: ast.ClassDef, source: SourceFile) -> _Stmts:
     decorators = lower_expressions(node.decorator_list, source)
     bases: tuple[Expr, ...] = lower_expressions(node.bases, source)
+    outer, source.class_name = source.class_name, node.name
     body = (*_annotated_fields(node), *lower_statements(node.body, source))
-    made = ir.Class(name=node.name, file=source.file, line=node.lineno, bases=bases, body=body)
+    source.class_name = outer
+    keywords = [(word.arg or "**", lower_expression(word.value, source)) for word in node.keywords]
+    made = ir.Class(
+        name=node.name,
+        file=source.file,
+        line=node.lineno,
+        bases=bases,
+        body=body,
+        keywords=tuple(keywords),
+    )
     return (ir.Define(made, decorators),)
 
 
 def _annotated_fields(node: ast.ClassDef) -> _Stmts:
-    """Keep the fields that a decorated class only annotates, for a dataclass, as `__fields__`."""
-    bare = [part for part in node.body if isinstance(part, ast.AnnAssign) and part.value is None]
-    names = [ir.Const(part.target.id) for part in bare if isinstance(part.target, ast.Name)]
-    if not names or not node.decorator_list:
+    """Keep the names that a class annotates, for a dataclass or a NamedTuple, as `__fields__`."""
+    annotated = [part for part in node.body if isinstance(part, ast.AnnAssign)]
+    fields_only = [part for part in annotated if not _is_class_variable(part.annotation)]
+    names = [ir.Const(part.target.id) for part in fields_only if isinstance(part.target, ast.Name)]
+    if not names or not (node.decorator_list or node.bases):
         return ()
     fields = ir.SequenceExpr(tuple(names), "tuple")
     return (ir.Assign((ir.Name("__fields__"),), fields, node.lineno),)
+
+
+def _is_class_variable(annotation: ast.expr) -> bool:
+    head = annotation.value if isinstance(annotation, ast.Subscript) else annotation
+    return dotted_name(head).rpartition(".")[2] == "ClassVar"

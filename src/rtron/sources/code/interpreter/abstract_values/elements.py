@@ -22,9 +22,13 @@ SLICE = LibraryClass("slice")
 
 
 def element(owner: Value, key: Value) -> Value:
-    """Return an element or slice, or an Unknown with the names of the owner and the key."""
+    """Return an element or slice, or an Unknown with the names of the owner and the key.
+
+    An object that is an index is a member of an enumeration of numbers.
+    """
     if is_slice(key):
         return _slice_value(owner, key)
+    key = _number_of(owner, key)
     if isinstance(owner, MapValue):
         return _map_entry(owner, key)
     if isinstance(owner, ClassValue) and isinstance(key, Scalar):
@@ -36,6 +40,11 @@ def element(owner: Value, key: Value) -> Value:
     elif isinstance(owner, ListValue) and owner.items:
         return join(owner.items)
     return _unknown_element(owner, key)
+
+
+def _number_of(owner: Value, key: Value) -> Value:
+    is_member = isinstance(owner, ListValue) and isinstance(key, Instance)
+    return key.fields.get("value", key) if is_member else key  # type: ignore[union-attr]
 
 
 def _unknown_element(owner: Value, key: Value) -> Unknown:
@@ -95,7 +104,9 @@ def _length(part: str | Unknown) -> int:
 
 
 def _map_entry(owner: MapValue, key: Value) -> Value:
-    if not isinstance(key, Scalar):
+    name = owner.key_of(key)
+    if name is OPEN:
         return join(owner.entries.values()) if owner.entries else Unknown(text_with_holes(key))
-    missing = owner.fields.get(OPEN, Unknown(str(key.value)))
-    return owner.fields.get(key.value, missing)
+    label = str(key.value) if isinstance(key, Scalar) else text_with_holes(key)
+    missing = owner.fields.get(OPEN, Unknown(label))
+    return owner.fields.get(name, missing)

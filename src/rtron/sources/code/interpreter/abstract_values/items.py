@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    IDENTIFIED,
     UNKNOWN,
     Choice,
     ClassValue,
@@ -82,9 +83,17 @@ def _map_items(value: MapValue) -> tuple[Value, ...]:
     return tuple(_key(key, entry) for key, entry in value.entries.items())
 
 
-def _key(key: object, entry: Value) -> Scalar:
+def _key(key: object, entry: Value) -> Value:
     """Return a map's key, marked as its entry is: both came out of the parameter server."""
-    return Scalar(key, _holds_parameter(entry))
+    return key_value(key, tainted=_holds_parameter(entry))
+
+
+def key_value(key: object, *, tainted: bool = False) -> Value:
+    """Return the value that a key of a dict stands for."""
+    if isinstance(key, tuple):
+        items = tuple(key_value(item, tainted=tainted) for item in key)
+        return list_of(items, "tuple")
+    return key if isinstance(key, IDENTIFIED) else Scalar(key, tainted)
 
 
 def _holds_parameter(value: Value, depth: int = _MAX_DEPTH) -> bool:

@@ -2,16 +2,23 @@
 
 import operator
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeGuard
 
-from rtron.sources.code.interpreter.abstract_values.items import list_of
+from rtron.sources.code.interpreter.abstract_values.items import is_record, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    MAX_CHOICES,
     MAX_LENGTH,
+    OPEN,
     UNKNOWN,
     Choice,
+    ClassValue,
     ExternalSymbol,
+    FunctionValue,
+    Instance,
+    LibraryFunction,
     ListValue,
     MapValue,
+    MessageType,
     PartialText,
     Scalar,
     Unknown,
@@ -25,6 +32,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 
 MAX_BITS = 256
+MAX_PAIRS = 2 * MAX_CHOICES
 
 _ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": operator.add,
@@ -32,12 +40,17 @@ _ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "*": operator.mul,
     "/": operator.truediv,
     "//": operator.floordiv,
+    "**": operator.pow,
+    "<<": operator.lshift,
     "%": operator.mod,
     "&": operator.and_,
     "|": operator.or_,
     "^": operator.xor,
     ">>": operator.rshift,
 }
+_KINDS: Mapping[str, Callable[[list[Any]], Any]] = {"tuple": tuple, "set": frozenset}
+_MAX_DEPTH = 8
+_COMPARED = (MessageType, LibraryFunction)
 _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
     "==": operator.eq,
     "!=": operator.ne,
@@ -50,12 +63,22 @@ _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
 }
 
 
+_SETS: Mapping[str, Callable[[Any, Any], Any]] = {
+    "|": operator.or_,
+    "&": operator.and_,
+    "-": lambda one, other: one and not other,
+    "^": operator.ne,
+}
+
+
 def binary(name: str, left: Value, right: Value) -> Value:
     """Return `left name right` over every option of both."""
     if not isinstance(left, Choice) and not isinstance(right, Choice):
         return _binary(name, left, right)
     pairs = [(one, other) for one in options(left) for other in options(right)]
-    return join([_binary(name, *pair) for pair in pairs[: 2 * 24]])
+    if len(pairs) > MAX_PAIRS:
+        return Unknown("many", is_tainted(left) or is_tainted(right))
+    return join([_binary(name, *pair) for pair in pairs])
 
 
 def _binary(name: str, left: Value, right: Value) -> Value:
@@ -67,9 +90,35 @@ def _binary(name: str, left: Value, right: Value) -> Value:
         return percent_format(left, right)
     if name == "+":
         return _add(left, right)
-    if name == "*" and isinstance(left, ListValue):
-        return _repeat(left, right)
+    if isinstance(left, (ListValue, MapValue)):
+        return _combine_containers(name, left, right)
     return _arithmetic(name, left, right)
+
+
+def _combine_containers(name: str, left: ListValue | MapValue, right: Value) -> Value:
+    if isinstance(left, MapValue):
+        if isinstance(right, MapValue) and name == "|":
+            return MapValue({**left.fields, **right.fields})
+        return _arithmetic(name, left, right)
+    if name == "*":
+        return _repeat(left, right)
+    if name in _SETS and is_set(left) and isinstance(right, ListValue):
+        return _combine_sets(name, left, right)
+    return _arithmetic(name, left, right)
+
+
+def is_set(value: Value) -> TypeGuard[ListValue]:
+    """Tell whether a value is a set."""
+    return isinstance(value, ListValue) and value.kind == "set"
+
+
+def _combine_sets(name: str, left: ListValue, right: ListValue) -> Value:
+    """Return `a | b`, `a & b`, `a - b` or `a ^ b`; where that is not known, all they hold."""
+    items = (*left.items, *(item for item in right.items if item not in left.items))
+    answers = [(_contains(item, left), _contains(item, right)) for item in items]
+    chosen = [item for item, sides in zip(items, answers, strict=True) if _SETS[name](*sides)]
+    known = all(side is not None for sides in answers for side in sides)
+    return ListValue({"items": tuple(chosen) if known else items, "open": not known}, left.kind)
 
 
 def _add(left: Value, right: Value) -> Value:
@@ -90,12 +139,18 @@ def _arithmetic(name: str, left: Value, right: Value) -> Value:
     try:
         if name == "*" and not _is_short_repetition(left.value, right.value):
             return Unknown("large", tainted)
+        if name in {"**", "<<"} and not (_is_small(left.value) and _is_small(right.value)):
+            return Unknown("large", tainted)
         return Scalar(_check_size(_ARITHMETIC[name](left.value, right.value)), tainted)
     except TypeError:
         is_path = name == "/" and is_text(left) and is_text(right)
         return concat((left, Scalar("/"), right)) if is_path else Unknown("?", tainted)
     except (ArithmeticError, ValueError):
         return Unknown("?", tainted)
+
+
+def _is_small(value: Any) -> bool:  # noqa: ANN401 - any Python value
+    return isinstance(value, (int, float)) and abs(value) < MAX_BITS
 
 
 def _is_short_repetition(left: Any, right: Any) -> bool:  # noqa: ANN401 - any Python values
@@ -114,7 +169,8 @@ def _check_size(value: Any) -> Any:  # noqa: ANN401 - any Python value
 
 
 def _compare(name: str, left: Value, right: Value) -> Value:
-    if left is right and not isinstance(left, (Unknown, ExternalSymbol, PartialText)):
+    is_same = left is right or (isinstance(left, _COMPARED) and left == right)
+    if is_same and not _is_undecidable(left):
         return Scalar(name in {"==", "is", "<=", ">="})
     if isinstance(left, Scalar) and isinstance(right, Scalar):
         try:
@@ -122,11 +178,40 @@ def _compare(name: str, left: Value, right: Value) -> Value:
         except TypeError:
             return Unknown("comparison")
         return Scalar(answer, left.tainted or right.tainted)
-    if isinstance(left, ListValue) and isinstance(right, ListValue):
-        return Unknown("comparison")
-    if _is_undecidable(left) or _is_undecidable(right):
+    if isinstance(left, (ListValue, MapValue)) and type(left) is type(right):
+        return _compare_containers(name, left, right)
+    may_be_equal = type(left) is type(right) and _compares_itself(left)
+    if may_be_equal or _is_undecidable(left) or _is_undecidable(right):
         return Unknown("comparison")
     return Scalar(name in {"!=", "is not"})
+
+
+def _compare_containers(name: str, left: Value, right: Value) -> Value:
+    """Compare lists or dicts of numbers and texts; which of others are equal is not known."""
+    try:
+        is_same = _plain(left, _MAX_DEPTH) == _plain(right, _MAX_DEPTH)
+    except ValueError:
+        return Unknown("comparison")
+    return Scalar(is_same is (name == "==")) if name in {"==", "!="} else Unknown("comparison")
+
+
+def _plain(value: Value, depth: int) -> Any:  # noqa: ANN401 - any Python value
+    """Return the Python value that a value is; a ValueError for one that is not known whole."""
+    if isinstance(value, Scalar):
+        return value.value
+    if depth and isinstance(value, ListValue) and not value.open:
+        items = [_plain(item, depth - 1) for item in value.items]
+        return _KINDS.get(value.kind, list)(items)
+    if depth and isinstance(value, MapValue) and not value.open:
+        return {key: _plain(entry, depth - 1) for key, entry in value.fields.items()}
+    raise ValueError(value)
+
+
+def _compares_itself(value: Value) -> bool:
+    """Tell whether equal values may be different objects: records, bound methods."""
+    if isinstance(value, Instance) and isinstance(value.type, ClassValue):
+        return not {"__eq__", "__fields__"}.isdisjoint(value.type.fields)
+    return isinstance(value, FunctionValue) or is_record(getattr(value, "type", None))
 
 
 def _is_undecidable(value: Value) -> bool:
@@ -139,15 +224,21 @@ def _membership(name: str, item: Value, container: Value) -> Value:
 
 
 def _contains(item: Value, container: Value) -> bool | None:
+    if isinstance(container, MapValue):
+        return _is_key(container.key_of(item), container)
     if not isinstance(item, Scalar):
         return None
     if isinstance(container, Scalar) and isinstance(container.value, str):
         return str(item.value) in container.value
-    if isinstance(container, MapValue):
-        return True if item.value in container.entries else (None if container.open else False)
     if isinstance(container, ListValue):
         return _is_item(item, container)
     return None
+
+
+def _is_key(key: object, container: MapValue) -> bool | None:
+    if key is not OPEN and key in container.entries:
+        return True
+    return None if container.open or key is OPEN else False
 
 
 def _is_item(item: Scalar, container: ListValue) -> bool | None:
@@ -161,7 +252,8 @@ def _is_item(item: Scalar, container: ListValue) -> bool | None:
 def _repeat(items: ListValue, times: Value) -> Value:
     if isinstance(times, Scalar) and isinstance(times.value, int):
         count = max(0, min(times.value, MAX_LENGTH // max(1, len(items.items))))
-        return list_of(items.items * count, items.kind)
+        is_whole = count == max(0, times.value) and not items.open
+        return list_of(items.items * count, items.kind, certain=is_whole)
     return list_of(items.items, items.kind, certain=False)
 
 
@@ -230,6 +322,8 @@ def unary(name: str, operand: Value) -> Value:
         value = operand.value
         if name == "-":
             return Scalar(-value, operand.tainted)
+        if name == "~" and isinstance(value, int):
+            return Scalar(~int(value), operand.tainted)
         if name == "+":
             return operand
     return Unknown("?", is_tainted(operand))

@@ -81,15 +81,16 @@ class ListValue:
 
 @dataclass(eq=False, slots=True)
 class MapValue:
-    """A dict or std::map; keys are the values of Scalars, `OPEN` marks unknown further entries.
+    """A dict or std::map; keys are what `map_key` says, `OPEN` marks unknown further entries.
 
     `iterates_pairs` marks a map of C++, whose items are pairs; `default_factory` makes the value
-    of a new key.
+    of a new key. `is_namespace` says that the entries are variables or members: `vars(owner)`.
     """
 
     fields: dict[Any, "Value"] = field(default_factory=dict)
     iterates_pairs: bool = False
     default_factory: Callable[[], "Value"] | None = None
+    is_namespace: bool = False
 
     @property
     def entries(self) -> dict[Any, "Value"]:
@@ -100,6 +101,12 @@ class MapValue:
     def open(self) -> bool:
         """Whether there may be entries that are not known."""
         return OPEN in self.fields
+
+    def key_of(self, key: "Value") -> Any:  # noqa: ANN401 - any key
+        """Return the key that a value is here, or OPEN; C++ compares objects by what they hold."""
+        if self.iterates_pairs:
+            return key.value if isinstance(key, Scalar) else OPEN
+        return map_key(key)
 
     def missing_note(self, key: object) -> tuple[str, str] | None:  # noqa: ARG002 - for others
         """Return what to note, and why, if a key is read that is not there; None for nothing."""
@@ -231,6 +238,22 @@ Value: TypeAlias = (
     | BindPlaceholder
 )
 
+
+def map_key(value: Value) -> Any:  # noqa: ANN401 - any key
+    """Return the key that a value is in a dict; OPEN for one that is not known.
+
+    It is a Scalar's value, a tuple of keys for a tuple, and an object, class or function itself.
+    """
+    if isinstance(value, Scalar):
+        return value.value
+    if isinstance(value, ListValue) and value.kind == "tuple" and not value.open:
+        keys = tuple(map_key(item) for item in value.items)
+        return OPEN if OPEN in keys else keys
+    return value if isinstance(value, IDENTIFIED) else OPEN
+
+
+IDENTIFIED = (Instance, ClassValue, MessageType, FunctionValue, LibraryFunction, LibraryClass)
+"""What is a key of a dict by its identity."""
 NONE = Scalar(None)
 UNKNOWN = Unknown()
 TRUE = Scalar(value=True)
@@ -344,11 +367,14 @@ def concat(values: Iterable[Value]) -> Value:
     """Return the string that `values` make together, over every combination of options."""
     results: list[tuple[tuple[str | Unknown, ...], bool]] = [((), False)]
     for value in values:
-        results = [
+        found = (
             (parts + parts_of(option), tainted or is_tainted(option))
             for parts, tainted in results
             for option in options(value)
-        ][:MAX_CHOICES]
+        )
+        results = list(dict.fromkeys(found))
+        if len(results) > MAX_CHOICES:
+            return Unknown("many")
     return join([_merge_parts(parts, tainted=tainted) for parts, tainted in results])
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ExternalSymbol,
     FunctionValue,
@@ -27,10 +28,12 @@ from rtron.sources.code.interpreter.execution.assignment import slot_of
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import (
     Declare,
+    Function,
     Lambda,
     Name,
     TypeRef,
 )
+from rtron.sources.code.ir.references import called_names
 from rtron.sources.code.library_models.common.containers import (
     CPP_MAP_METHODS,
     LIST_METHODS,
@@ -67,6 +70,32 @@ class CppRuntime(CppObjects):
         CppObjects.__post_init__(self)
         self._unqualified_functions = unqualified_names(self.library_functions)
         self._candidate_cache = self.symbols.new_cache()
+
+    def special_method(self, owner: Value, name: str) -> Value | None:
+        """C++ has none of Python's."""
+        del owner, name
+        return None
+
+    def related_names(self, function: Function) -> frozenset[str]:
+        """Return the plain names of what a function calls, makes or hands on."""
+        return called_names(function)
+
+    def calls_unknown(self, function: Function) -> bool:
+        """C++ names what it calls; a function that is passed is one of its callbacks."""
+        del function
+        return False
+
+    def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
+        """C++ notes these where it evaluates the call: the template arguments tell."""
+        del called, arguments
+
+    def shown(self, value: Value) -> Value:
+        """Return a value as a text shows it."""
+        return value
+
+    def iterate(self, value: Value) -> tuple[tuple[Value, ...], bool]:
+        """Return what a loop over a value sees, and whether that is all."""
+        return items_of(value)
 
     def lookup(self, name: Name, frame: StackFrame) -> Value:
         """Return what a name means: local, member, of a namespace around, or of a library."""

@@ -3,12 +3,14 @@
 Where a condition is decided, one side runs; where it is not, both do, from the same state. Loops
 over what is known are unrolled; others run once, with what they change made unknown. What is
 called by a library (callbacks, threads, virtual methods) runs after the program.
-`possible_throws` counts what may have thrown while a `try` runs.
+`possible_throws` counts what may have thrown while a `try` runs. `line` is that of the assignment
+that is made.
 """
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TypeAlias
 
 from rtron.sources.code.interpreter.abstract_values.items import list_of
@@ -17,6 +19,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     FunctionValue,
     Instance,
+    LibraryFunction,
     ListValue,
     MapValue,
     Scalar,
@@ -37,8 +40,13 @@ from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.ir import Expr, Function, Stmt
 from rtron.vocabulary import Evidence
 
+PARTIAL = "partial"
+"""The name of a library's function with arguments that it already has: it is run if it escapes."""
 MAX_STEPS = 800_000
 MAX_IRRELEVANT_STEPS = 4_000
+MAX_DYNAMIC_STEPS = 20_000
+"""The steps of a function that joins no nodes, and of one that calls what it does not name."""
+TOO_LARGE = "too large to be run whole"
 MAX_CALLS = 48
 MAX_RECURSION = 3
 MAX_PASSED_FUNCTIONS = 1_000
@@ -49,11 +57,17 @@ Outcome: TypeAlias = str | None
 """How a block ended: "return", "break", "continue", "raise", or None where it goes on."""
 
 
-class StepsExceededError(Exception):
+class EndError(Exception):
+    """What ends a program before all of it is run; `place` is the statement that did."""
+
+    place: Evidence | None = None
+
+
+class StepsExceededError(EndError):
     """The program is larger than what is run of it."""
 
 
-class ThrownError(Exception):
+class ThrownError(EndError):
     """An exception of the scanned program that is certain: its class's name, and its bases'.
 
     `has_unknown_bases` says that not all of the bases are known.
@@ -97,6 +111,7 @@ class AbstractMachine:
     active_handlers: list[tuple[str, ...]] = field(default_factory=list)
     possible_throws: int = 0
     trial_depth: int = 0
+    line: int = 0
     is_relevant: Callable[["AbstractMachine", Function], bool] = lambda machine, function: True
     _steps: int = 0
     _step_limit: int = field(default_factory=lambda: MAX_STEPS)
@@ -128,17 +143,24 @@ class AbstractMachine:
 
     def execute(self, block: tuple[Stmt, ...], frame: StackFrame) -> Outcome:
         """Run statements until one ends the block."""
-        for statement in block:
-            self._steps += 1
-            if self._steps > self._step_limit:
-                raise StepsExceededError
-            if self.active_handlers and statement_may_throw(
-                statement, dynamic=not self.runtime.passes_by_reference
-            ):
-                self.possible_throws += 1
-            outcome = self.executors[type(statement)](self, statement, frame)
-            if outcome is not None:
-                return outcome
+        statement: Stmt | None = None
+        try:
+            for statement in block:
+                self._steps += 1
+                if self._steps > self._step_limit:
+                    raise StepsExceededError
+                if self.active_handlers and statement_may_throw(
+                    statement, dynamic=not self.runtime.passes_by_reference
+                ):
+                    self.possible_throws += 1
+                outcome = self.executors[type(statement)](self, statement, frame)
+                if outcome is not None:
+                    return outcome
+        except EndError as error:
+            line = getattr(statement, "line", 0)
+            if error.place is None and line:
+                error.place = Evidence(file=frame.file, line=line)
+            raise
         return None
 
     def call(self, called: FunctionValue, arguments: Arguments) -> Value:
@@ -162,7 +184,7 @@ class AbstractMachine:
         if not ended:
             return Unknown(f"{function.name}()", type=function.returns)
         if frame.yields:
-            return list_of(frame.yields)
+            return list_of(frame.yields, "generator")
         return join(frame.returns)
 
     def _run_bounded(self, function: Function, frame: StackFrame) -> bool:
@@ -171,7 +193,9 @@ class AbstractMachine:
             self.run(function, frame)
             return True
         outer, depth = self._step_limit, len(self._call_stack)
-        self._step_limit = min(outer, self._steps + MAX_IRRELEVANT_STEPS)
+        may_join = self.runtime.calls_unknown(function)
+        most = MAX_DYNAMIC_STEPS if may_join else MAX_IRRELEVANT_STEPS
+        self._step_limit = min(outer, self._steps + most)
         try:
             self.run(function, frame)
         except StepsExceededError:
@@ -179,6 +203,9 @@ class AbstractMachine:
             if self._step_limit == outer:
                 raise
             self.possible_throws += 1
+            if may_join:
+                place = Evidence(file=function.file, line=function.line)
+                self.recorder.add_unresolved(function.name, TOO_LARGE, place)
             return False
         finally:
             self._step_limit = outer
@@ -214,6 +241,9 @@ class AbstractMachine:
             value = self.runtime.attribute(value, name, ())
         if isinstance(value, FunctionValue):
             self._queue_callback(value)
+        elif isinstance(value, LibraryFunction) and value.name == PARTIAL:
+            at = Arguments(frame=StackFrame(file=""))
+            self.deferred_actions.append(partial(value.call, self, value.owner, at))
 
     def escape_arguments(self, arguments: Arguments) -> None:
         """Remember every function among the arguments of a call."""

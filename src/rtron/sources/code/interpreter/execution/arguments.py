@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import field
+from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    OPEN,
     UNKNOWN,
     MapValue,
     Unknown,
@@ -71,6 +73,8 @@ class Arguments:
 
 
 LibraryCall = Callable[..., Value]
+OPEN_KEYWORD = "**"
+"""The name of an argument that says that others may be given which are not known."""
 
 
 def bind_parameters(
@@ -84,9 +88,11 @@ def bind_parameters(
             variables[param.name] = list_of(arguments.values[position:], "tuple")
             position = len(arguments.values)
         elif param.kind == "stars":
-            named = {p.name for p in params}
-            rest = {k: v for k, v in arguments.keywords.items() if k not in named}
-            variables[param.name] = MapValue(dict(rest))
+            named = {p.name for p in params} | {OPEN_KEYWORD}
+            rest: dict[Any, Value] = {k: v for k, v in arguments.keywords.items() if k not in named}
+            if OPEN_KEYWORD in arguments.keywords:
+                rest[OPEN] = arguments.keywords[OPEN_KEYWORD]
+            variables[param.name] = MapValue(rest)
         else:
             index = position if param.kind == "plain" else len(arguments.values)
             variables[param.name] = _parameter_value(param, index, arguments, default)
@@ -109,6 +115,8 @@ def _parameter_value(
     given = arguments.get(position, param.name)
     if given is not None:
         return given
+    if OPEN_KEYWORD in arguments.keywords:
+        return Unknown(param.name, type=param.type)
     if param.default is not None:
         return default(param.default)
     return Unknown(param.name, type=param.type)

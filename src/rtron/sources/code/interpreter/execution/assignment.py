@@ -1,17 +1,27 @@
 """Writes to variables, members and elements."""
 
 from dataclasses import replace
+from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import is_slice, slice_of
-from rtron.sources.code.interpreter.abstract_values.items import items_of, unpack, unpack_with_rest
+from rtron.sources.code.interpreter.abstract_values.items import (
+    items_of,
+    list_of,
+    unpack,
+    unpack_with_rest,
+)
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     ClassValue,
+    ExternalSymbol,
     FunctionValue,
     Instance,
+    LibraryClass,
+    LibraryFunction,
     ListValue,
     MapValue,
     ModuleValue,
+    PartialText,
     Scalar,
     Unknown,
     Value,
@@ -33,7 +43,9 @@ def assign(machine: AbstractMachine, target: Expr, value: Value, frame: StackFra
         if not write_through(machine, slot.holder.get(slot.key), value):
             machine.undo_log.set(*slot, value)
     elif isinstance(target, SequenceExpr):
-        for item, part in zip(target.items, _unpack_parts(target, value), strict=True):
+        items, certain = machine.runtime.iterate(value)
+        seen = list_of(items) if certain else value
+        for item, part in zip(target.items, _unpack_parts(target, seen), strict=True):
             assign(machine, item, part, frame)
     elif isinstance(target, Star):
         assign(machine, target.value, value, frame)
@@ -66,8 +78,8 @@ def slot_of(machine: AbstractMachine, node: Expr, frame: StackFrame) -> StorageS
 
 def _element_slot(machine: AbstractMachine, node: Index, frame: StackFrame) -> StorageSlot | None:
     owner, key = machine.evaluate(node.owner, frame), machine.evaluate(node.key, frame)
-    if isinstance(owner, MapValue) and isinstance(key, Scalar):
-        return StorageSlot(owner.fields, key.value)
+    if isinstance(owner, MapValue) and owner.key_of(key) is not OPEN:
+        return StorageSlot(owner.fields, owner.key_of(key))
     return None
 
 
@@ -80,24 +92,61 @@ def _unpack_parts(target: SequenceExpr, value: Value) -> tuple[Value, ...]:
 
 def _assign_member(machine: AbstractMachine, target: Attr, value: Value, frame: StackFrame) -> None:
     owners = options(machine.evaluate(target.owner, frame))
+    at = Arguments(line=machine.line, frame=frame)
     for owner in owners:
-        setter = _setter(machine, owner, target.name)
-        if setter is not None:
-            machine.call(setter, Arguments(values=(value,), frame=frame))
-        elif isinstance(owner, (Instance, ClassValue, ModuleValue)):
-            before = owner.fields.get(target.name)
-            new = value if len(owners) == 1 or before is None else join([before, value])
-            machine.undo_log.set(owner.fields, target.name, new)
+        before = owner.fields.get(target.name) if isinstance(owner, _OBJECTS) else None
+        new = value if len(owners) == 1 or before is None else join([before, value])
+        assign_member(machine, owner, target.name, new, at)
+
+
+def assign_member(
+    machine: AbstractMachine, owner: Value, name: str, value: Value, at: Arguments
+) -> None:
+    """Write a member of an object, a class or a module, as `setattr` does too."""
+    setter = _setter(machine, owner, name)
+    if setter is not None:
+        machine.call(setter, at.with_values(value))
+    elif isinstance(owner, (ExternalSymbol, LibraryClass, LibraryFunction)):
+        _note_replaced_member(machine, owner, name, at)
+    elif isinstance(owner, _OBJECTS):
+        machine.undo_log.set(owner.fields, name, value)
+
+
+def forget_texts(machine: AbstractMachine, fields: dict[Any, Value]) -> None:
+    """Forget the texts and numbers among members, any of which may have been replaced."""
+    for name, value in list(fields.items()):
+        if isinstance(value, (Scalar, PartialText)):
+            machine.undo_log.set(fields, name, Unknown(str(name)))
+
+
+def _note_replaced_member(
+    machine: AbstractMachine,
+    owner: ExternalSymbol | LibraryClass | LibraryFunction,
+    name: str,
+    at: Arguments,
+) -> None:
+    """Note that a program replaces what a ROS library has: the library's own is taken."""
+    if owner.name.partition(".")[0] in _ROS_LIBRARIES:
+        why = "is replaced by the program: what calls it is not followed there"
+        machine.recorder.add_unresolved(f"{owner.name}.{name}", why, at.evidence)
+
+
+_OBJECTS = (Instance, ClassValue, ModuleValue)
+_ROS_LIBRARIES = {"rospy", "rclpy", "actionlib", "message_filters", "roslaunch"}
 
 
 def _setter(machine: AbstractMachine, owner: Value, name: str) -> FunctionValue | None:
-    """Return the function of a Python property that an assignment calls."""
+    """Return the function of Python that an assignment calls: a property's, or `__setattr__`."""
     for cls in machine.runtime.lineage(owner.type) if isinstance(owner, Instance) else ():
         found = cls.fields.get(name) if isinstance(cls, ClassValue) else None
         setter = found.fields.get("setter") if isinstance(found, Instance) else None
         if isinstance(setter, FunctionValue):
             return replace(setter, owner=owner)
-    return None
+        described = machine.runtime.special_method(found, "__set__") if found else None
+        if isinstance(described, FunctionValue):
+            return replace(described, bound_arguments=(owner,))
+    own = machine.runtime.special_method(owner, "__setattr__")
+    return replace(own, bound_arguments=(Scalar(name),)) if isinstance(own, FunctionValue) else None
 
 
 def _assign_element(
@@ -105,9 +154,13 @@ def _assign_element(
 ) -> None:
     key = machine.evaluate(target.key, frame)
     for owner in options(machine.evaluate(target.owner, frame)):
-        if isinstance(owner, MapValue):
-            name = key.value if isinstance(key, Scalar) else OPEN
-            machine.undo_log.set(owner.fields, name, value)
+        method = machine.runtime.special_method(owner, "__setitem__")
+        if method is not None and isinstance(method, FunctionValue):
+            machine.call(method, Arguments(values=(key, value), frame=frame))
+        elif isinstance(owner, MapValue) and owner.is_namespace and owner.key_of(key) is OPEN:
+            forget_texts(machine, owner.fields)
+        elif isinstance(owner, MapValue):
+            machine.undo_log.set(owner.fields, owner.key_of(key), value)
         elif isinstance(owner, ListValue):
             (_assign_slice if is_slice(key) else _assign_item)(machine, owner, key, value)
         elif is_text(owner):
@@ -123,9 +176,9 @@ def _assign_character(machine: AbstractMachine, target: Index, frame: StackFrame
 
 def remove_element(machine: AbstractMachine, owner: Value, key: Value) -> None:
     """Take an element away; which one is not known where the key is not."""
-    if isinstance(owner, MapValue) and isinstance(key, Scalar):
-        remaining = {name: value for name, value in owner.fields.items() if name != key.value}
-        for name in set(owner.fields) - set(remaining):
+    if isinstance(owner, MapValue):
+        name = owner.key_of(key)
+        if name is not OPEN and name in owner.fields:
             machine.undo_log.remove(owner.fields, name)
     elif isinstance(owner, ListValue) and isinstance(key, Scalar) and isinstance(key.value, int):
         items = list(owner.items)

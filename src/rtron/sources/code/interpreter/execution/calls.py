@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
     ClassValue,
@@ -21,11 +20,12 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     is_text,
     join,
     text_with_holes,
+    truth,
 )
 from rtron.sources.code.interpreter.cpp.iterators import dereference
 from rtron.sources.code.interpreter.cpp.mutating_methods import mutate
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
-from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.arguments import OPEN_KEYWORD, Arguments
 from rtron.sources.code.interpreter.execution.assignment import slot_of
 from rtron.sources.code.interpreter.execution.exceptions import (
     call_may_throw,
@@ -153,6 +153,7 @@ def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments)
     machine.escape_arguments(arguments)
     name = callee_name(called)
     note_passed_handle(machine, name, arguments)
+    machine.runtime.note_unknown_call(called, arguments)
     if not (name.isupper() or name.removeprefix("std::") in READ_ONLY_FUNCTIONS):
         _forget_written_strings(machine, name.rpartition("::")[2], arguments)
     return Unknown(f"{name}()")
@@ -182,6 +183,15 @@ def _forget_written_strings(machine: AbstractMachine, name: str, arguments: Argu
             )
 
 
+def truth_of(machine: AbstractMachine, value: Value) -> bool | None:
+    """Return whether a value counts as true, as its scanned class says by a method."""
+    for name in ("__bool__", "__nonzero__", "__len__"):
+        method = machine.runtime.special_method(value, name)
+        if method is not None:
+            return truth(dispatch(machine, method, Arguments(frame=StackFrame(file=""))))
+    return truth(value)
+
+
 def callee_name(called: Value) -> str:
     """Return what something unknown is called in the source."""
     if isinstance(called, ExternalSymbol):
@@ -190,22 +200,36 @@ def callee_name(called: Value) -> str:
 
 
 def _evaluate_arguments(machine: AbstractMachine, node: Call, frame: StackFrame) -> Arguments:
-    values: list[Value] = []
-    for arg in node.args:
-        if isinstance(arg, Star):
-            values.extend(items_of(machine.evaluate(arg.value, frame))[0])
-        else:
-            value = machine.evaluate(arg, frame)
-            values.append(dereference(value) if isinstance(arg, Name) else value)
+    values, is_known = _evaluate_values(machine, node, frame)
+    keywords = _evaluate_keywords(machine, node, frame) if node.keywords else {}
     by_reference = machine.runtime.passes_by_reference
     return Arguments(
         values=tuple(values),
-        keywords=_evaluate_keywords(machine, node, frame) if node.keywords else {},
+        keywords=keywords if is_known else {**keywords, OPEN_KEYWORD: Unknown("*")},
         slots=tuple([_argument_slot(machine, a, frame) for a in node.args]) if by_reference else (),
         types=_template_arguments(node.function),
         line=node.line,
         frame=frame,
     )
+
+
+def _evaluate_values(
+    machine: AbstractMachine, node: Call, frame: StackFrame
+) -> tuple[list[Value], bool]:
+    """Return the positional arguments, and whether these are all."""
+    values: list[Value] = []
+    is_known = True
+    for arg in node.args:
+        value = machine.evaluate(arg.value if isinstance(arg, Star) else arg, frame)
+        if isinstance(arg, Star):
+            items, certain = machine.runtime.iterate(value)
+            values.extend(items if is_known else ())
+            is_known = is_known and certain
+        elif is_known:
+            values.append(dereference(value) if isinstance(arg, Name) else value)
+        else:
+            values.append(Unknown("*"))
+    return values, is_known
 
 
 def _argument_slot(machine: AbstractMachine, node: Expr, frame: StackFrame) -> StorageSlot | None:
@@ -230,6 +254,8 @@ def _evaluate_keywords(machine: AbstractMachine, node: Call, frame: StackFrame) 
             keywords[name] = value
         elif isinstance(value, MapValue):
             keywords.update({str(key): entry for key, entry in value.entries.items()})
+        if name == "**" and (not isinstance(value, MapValue) or value.open):
+            keywords[OPEN_KEYWORD] = Unknown("**")
     return keywords
 
 

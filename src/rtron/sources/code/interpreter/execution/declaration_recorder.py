@@ -166,10 +166,10 @@ class DeclarationRecorder:
         if not self.muted:
             self._starts[RuntimeStart(path=path, args=args, evidence=(evidence,))] = None
 
-    def add_unresolved(self, what: str, why: str, evidence: Evidence) -> None:
-        """Record what could not be found out."""
+    def add_unresolved(self, what: str, why: str, *evidence: Evidence) -> None:
+        """Record what could not be found out, and where."""
         if not self.muted and len(self._unresolved) < MAX_DECLARATIONS:
-            self._unresolved[UnresolvedItem(what=what, why=why, evidence=(evidence,))] = None
+            self._unresolved[UnresolvedItem(what=what, why=why, evidence=evidence)] = None
 
     def add_problem(self, path: Path, problem: SourceProblem) -> None:
         """Record a part of a file that could not be read."""
@@ -192,7 +192,11 @@ class DeclarationRecorder:
         )
 
     def _add_declaration(self, declared: Declaration) -> None:
-        if self.muted or len(self._declarations) >= MAX_DECLARATIONS:
+        if self.muted:
+            return
+        if len(self._declarations) >= MAX_DECLARATIONS:
+            why = f"more than {MAX_DECLARATIONS} endpoints: this and others are left out"
+            self.add_unresolved(self.site.name, why, *declared.evidence[:1])
             return
         key = (declared.kind, declared.name, declared.type, declared.node)
         if not self._handler_depth:

@@ -7,6 +7,7 @@ reference fails.
 """
 
 import re
+from typing import TYPE_CHECKING
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
@@ -40,6 +41,9 @@ from rtron.sources.code.ir import (
     Stmt,
     Unary,
 )
+
+if TYPE_CHECKING:
+    from rtron.sources.code.interpreter.execution.abstract_machine import ThrownError
 
 _EQUALITY = {"==", "!=", "is", "is not"}
 _LOGGING = {"debug", "info", "warn", "warning", "error", "fatal", "critical"}
@@ -130,3 +134,19 @@ def call_may_throw(called: Value, arguments: Arguments, returned: Value) -> bool
 
 def _is_scalar_of(value: Value, kind: type | None) -> bool:
     return isinstance(value, Scalar) and (kind is None or type(value.value) is kind)
+
+
+def catches(names: tuple[str, ...], thrown: "ThrownError") -> bool:
+    """Tell whether a handler takes an exception; `Exception` does not take SystemExit."""
+    wide = {"BaseException", "...", ""}
+    if thrown.name != "SystemExit":
+        wide |= (
+            {"Exception", "LookupError", "exception", "runtime_error"}
+            if thrown.has_unknown_bases
+            else {
+                "Exception",
+                "exception",
+            }
+        )
+    plain = {re.split(r"::|[.]", name)[-1] for name in names}
+    return not names or bool(plain & {*wide, *thrown.names})

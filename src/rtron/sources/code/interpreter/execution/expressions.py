@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from collections.abc import Mapping as MappingType
+from dataclasses import replace
+from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
@@ -12,24 +14,28 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Choice,
     FunctionValue,
     Instance,
+    LibraryClass,
+    ListValue,
     MapValue,
     Scalar,
     Unknown,
     Value,
     concat,
+    is_tainted,
     join,
+    map_key,
     options,
-    truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments, evaluate_defaults
 from rtron.sources.code.interpreter.execution.assignment import assign, slot_of
-from rtron.sources.code.interpreter.execution.calls import call, dispatch
+from rtron.sources.code.interpreter.execution.calls import call, dispatch, truth_of
 from rtron.sources.code.interpreter.execution.exceptions import operands_fit
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
 from rtron.sources.code.interpreter.execution.loops import target_name
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
+    AssignExpr,
     Attr,
     Binary,
     Call,
@@ -51,6 +57,30 @@ from rtron.sources.code.ir import (
 )
 
 MAX_ITEMS = 256
+IN_PLACE_OPERATORS = {"+=": "+", "|=": "|"}
+SPECIAL_METHODS = {
+    "+": "add",
+    "-": "sub",
+    "*": "mul",
+    "/": "truediv",
+    "//": "floordiv",
+    "%": "mod",
+    "@": "matmul",
+    "<<": "lshift",
+    ">>": "rshift",
+    "&": "and",
+    "|": "or",
+    "^": "xor",
+    "**": "pow",
+    "==": "eq",
+    "!=": "ne",
+    "<": "lt",
+    "<=": "le",
+    ">": "gt",
+    ">=": "ge",
+    "in": "contains",
+}
+"""What Python calls its operators (docs.python.org: reference/datamodel)."""
 
 
 def _name(machine: AbstractMachine, node: Name, frame: StackFrame) -> Value:
@@ -71,16 +101,21 @@ def _member(machine: AbstractMachine, owner: Value, node: Attr) -> Value:
 
 def _index(machine: AbstractMachine, node: Index, frame: StackFrame) -> Value:
     owner, key = machine.evaluate(node.owner, frame), machine.evaluate(node.key, frame)
-    if isinstance(owner, MapValue) and isinstance(key, Scalar):
+    method = machine.runtime.special_method(owner, "__getitem__")
+    if method is not None:
+        return dispatch(machine, method, Arguments(values=(key,), frame=frame))
+    if isinstance(owner, MapValue):
         _insert_default(machine, owner, key)
+    if isinstance(owner, MapValue) and isinstance(key, Scalar):
         _note_missing(machine, owner, key, frame)
     return join([element(one, other) for one in options(owner) for other in options(key)])
 
 
-def _insert_default(machine: AbstractMachine, owner: MapValue, key: Scalar) -> None:
-    """`m[key]` makes an entry where std::map has none."""
-    if owner.default_factory is not None and not owner.open and key.value not in owner.fields:
-        machine.undo_log.set(owner.fields, key.value, owner.default_factory())
+def _insert_default(machine: AbstractMachine, owner: MapValue, key: Value) -> None:
+    """`m[key]` makes an entry where std::map, or a defaultdict, has none."""
+    name = owner.key_of(key)
+    if owner.default_factory is not None and not owner.open and name not in owner.fields:
+        machine.undo_log.set(owner.fields, name, owner.default_factory())
 
 
 def _note_missing(
@@ -98,23 +133,64 @@ def _new(machine: AbstractMachine, node: New, frame: StackFrame) -> Value:
 
 def _binary(machine: AbstractMachine, node: Binary, frame: StackFrame) -> Value:
     left, right = machine.evaluate(node.left, frame), machine.evaluate(node.right, frame)
-    overloaded = _overloaded_operator(machine, node, left)
+    at = Arguments(values=(right,), line=node.line, frame=frame)
+    if not machine.runtime.passes_by_reference:
+        return _python_binary(machine, node.operator, left, at)
+    overloaded = _overloaded_operator(machine, node.operator, left)
     if overloaded is not None:
-        slots = (slot_of(machine, node.right, frame),)
-        arguments = Arguments(values=(right,), slots=slots, line=node.line, frame=frame)
-        return dispatch(machine, overloaded, arguments)
-    machine.possible_throws += not (
-        machine.runtime.passes_by_reference or operands_fit(node.operator, left, right)
-    )
-    if (
-        node.operator == ">>"
-        and machine.runtime.passes_by_reference
-        and not isinstance(left, Scalar)
-    ):
+        return dispatch(
+            machine, overloaded, replace(at, slots=(slot_of(machine, node.right, frame),))
+        )
+    if node.operator == ">>" and not isinstance(left, Scalar):
         _read_into(machine, node.right, frame)
-    if node.operator == "/" and machine.runtime.passes_by_reference and _are_integers(left, right):
+    if node.operator == "/" and _are_integers(left, right):
         return binary("//", left, right)
     return binary(node.operator, left, right)
+
+
+def _python_binary(machine: AbstractMachine, operator: str, left: Value, at: Arguments) -> Value:
+    """Return `left operator right`, by the methods of scanned classes where they have some."""
+    if operator in IN_PLACE_OPERATORS:
+        changed = _change_in_place(machine, operator, left, at)
+        if changed is not None:
+            return changed
+    plain, right = IN_PLACE_OPERATORS.get(operator, operator), at.values[0]
+    called, other = _special_operator(machine, plain, left, right)
+    if called is not None:
+        return dispatch(machine, called, replace(at, values=(other,)))
+    machine.possible_throws += not operands_fit(plain, left, right)
+    return binary(plain, left, right)
+
+
+def _special_operator(
+    machine: AbstractMachine, operator: str, left: Value, right: Value
+) -> tuple[Value | None, Value]:
+    """Return Python's method for an operator, bound to its object, and what it gets."""
+    name = SPECIAL_METHODS.get(operator)
+    own = _overloaded_operator(machine, operator, left)
+    if own is not None or name is None:
+        return own, right
+    if operator == "in":
+        return machine.runtime.special_method(right, f"__{name}__"), left
+    method = machine.runtime.special_method(left, f"__{name}__")
+    return (
+        (method, right) if method else (machine.runtime.special_method(right, f"__r{name}__"), left)
+    )
+
+
+def _change_in_place(
+    machine: AbstractMachine, operator: str, left: Value, at: Arguments
+) -> Value | None:
+    """Change a list, set or dict itself by `a += b`, `a |= b`; None for what that replaces."""
+    name = SPECIAL_METHODS[IN_PLACE_OPERATORS[operator]]
+    method = machine.runtime.special_method(left, f"__i{name}__")
+    if method is not None:
+        return dispatch(machine, method, at)
+    if isinstance(left, MapValue) or (isinstance(left, ListValue) and left.kind != "tuple"):
+        update = machine.runtime.attribute(left, "extend" if operator == "+=" else "update", ())
+        dispatch(machine, update or UNKNOWN, at)
+        return left
+    return None
 
 
 def _are_integers(left: Value, right: Value) -> bool:
@@ -129,17 +205,19 @@ def _read_into(machine: AbstractMachine, target: Expr, frame: StackFrame) -> Non
         machine.undo_log.set(*slot, Unknown(str(slot.key)))
 
 
-def _overloaded_operator(machine: AbstractMachine, node: Binary, left: Value) -> Value | None:
-    if not isinstance(left, Instance):
-        return None
-    return machine.runtime.attribute(left, f"operator{node.operator}", ())
+def _overloaded_operator(machine: AbstractMachine, operator: str, left: Value) -> Value | None:
+    """Return what a class of C++, or of a library, has for an operator."""
+    is_library = isinstance(left, Instance) and isinstance(left.type, LibraryClass)
+    if isinstance(left, Instance) and (machine.runtime.passes_by_reference or is_library):
+        return machine.runtime.attribute(left, f"operator{operator}", ())
+    return None
 
 
 def _unary(machine: AbstractMachine, node: Unary, frame: StackFrame) -> Value:
     operand = machine.evaluate(node.operand, frame)
     if node.operator != "not":
         return unary(node.operator, operand)
-    decided = truth(operand)
+    decided = truth_of(machine, operand)
     return Unknown("not") if decided is None else Scalar(not decided)
 
 
@@ -148,7 +226,7 @@ def _logic(machine: AbstractMachine, node: Logic, frame: StackFrame) -> Value:
     found: list[Value] = []
     for operand in node.operands:
         value = machine.evaluate(operand, frame)
-        decided = truth(value)
+        decided = truth_of(machine, value)
         if decided is not (not deciding):
             found.append(value)
         if decided is deciding:
@@ -158,14 +236,14 @@ def _logic(machine: AbstractMachine, node: Logic, frame: StackFrame) -> Value:
 
 
 def _conditional(machine: AbstractMachine, node: Conditional, frame: StackFrame) -> Value:
-    decided = truth(machine.evaluate(node.test, frame))
+    decided = truth_of(machine, machine.evaluate(node.test, frame))
     if decided is None:
         return join([machine.evaluate(node.body, frame), machine.evaluate(node.orelse, frame)])
     return machine.evaluate(node.body if decided else node.orelse, frame)
 
 
 def _concat(machine: AbstractMachine, node: Concat, frame: StackFrame) -> Value:
-    return concat([machine.evaluate(part, frame) for part in node.parts])
+    return concat([machine.runtime.shown(machine.evaluate(part, frame)) for part in node.parts])
 
 
 def _sequence(machine: AbstractMachine, node: SequenceExpr, frame: StackFrame) -> Value:
@@ -173,7 +251,7 @@ def _sequence(machine: AbstractMachine, node: SequenceExpr, frame: StackFrame) -
     certain = True
     for item in node.items:
         if isinstance(item, Star):
-            spread, all_known = items_of(machine.evaluate(item.value, frame))
+            spread, all_known = machine.runtime.iterate(machine.evaluate(item.value, frame))
             items.extend(spread)
             certain = certain and all_known
         else:
@@ -186,22 +264,29 @@ def _mapping(machine: AbstractMachine, node: MappingExpr, frame: StackFrame) -> 
     for key_node, value_node in node.items:
         value = machine.evaluate(value_node, frame)
         if key_node is None:
-            made.fields.update(value.fields if isinstance(value, MapValue) else {OPEN: value})
-            continue
-        key = machine.evaluate(key_node, frame)
-        made.fields[key.value if isinstance(key, Scalar) else OPEN] = value
+            spread(made.fields, value)
+        else:
+            made.fields[map_key(machine.evaluate(key_node, frame))] = value
     return made
+
+
+def spread(fields: dict[Any, Value], value: Value) -> None:
+    """Put the entries of a dict into others; what is not known of it may replace any of them."""
+    if not isinstance(value, MapValue) or value.open:
+        fields.update({name: Unknown(str(name), is_tainted(value)) for name in fields})
+    fields.update(value.fields if isinstance(value, MapValue) else {OPEN: value})
 
 
 def _comprehension(machine: AbstractMachine, node: Comprehension, frame: StackFrame) -> Value:
     found: list[Value] = []
-    certain = _run_loops(machine, node, 0, frame, found)
+    inner = StackFrame(file=frame.file, closure=frame, body="comprehension", cls=frame.cls)
+    certain = _run_loops(machine, node, 0, inner, found)
     if node.kind != "dict":
         return list_of(found, node.kind, certain=certain)
     made = MapValue({} if certain else {OPEN: UNKNOWN})
     for item in found:
         key, value = items_of(item)[0]
-        made.fields[key.value if isinstance(key, Scalar) else OPEN] = value
+        made.fields[map_key(key)] = value
     return made
 
 
@@ -213,12 +298,15 @@ def _run_loops(
         found.append(machine.evaluate(node.element, frame))
         return True
     target, iterable, tests = node.loops[depth]
-    items, certain = items_of(machine.evaluate(iterable, frame))
+    items, certain = machine.runtime.iterate(machine.evaluate(iterable, frame))
+    certain = certain and len(items) <= MAX_ITEMS
     for item in (*items[:MAX_ITEMS], *(() if certain else (Unknown(target_name(target)),))):
         assign(machine, target, item, frame)
-        answers = [truth(machine.evaluate(test, frame)) for test in tests]
-        if False in answers or len(found) > MAX_ITEMS:
+        answers = [truth_of(machine, machine.evaluate(test, frame)) for test in tests]
+        if False in answers:
             continue
+        if len(found) > MAX_ITEMS:
+            return False
         certain = (
             _run_loops(machine, node, depth + 1, frame, found) and certain and None not in answers
         )
@@ -231,7 +319,17 @@ def _lambda(machine: AbstractMachine, node: Lambda, frame: StackFrame) -> Value:
         closure = cpp_runtime(machine).closure_frame(node, frame)
         return FunctionValue(node.function, closure=closure)
     named = evaluate_defaults(node.function, lambda default: machine.evaluate(default, frame))
-    return FunctionValue(node.function, closure=frame, bound_keywords=named)
+    around = frame.closure if frame.body == "class" else frame
+    return FunctionValue(node.function, closure=around, bound_keywords=named)
+
+
+def _assign_expr(machine: AbstractMachine, node: AssignExpr, frame: StackFrame) -> Value:
+    """Assign in the frame around a comprehension (PEP 572)."""
+    value = machine.evaluate(node.value, frame)
+    while frame.body == "comprehension" and frame.closure is not None:
+        frame = frame.closure
+    assign(machine, node.target, value, frame)
+    return value
 
 
 def _star(machine: AbstractMachine, node: Star, frame: StackFrame) -> Value:
@@ -245,6 +343,7 @@ def _opaque(machine: AbstractMachine, node: Opaque, frame: StackFrame) -> Value:
 
 
 EVALUATORS: MappingType[type, Callable[..., Value]] = {
+    AssignExpr: _assign_expr,
     Attr: _attr,
     Binary: _binary,
     Call: call,

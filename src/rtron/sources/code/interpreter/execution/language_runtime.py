@@ -44,6 +44,15 @@ class LanguageRuntime(Protocol):
     def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
         """Return a member of a value, bound to it; None where it has none of that name."""
 
+    def special_method(self, owner: Value, name: str) -> Value | None:
+        """Return the method that a scanned class of Python has for an operation: `__getitem__`."""
+
+    def shown(self, value: Value) -> Value:
+        """Return a value as a text shows it: an object of a scanned class by its `__str__`."""
+
+    def iterate(self, value: Value) -> tuple[tuple[Value, ...], bool]:
+        """Return what a loop over a value sees, and whether that is all."""
+
     def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame that a call of a scanned function runs in, its parameters bound."""
 
@@ -58,6 +67,15 @@ class LanguageRuntime(Protocol):
 
     def functions_named(self, name: str) -> tuple[Function, ...]:
         """Return the scanned functions with a plain name, in whatever class."""
+
+    def related_names(self, function: Function) -> frozenset[str]:
+        """Return the plain names of what a function may call."""
+
+    def calls_unknown(self, function: Function) -> bool:
+        """Tell whether a function calls what its source does not name."""
+
+    def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
+        """Note a call of what is not in the source, if it may join nodes."""
 
     def version(self) -> int:
         """Return a number that changes when the program's functions do."""

@@ -2,17 +2,16 @@
 
 from collections.abc import Callable, Iterator
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     Instance,
     PartialText,
     Scalar,
     Unknown,
     Value,
-    truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, Outcome
 from rtron.sources.code.interpreter.execution.assignment import assign, slot_of
+from rtron.sources.code.interpreter.execution.calls import truth_of
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Expr, ForEach, Name, While
 from rtron.sources.code.ir.references import assigned_names
@@ -26,7 +25,7 @@ _EXITS = {"return", "raise"}
 
 def for_each(machine: AbstractMachine, node: ForEach, frame: StackFrame) -> Outcome:
     """Run `for target in iterable`."""
-    items, certain = items_of(machine.evaluate(node.iterable, frame))
+    items, certain = machine.runtime.iterate(machine.evaluate(node.iterable, frame))
     if machine.runtime.passes_by_reference and _changes_items(node):
         slot = slot_of(machine, node.iterable, frame)
         if slot is not None:
@@ -40,11 +39,24 @@ def for_each(machine: AbstractMachine, node: ForEach, frame: StackFrame) -> Outc
                 return None
             if outcome in _EXITS:
                 return outcome
-        if not certain or len(items) > most:
+        is_whole = certain and len(items) <= most
+        if not is_whole:
             written = assigned_names(node.body)
             run_once_with_unknowns(
                 machine, frame, lambda: _run_unknown_round(machine, node, frame), written
             )
+    return _run_else(machine, node, frame, is_reached=is_whole)
+
+
+def _run_else(
+    machine: AbstractMachine, node: ForEach | While, frame: StackFrame, *, is_reached: bool
+) -> Outcome:
+    """Run the `else` of a loop that no `break` has left, as far as that is known."""
+    if is_reached or not node.orelse:
+        return machine.execute(node.orelse, frame)
+    machine.undo_log.run_branches(
+        [lambda: machine.execute(node.orelse, frame) is None, lambda: True], frame.variables
+    )
     return None
 
 
@@ -80,10 +92,12 @@ def while_(machine: AbstractMachine, node: While, frame: StackFrame) -> Outcome:
 
 def _run_rounds(machine: AbstractMachine, node: While, frame: StackFrame, most: int) -> Outcome:
     for _ in range(most):
-        decided = truth(machine.evaluate(node.test, frame))
+        decided = truth_of(machine, machine.evaluate(node.test, frame))
         if decided is None:
             break
-        outcome = machine.execute(node.body, frame) if decided else "break"
+        if not decided:
+            return _run_else(machine, node, frame, is_reached=True)
+        outcome = machine.execute(node.body, frame)
         if outcome == "break":
             return None
         if outcome in _EXITS:
@@ -93,7 +107,7 @@ def _run_rounds(machine: AbstractMachine, node: While, frame: StackFrame, most: 
     run_once_with_unknowns(
         machine, frame, lambda: machine.execute(node.body + node.step, frame), written
     )
-    return None
+    return _run_else(machine, node, frame, is_reached=False)
 
 
 def run_once_with_unknowns(

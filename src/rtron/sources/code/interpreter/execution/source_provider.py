@@ -31,6 +31,9 @@ class SourceProvider(Protocol):
     def package_path(self, package: str) -> Path | None:
         """Return where a package lies."""
 
+    def is_dependency(self, package: str, path: Path) -> bool:
+        """Tell whether the package of a file says that it depends on another."""
+
     def read_text(self, path: Path) -> str | None:
         """Return a data file of the workspace; None for one that is not there or too large."""
 

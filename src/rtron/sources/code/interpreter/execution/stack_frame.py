@@ -19,7 +19,9 @@ class StorageSlot(NamedTuple):
 class StackFrame:
     """One call of a function, or the top of a file.
 
-    `closure` is the frame around a Python function. `aliases` are C++ references: names that
+    `closure` is the frame around a Python function. `body` says that the frame is the body of a
+    "class", whose names functions within do not see, or of a "comprehension". `globals` and
+    `nonlocals` are the names that are declared so. `aliases` are C++ references: names that
     stand for a slot of the caller; `constants` tells of C++ names whether all of the variables
     that have it in this function are constant. `types` binds template parameters. `scope`
     is the C++ namespace or class that the code is written in. `caller` is the call that led here.
@@ -30,6 +32,8 @@ class StackFrame:
     variables: dict[Any, Any] = field(default_factory=dict)
     closure: "StackFrame | None" = None
     globals: set[str] = field(default_factory=set)
+    nonlocals: set[str] = field(default_factory=set)
+    body: str = ""
     this: Value | None = None
     cls: ClassValue | None = None
     scope: str = ""

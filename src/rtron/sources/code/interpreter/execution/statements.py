@@ -1,6 +1,5 @@
 """What each kind of statement does."""
 
-import re
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from functools import partial
@@ -9,9 +8,9 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     ClassValue,
     Instance,
+    Unknown,
     Value,
     is_tainted,
-    truth,
 )
 from rtron.sources.code.interpreter.execution import loops
 from rtron.sources.code.interpreter.execution.abstract_machine import (
@@ -19,7 +18,10 @@ from rtron.sources.code.interpreter.execution.abstract_machine import (
     Outcome,
     ThrownError,
 )
-from rtron.sources.code.interpreter.execution.assignment import assign, remove_element
+from rtron.sources.code.interpreter.execution.assignment import assign, remove_element, slot_of
+from rtron.sources.code.interpreter.execution.calls import truth_of
+from rtron.sources.code.interpreter.execution.context_managers import run_with
+from rtron.sources.code.interpreter.execution.exceptions import catches
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime, python_runtime
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
@@ -40,9 +42,11 @@ from rtron.sources.code.ir import (
     New,
     Raise,
     Return,
+    Star,
     Stmt,
     Try,
     While,
+    With,
     Yield,
 )
 from rtron.sources.code.ir.references import side_effects
@@ -73,6 +77,7 @@ def _evaluate(machine: AbstractMachine, node: Evaluate, frame: StackFrame) -> Ou
 
 def _assign(machine: AbstractMachine, node: Assign, frame: StackFrame) -> Outcome:
     value = machine.evaluate(node.value, frame)
+    machine.line = node.line
     for target in node.targets:
         assign(machine, target, value, frame)
     return None
@@ -85,7 +90,7 @@ def _declare(machine: AbstractMachine, node: Declare, frame: StackFrame) -> Outc
 
 def _if(machine: AbstractMachine, node: If, frame: StackFrame) -> Outcome:
     test = machine.evaluate(node.test, frame)
-    decided = truth(test)
+    decided = truth_of(machine, test)
     if decided is None:
         return _undecided_if(machine, node, test, frame)
     return machine.execute(node.body if decided else node.orelse, frame)
@@ -107,7 +112,10 @@ def _return(machine: AbstractMachine, node: Return, frame: StackFrame) -> Outcom
 
 
 def _yield(machine: AbstractMachine, node: Yield, frame: StackFrame) -> Outcome:
-    if node.value is not None:
+    """Keep what a generator gives; `yield from` gives all of another."""
+    if isinstance(node.value, Star):
+        frame.yields.extend(machine.runtime.iterate(machine.evaluate(node.value.value, frame))[0])
+    elif node.value is not None:
         frame.yields.append(machine.evaluate(node.value, frame))
     return None
 
@@ -116,7 +124,7 @@ def _raise(machine: AbstractMachine, node: Raise, frame: StackFrame) -> Outcome:
     """Leave for the handler that catches it; without one, only this function ends."""
     value = machine.evaluate(node.value, frame) if node.value is not None else None
     thrown = _thrown_error(machine, node.value, value)
-    if not any(_catches(names, thrown) for names in machine.active_handlers):
+    if not any(catches(names, thrown) for names in machine.active_handlers):
         machine.possible_throws += 1
         return "raise"
     raise thrown
@@ -147,18 +155,40 @@ def _try(machine: AbstractMachine, node: Try, frame: StackFrame) -> Outcome:
     may_have_thrown = machine.possible_throws > before
     if any(_catches_all(names) for names, _, _ in node.handlers):
         machine.possible_throws = before
-    if thrown is None and outcome is None:
-        outcome = machine.execute(node.orelse, frame)
-    handlers = [b for names, _, b in node.handlers if thrown is None or _catches(names, thrown)]
-    if handlers and (thrown is not None or outcome == "raise"):
-        outcome = machine.execute(handlers[0], frame)
-    elif handlers and thrown is None and may_have_thrown:
-        with machine.recorder.exception_handler():
-            run_branches(machine, frame, ((), *handlers))
+    try:
+        if thrown is None and outcome is None:
+            outcome = machine.execute(node.orelse, frame)
+        thrown, outcome = _run_handlers(
+            machine, node, frame, thrown, outcome, may_have_thrown=may_have_thrown
+        )
+    except ThrownError as error:
+        thrown = error
     ended = machine.execute(node.final, frame)
-    if thrown is not None and not handlers:
+    if thrown is not None and ended is None:
         raise thrown
     return ended or outcome
+
+
+def _run_handlers(
+    machine: AbstractMachine,
+    node: Try,
+    frame: StackFrame,
+    thrown: ThrownError | None,
+    outcome: Outcome,
+    *,
+    may_have_thrown: bool,
+) -> tuple[ThrownError | None, Outcome]:
+    """Run the handler that is reached, or in doubt each; return what leaves the `try` then."""
+    handlers = [(v, b) for names, v, b in node.handlers if thrown is None or catches(names, thrown)]
+    if handlers and (thrown is not None or outcome == "raise"):
+        variable, body = handlers[0]
+        if variable and not machine.runtime.passes_by_reference:
+            machine.undo_log.set(frame.variables, variable, Unknown(variable))
+        return None, machine.execute(body, frame)
+    if handlers and may_have_thrown:
+        with machine.recorder.exception_handler():
+            run_branches(machine, frame, ((), *(body for _, body in handlers)))
+    return thrown, outcome
 
 
 def _catches_all(names: tuple[str, ...]) -> bool:
@@ -179,22 +209,6 @@ def _run_body(
         del machine.active_handlers[depth:]
 
 
-def _catches(names: tuple[str, ...], thrown: ThrownError) -> bool:
-    """Tell whether a handler takes an exception; `Exception` does not take SystemExit."""
-    wide = {"BaseException", "...", ""}
-    if thrown.name != "SystemExit":
-        wide |= (
-            {"Exception", "LookupError", "exception", "runtime_error"}
-            if thrown.has_unknown_bases
-            else {
-                "Exception",
-                "exception",
-            }
-        )
-    plain = {re.split(r"::|[.]", name)[-1] for name in names}
-    return not names or bool(plain & {*wide, *thrown.names})
-
-
 def _define(machine: AbstractMachine, node: Define, frame: StackFrame) -> Outcome:
     python_runtime(machine).define(node, frame)
     return None
@@ -206,7 +220,7 @@ def _import(machine: AbstractMachine, node: Import, frame: StackFrame) -> Outcom
 
 
 def _global(_: AbstractMachine, node: Global, frame: StackFrame) -> Outcome:
-    frame.globals.update(node.names)
+    (frame.globals if node.module else frame.nonlocals).update(node.names)
     return None
 
 
@@ -215,6 +229,10 @@ def _delete(machine: AbstractMachine, node: Delete, frame: StackFrame) -> Outcom
         if isinstance(target, Index):
             owner, key = machine.evaluate(target.owner, frame), machine.evaluate(target.key, frame)
             remove_element(machine, owner, key)
+        elif not machine.runtime.passes_by_reference:
+            slot = slot_of(machine, target, frame)
+            if slot is not None and slot.key in slot.holder:
+                machine.undo_log.remove(slot.holder, slot.key)
     return None
 
 
@@ -234,5 +252,6 @@ EXECUTORS: Mapping[type, Callable[..., Outcome]] = {
     Return: _return,
     Try: _try,
     While: loops.while_,
+    With: run_with,
     Yield: _yield,
 }

@@ -1,18 +1,24 @@
 """Python's modules: running them, and what an import brings."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    NONE,
     ExternalSymbol,
+    Instance,
     LibraryFunction,
+    ListValue,
     MapValue,
     ModuleValue,
     Scalar,
     Value,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
@@ -23,7 +29,14 @@ from rtron.sources.code.ir import (
     Import,
     Lambda,
     SourceLanguage,
+    Try,
     Unit,
+)
+from rtron.sources.code.ir.python_references import (
+    aliases,
+    callees,
+    dynamic_calls,
+    mentioned_names,
 )
 from rtron.sources.code.library_models.common.message_types import (
     is_message_package,
@@ -34,6 +47,9 @@ from rtron.sources.code.library_models.common.other_ros import (
     other_ros_reason,
 )
 from rtron.vocabulary import Evidence
+
+_GENERATED = {"msg", "srv", "action", "cfg"}
+_OPERATION = re.compile(r"__(?!init__|new__|main__|post_init__|call__)\w+__")
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
@@ -46,6 +62,10 @@ class PythonModules:
     _modules: dict[Path, ModuleValue] = field(default_factory=dict)
     _star_imports: dict[int, list[str]] = field(default_factory=dict)
     _functions_by_name: dict[str, list[Function]] = field(default_factory=dict)
+    _aliases: dict[str, set[str]] = field(default_factory=dict)
+    _operations: list[Function] = field(default_factory=list)
+    _related_names: dict[tuple[str, int, str, int], frozenset[str]] = field(default_factory=dict)
+    _unknown_calls: dict[tuple[str, int, str, int], bool] = field(default_factory=dict)
 
     def run_module(self, path: Path, name: str) -> ModuleValue:
         """Run a file's top level as the module `name`."""
@@ -71,6 +91,48 @@ class PythonModules:
         """Return the functions with a name, in the modules that were loaded."""
         return tuple(self._functions_by_name.get(name, ()))
 
+    def related_names(self, function: Function) -> frozenset[str]:
+        """Return the names of what a function may call, by whatever name it calls it."""
+        key = (*function.key, self.version())
+        if key not in self._related_names:
+            self._related_names[key] = self._find_related(function)
+        return self._related_names[key]
+
+    def _find_related(self, function: Function) -> frozenset[str]:
+        found, queue = set(mentioned_names(function)), list(callees(function))
+        found.update(queue)
+        while queue:
+            behind = self._aliases.get(queue.pop(), set()) - found
+            found |= behind
+            queue.extend(behind)
+        return frozenset(found)
+
+    def calls_unknown(self, function: Function) -> bool:
+        """Tell whether a function, or what it calls, calls what its source does not name.
+
+        Any may, where one of Python's operations, `__getitem__`, joins nodes.
+        """
+        key = (*function.key, self.version())
+        if key not in self._unknown_calls:
+            found = self._has_joining_operation() or self._reaches_unknown(function)
+            self._unknown_calls[key] = found
+        return self._unknown_calls[key]
+
+    def _reaches_unknown(self, function: Function) -> bool:
+        seen, queue = set[tuple[str, int, str]](), [function]
+        while queue:
+            current = queue.pop()
+            if any(name not in self._functions_by_name for name in dynamic_calls(current)):
+                return True
+            if current.key not in seen:
+                seen.add(current.key)
+                words = self.related_names(current)
+                queue.extend(one for word in words for one in self.functions_named(word))
+        return False
+
+    def _has_joining_operation(self) -> bool:
+        return any(self.machine.is_relevant(self.machine, each) for each in self._operations)
+
     def import_(self, node: Import, frame: StackFrame) -> None:
         """Bind what an import brings: a scanned module, or a library by its name."""
         importer = Path(frame.file)
@@ -84,6 +146,8 @@ class PythonModules:
             value = module if node.alias else self._module(alias, importer)
         else:
             value = self._from_module(_module_name(node), node.name, importer)
+        if isinstance(value, ExternalSymbol):
+            self._note_missing(node, importer)
         self.machine.undo_log.set(frame.variables, alias, value)
 
     def _note_other_ros(self, node: Import, frame: StackFrame) -> None:
@@ -109,9 +173,17 @@ class PythonModules:
             return MapValue(self._library_members(f"{owner.name}."))
         if isinstance(owner, ExternalSymbol):
             return self._library_member(f"{owner.name}.{name}")
-        return (
-            self.library.get(f"{owner.name}.{name}") if isinstance(owner, LibraryFunction) else None
-        )
+        return self._function_member(owner, name) if isinstance(owner, LibraryFunction) else None
+
+    def _function_member(self, owner: LibraryFunction, name: str) -> Value | None:
+        """Return a member of what a library's function stands for: `Base.__init__` of its class."""
+        if name == "__call__":
+            return owner
+        if name == "__name__":
+            return Scalar(owner.name.rpartition(".")[2])
+        if name == "__init__":
+            return LibraryFunction(name, partial(initialise_base, owner))
+        return self.library.get(f"{owner.name}.{name}")
 
     def _module(self, dotted: str, importer: Path) -> Value:
         path = self.files.python_module(dotted, importer)
@@ -120,6 +192,18 @@ class PythonModules:
         ):
             return ExternalSymbol(dotted)
         return self._modules.get(path) or self.run_module(path, dotted)
+
+    def _note_missing(self, node: Import, importer: Path) -> None:
+        """Note a module of the workspace that is not there; what a build makes is none."""
+        package, _, rest = _module_name(node).partition(".")
+        inner = rest.strip(".") or node.name or ""
+        missing = _module_name(node) if rest.strip(".") else f"{package}.{rest}{inner}"
+        is_ours = not package or self.files.package_path(package) is not None
+        is_made = self.is_library(missing) or not _GENERATED.isdisjoint(missing.split("."))
+        if is_ours and inner and not is_made:
+            place = Evidence(file=str(importer), line=node.line)
+            why = "the workspace has no such module: what it joins is not known"
+            self.machine.recorder.add_unresolved(f"import of {missing}", why, place)
 
     def is_library(self, dotted: str) -> bool:
         """Tell whether a module is one of a library that RTron knows, or has messages."""
@@ -156,9 +240,8 @@ class PythonModules:
 
     def _import_all(self, module: Value, frame: StackFrame) -> None:
         if isinstance(module, ModuleValue):
-            for name, value in list(module.fields.items()):
-                if not name.startswith("__"):
-                    self.machine.undo_log.set(frame.variables, name, value)
+            for name, value in _exported(module):
+                self.machine.undo_log.set(frame.variables, name, value)
         elif isinstance(module, ExternalSymbol):
             self._star_imports.setdefault(id(frame.variables), []).append(module.name)
 
@@ -185,14 +268,35 @@ class PythonModules:
             self.machine.recorder.add_problem(path, problem)
         for name, function in named_functions(unit.body):
             self._functions_by_name.setdefault(name, []).append(function)
+            if _OPERATION.fullmatch(function.name):
+                self._operations.append(function)
+        for name, behind in aliases(unit.body):
+            self._aliases.setdefault(name, set()).update(behind)
+
+
+def initialise_base(
+    base: LibraryFunction, machine: AbstractMachine, _: object, arguments: Arguments
+) -> Value:
+    """`Base.__init__(self, …)` of a class of a library."""
+    made, owner = base.call(machine, base.owner, arguments.without_first(1)), arguments.get(0)
+    if isinstance(made, Instance) and isinstance(owner, Instance):
+        for name, value in made.fields.items():
+            machine.undo_log.set(owner.fields, name, value)
+    return NONE
+
+
+_MAKERS = {"__init__", "__new__", "__post_init__"}
 
 
 def named_functions(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[str, Function]]:
-    """Yield every function with the plain name it is called by: `__init__` by its class's."""
+    """Yield every function with the plain name it is called by: `__init__` by its class's.
+
+    What a class's objects are called by is their class's name, too.
+    """
     for statement in body:
         definition = statement.definition if isinstance(statement, Define) else None
         if isinstance(definition, Function):
-            yield (cls if definition.name == "__init__" else definition.name), definition
+            yield (cls if definition.name in _MAKERS else definition.name), definition
             yield from named_functions(definition.body or ())
         elif isinstance(definition, Class):
             yield from named_functions(definition.body, definition.name)
@@ -202,6 +306,17 @@ def named_functions(body: tuple[object, ...], cls: str = "") -> Iterator[tuple[s
         else:
             for name in ("body", "orelse", "final"):
                 yield from named_functions(getattr(statement, name, ()) or ())
+            for _, _, handler in statement.handlers if isinstance(statement, Try) else ():
+                yield from named_functions(handler)
+
+
+def _exported(module: ModuleValue) -> list[tuple[str, Value]]:
+    """Return what `from module import *` brings: what `__all__` lists, else what is not private."""
+    listed = module.fields.get("__all__")
+    if isinstance(listed, ListValue) and not listed.open:
+        names = [item.value for item in listed.items if isinstance(item, Scalar)]
+        return [(name, module.fields[name]) for name in names if name in module.fields]
+    return [(name, value) for name, value in module.fields.items() if not name.startswith("_")]
 
 
 def _reexported_name(dotted: str) -> str:

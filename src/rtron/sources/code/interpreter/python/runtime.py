@@ -1,7 +1,7 @@
 """Python's names and calls."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
@@ -25,10 +25,13 @@ from rtron.sources.code.interpreter.execution.arguments import (
 )
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.interpreter.python.objects import PythonObjects
+from rtron.sources.code.interpreter.python.unknown_calls import (
+    is_computing_package,
+    note_unknown_call,
+)
 from rtron.sources.code.ir import Class, Define, Name, TypeRef
 from rtron.sources.code.library_models.common.containers import (
     DICT_METHODS,
-    LIST_METHODS,
     bound_method,
 )
 from rtron.sources.code.library_models.common.strings import (
@@ -39,6 +42,7 @@ from rtron.sources.code.library_models.python_std.environment import (
     ENVIRONMENT_METHODS,
     EnvironmentValue,
 )
+from rtron.sources.code.library_models.python_std.list_methods import PYTHON_LIST_METHODS
 from rtron.sources.code.library_models.python_std.paths import PathString, path_member
 
 
@@ -47,6 +51,7 @@ class PythonRuntime(PythonObjects):
     """One program, as the machine runs it."""
 
     builtins: Mapping[str, Value]
+    _seen_packages: set[str] = field(default_factory=set)
 
     passes_by_reference = False
 
@@ -54,6 +59,8 @@ class PythonRuntime(PythonObjects):
         """Return what a name means: local, enclosing, of the module, built in."""
         around: StackFrame | None = frame
         while around is not None:
+            if name.id in around.globals:
+                around = _module_frame(around)
             if name.id in around.variables:
                 found: Value = around.variables[name.id]
                 return (
@@ -67,12 +74,12 @@ class PythonRuntime(PythonObjects):
     def slot(self, name: str, frame: StackFrame) -> StorageSlot:
         """Return where an assignment to a name goes."""
         if name in frame.globals:
-            around = frame
-            while around.closure is not None:
-                around = around.closure
-                if name in around.variables:
-                    break
-            return StorageSlot(around.variables, name)
+            return StorageSlot(_module_frame(frame).variables, name)
+        around = frame
+        while name in frame.nonlocals and around.closure is not None:
+            around = around.closure
+            if name in around.variables:
+                return StorageSlot(around.variables, name)
         return StorageSlot(frame.variables, name)
 
     def is_constant(self, name: str, frame: StackFrame) -> bool:
@@ -89,7 +96,22 @@ class PythonRuntime(PythonObjects):
             return self._class_attribute(owner, name)
         if isinstance(owner, (ModuleValue, ExternalSymbol, LibraryFunction)):
             return self._module_member(owner, name)
+        if isinstance(owner, FunctionValue):
+            return _function_member(owner, name)
         return _value_member(owner, name)
+
+    def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
+        """Note a call of what is not in the source, if it may join nodes; a package once."""
+        note_unknown_call(self.machine, called, arguments, self._is_known, self._is_foreign_package)
+
+    def _is_foreign_package(self, name: str) -> bool:
+        """Tell whether a module is a package of ROS that is not here; once for each."""
+        if name in self._seen_packages or self._is_known(name):
+            return False
+        self._seen_packages.add(name)
+        script = next(iter(self._modules), None)
+        is_package = script is not None and self.files.is_dependency(name, script)
+        return is_package and not is_computing_package(name)
 
     def define(self, node: Define, frame: StackFrame) -> None:
         """Bind a function or class by its name, under its decorators."""
@@ -99,7 +121,8 @@ class PythonRuntime(PythonObjects):
             named = evaluate_defaults(
                 node.definition, lambda default: self.machine.evaluate(default, frame)
             )
-            value = FunctionValue(node.definition, closure=frame, bound_keywords=named)
+            around = frame.closure if frame.body == "class" else frame
+            value = FunctionValue(node.definition, closure=around, bound_keywords=named)
         for decorator in reversed(node.decorators):
             value = self._apply_decorator(self.machine.evaluate(decorator, frame), value, frame)
         self.machine.undo_log.set(*self.slot(node.definition.name, frame), value)
@@ -127,10 +150,23 @@ class PythonRuntime(PythonObjects):
         )
 
 
+def _module_frame(frame: StackFrame) -> StackFrame:
+    while frame.closure is not None:
+        frame = frame.closure
+    return frame
+
+
+def _function_member(owner: FunctionValue, name: str) -> Value | None:
+    """Return a member of a function: what `@singledispatch` and the like add is none of ours."""
+    if name in {"__name__", "__qualname__"}:
+        return Scalar(owner.function.name)
+    return owner if name in {"__call__", "__func__", "__wrapped__"} else None
+
+
 def _value_member(owner: Value, name: str) -> Value | None:
     """Return a method of a list, a dictionary or a text."""
     if isinstance(owner, ListValue):
-        return bound_method(LIST_METHODS, owner, name)
+        return bound_method(PYTHON_LIST_METHODS, owner, name)
     if isinstance(owner, EnvironmentValue):
         return bound_method(ENVIRONMENT_METHODS, owner, name)
     if isinstance(owner, MapValue):

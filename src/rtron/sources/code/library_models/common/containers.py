@@ -1,9 +1,15 @@
 """Methods of lists, dicts and the containers of C++."""
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of, pair_of
+from rtron.sources.code.interpreter.abstract_values.items import (
+    items_of,
+    key_value,
+    list_of,
+    pair_of,
+)
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     OPEN,
@@ -13,14 +19,18 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     LibraryFunction,
     ListValue,
     MapValue,
+    PartialText,
     Scalar,
     Unknown,
     Value,
+    is_tainted,
     join,
+    map_key,
+    text_with_holes,
     truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.arguments import OPEN_KEYWORD, Arguments
 from rtron.sources.code.interpreter.execution.assignment import remove_element
 from rtron.sources.code.library_models.common.sorting import sort_items
 from rtron.sources.code.library_models.common.trivial_functions import return_none
@@ -147,8 +157,9 @@ def _reverse(machine: AbstractMachine, owner: ListValue, _: Arguments) -> Value:
 
 
 def _get(_: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
-    key, default = arguments.value(0), arguments.get(1) or NONE
-    if isinstance(key, Scalar) and key.value not in owner.entries:
+    key, default = arguments.value(0), arguments.get(1, "default") or NONE
+    name = owner.key_of(key)
+    if name is not OPEN and name not in owner.entries:
         return join([default, owner.fields[OPEN]]) if owner.open else default
     return element(owner, key)
 
@@ -169,26 +180,67 @@ def _items(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
 
 
 def _update(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+    """`update(other, **more)`: what is not known of another may replace any text or number."""
     given = arguments.get(0)
-    fields = dict(given.fields) if isinstance(given, MapValue) else {}
-    for key, value in {**fields, **arguments.keywords}.items():
-        machine.undo_log.set(owner.fields, key, value)
+    made = dict_of(given) if given is not None else MapValue()
+    if made.open or OPEN_KEYWORD in arguments.keywords:
+        for name, value in owner.entries.items():
+            if isinstance(value, (Scalar, PartialText)):
+                machine.undo_log.set(owner.fields, name, Unknown(str(name), is_tainted(value)))
+    for key, value in {**made.fields, **keyword_fields(arguments)}.items():
+        if not (owner.is_namespace and key is OPEN):
+            machine.undo_log.set(owner.fields, key, value)
     return NONE
 
 
+def dict_of(given: Value) -> MapValue:
+    """Return the dict that a mapping or the pairs of a sequence make."""
+    if isinstance(given, MapValue):
+        return MapValue(dict(given.fields))
+    items, certain = items_of(given)
+    made = MapValue({} if certain else {OPEN: UNKNOWN})
+    for item in items:
+        key, value = (*items_of(item)[0], UNKNOWN, UNKNOWN)[:2]
+        made.fields[map_key(key)] = value
+    return made
+
+
+def keyword_fields(arguments: Arguments) -> dict[Any, Value]:
+    """Return the arguments by name as the entries of a dict."""
+    words = dict(arguments.keywords)
+    rest = words.pop(OPEN_KEYWORD, None)
+    return words if rest is None else {**words, OPEN: rest}
+
+
+def _copy_map(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
+    return MapValue(dict(owner.fields), owner.iterates_pairs, owner.default_factory)
+
+
+def _pop_last_entry(machine: AbstractMachine, owner: MapValue, _: Arguments) -> Value:
+    """`popitem()`."""
+    if not owner.entries:
+        return Unknown("popitem")
+    key, value = list(owner.entries.items())[-1]
+    machine.undo_log.remove(owner.fields, key)
+    return list_of((key_value(key), value), "tuple")
+
+
 def _set_default(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
-    key = arguments.get(0)
-    if isinstance(key, Scalar) and key.value not in owner.fields:
-        machine.undo_log.set(owner.fields, key.value, arguments.get(1) or NONE)
-    return element(owner, key or UNKNOWN)
+    key = arguments.value(0)
+    name = owner.key_of(key)
+    if name is OPEN:
+        machine.undo_log.set(owner.fields, OPEN, Unknown(text_with_holes(key).strip("{}")))
+    elif name not in owner.fields:
+        machine.undo_log.set(owner.fields, name, arguments.get(1) or NONE)
+    return element(owner, key)
 
 
 def _has_key(_: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
-    key = arguments.get(0)
-    if isinstance(key, Scalar):
-        found = key.value in owner.entries
-        return Scalar(found) if found or not owner.open else Unknown("has_key")
-    return Unknown("has_key")
+    name = owner.key_of(arguments.value(0))
+    if name is OPEN:
+        return Unknown("has_key")
+    found = name in owner.entries
+    return Scalar(found) if found or not owner.open else Unknown("has_key")
 
 
 def _count(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
@@ -262,6 +314,9 @@ DICT_METHODS: LibraryMethods = {
     "has_key": _has_key,
     "pop": _pop_entry,
     "clear": _clear_map,
+    "copy": _copy_map,
+    "popitem": _pop_last_entry,
+    "__contains__": _has_key,
 }
 CPP_MAP_METHODS: LibraryMethods = {
     "at": _get,

@@ -2,15 +2,17 @@
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from string import Formatter
 from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     MAX_LENGTH,
     LibraryFunction,
+    MapValue,
     PartialText,
     Scalar,
     Unknown,
@@ -18,6 +20,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     concat,
     is_tainted,
     parts_of,
+    text_with_holes,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -30,10 +33,12 @@ _CHARACTERS_PER_STEP = 64
 _STR_METHODS = [
     *("strip", "lstrip", "rstrip", "lower", "upper", "title", "capitalize", "swapcase"),
     *("replace", "startswith", "endswith", "find", "rfind", "index", "count", "isdigit"),
-    *("isalpha", "isalnum", "isupper", "islower", "zfill"),
+    *("isalpha", "isalnum", "isupper", "islower", "zfill", "removeprefix", "removesuffix"),
+    *("ljust", "rjust", "center", "casefold", "isnumeric", "isidentifier", "isspace"),
 ]
 
 _PARTWISE_METHODS = frozenset({"lower", "upper", "replace", "swapcase"})
+_PADDING_METHODS = frozenset({"zfill", "ljust", "rjust", "center"})
 _STRIP_METHODS = frozenset({"strip", "lstrip", "rstrip"})
 
 
@@ -69,7 +74,7 @@ def _max_result_length(name: str, text: str, values: list[Any]) -> int:
     if name == "replace":
         old, new = values[:2]
         return len(text) + text.count(old) * max(0, len(new) - len(old))
-    return max(len(text), *values) if name == "zfill" else len(text)
+    return max(len(text), *values[:1]) if name in _PADDING_METHODS else len(text)
 
 
 def _call_on_parts(name: str, owner: PartialText, values: list[Any]) -> Value:
@@ -138,8 +143,8 @@ def _partition(name: str, _: AbstractMachine, owner: Value, arguments: Arguments
     return Unknown(name)
 
 
-def _join(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.value(0))
+def _join(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    items, certain = machine.runtime.iterate(arguments.value(0))
     if not certain:
         return Unknown("join")
     spread = [part for item in items for part in (owner, item)]
@@ -164,14 +169,32 @@ def _format_fields(machine: AbstractMachine, text: str, arguments: Arguments) ->
     except ValueError:
         return [Unknown("format")]
     index = 0
-    for before, name, spec, _ in pieces:
+    for before, name, spec, conversion in pieces:
         parts.append(Scalar(before))
         if name is not None:
             is_next = not name or name[0] in ".["
             value = _format_field(machine, f"{index}{name}" if is_next else name, arguments)
-            parts.append(_apply_format_spec(value, spec or ""))
+            value = _convert(machine.runtime.shown(value), conversion)
             index += is_next
+            later = arguments.values[index if is_next else 0 :]
+            written = _format_spec(machine, spec or "", replace(arguments, values=later))
+            parts.append(apply_format_spec(value, written))
     return parts
+
+
+def _format_spec(machine: AbstractMachine, spec: str, arguments: Arguments) -> str:
+    """Return a format with the fields in it put in: `0{}d`."""
+    if "{" not in spec:
+        return spec
+    return text_with_holes(concat(_format_fields(machine, spec, arguments)))
+
+
+def _convert(value: Value, conversion: str | None) -> Value:
+    """Apply `!r` or `!a`, which put a text into quotes."""
+    is_quoted = (
+        conversion in {"r", "a"} and isinstance(value, Scalar) and isinstance(value.value, str)
+    )
+    return Scalar(repr(value.value), value.tainted) if is_quoted else value  # type: ignore[union-attr]
 
 
 def _format_field(machine: AbstractMachine, name: str, arguments: Arguments) -> Value:
@@ -187,7 +210,8 @@ def _format_field(machine: AbstractMachine, name: str, arguments: Arguments) -> 
     return Unknown(name) if value is None else value
 
 
-def _apply_format_spec(value: Value, spec: str) -> Value:
+def apply_format_spec(value: Value, spec: str) -> Value:
+    """Return a value as `format(value, spec)` shows it; as it is where it is not known."""
     if spec and isinstance(value, Scalar) and len(spec) < 8:  # noqa: PLR2004
         try:
             return Scalar(format(value.value, spec), value.tainted)
@@ -246,6 +270,14 @@ def _at(_: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     return Unknown("at")
 
 
+def _format_map(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    """`"…".format_map(mapping)`."""
+    given = arguments.get(0)
+    entries = given.entries if isinstance(given, MapValue) else {}
+    words = {str(key): value for key, value in entries.items()}
+    return _format(machine, owner, replace(arguments, values=(), keywords=words))
+
+
 StringMethods = Mapping[str, Callable[..., Value]]
 
 PYTHON_STRING_METHODS: StringMethods = {
@@ -254,6 +286,7 @@ PYTHON_STRING_METHODS: StringMethods = {
     **{name: partial(_partition, name) for name in ("partition", "rpartition")},
     "join": _join,
     "format": _format,
+    "format_map": _format_map,
     "encode": _encode_or_decode,
     "decode": _encode_or_decode,
     "splitlines": _splitlines,

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import SLICE
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
@@ -10,65 +9,99 @@ from rtron.sources.code.interpreter.abstract_values.operators import binary
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
-    OPEN,
     TRUE,
     UNKNOWN,
     ClassValue,
     ExternalSymbol,
+    FunctionValue,
     Instance,
     LibraryClass,
     LibraryFunction,
     ListValue,
     MapValue,
+    ModuleValue,
     Scalar,
     Unknown,
     Value,
     concat,
     is_tainted,
-    join,
     map_options,
+    options,
     text_with_holes,
     truth,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.interpreter.execution.assignment import assign_member, forget_texts
+from rtron.sources.code.interpreter.execution.calls import dispatch, truth_of
+from rtron.sources.code.interpreter.execution.language_runtime import python_runtime
+from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIONS
 from rtron.sources.code.interpreter.python.method_resolution_order import super_object
 from rtron.sources.code.ir import Class
-from rtron.sources.code.library_models.common.sorting import sort_items
+from rtron.sources.code.library_models.common.containers import dict_of, keyword_fields
+from rtron.sources.code.library_models.common.strings import apply_format_spec
 from rtron.sources.code.library_models.python_std.dynamic_code import (
     DYNAMIC_CODE_BUILTINS,
     get_member,
 )
+from rtron.sources.code.library_models.python_std.iteration import ITERATION_FUNCTIONS
 
 MAX_RANGE = 256
 
 
-def _str(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return concat((arguments.get(0) or Scalar(""),))
+def _str(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    return concat((machine.runtime.shown(arguments.get(0) or Scalar("")),))
+
+
+def _repr(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    def shown(value: Value) -> Value:
+        is_text = isinstance(value, Scalar) and isinstance(value.value, str)
+        return Scalar(repr(value.value), value.tainted) if is_text else concat((value,))  # type: ignore[union-attr]
+
+    return map_options(arguments.get(0) or NONE, shown)
 
 
 def _number(
-    make: Callable[[Any], object], _: AbstractMachine, __: object, arguments: Arguments
+    make: Callable[..., object], _: AbstractMachine, __: object, arguments: Arguments
 ) -> Value:
+    """`int(text, base)`, `round(number, digits)` and the like."""
+    rest = [value.value for value in arguments.values[1:] if isinstance(value, Scalar)]
+    is_known = len(rest) == len(arguments.values[1:])
+
     def made(value: Value) -> Value:
         if not isinstance(value, Scalar):
             return value
         try:
-            return Scalar(make(value.value), value.tainted)
+            return (
+                Scalar(make(value.value, *rest), value.tainted) if is_known else Unknown("number")
+            )
         except (TypeError, ValueError, OverflowError):
             return Unknown("number")
 
     return map_options(arguments.get(0) or Scalar(0), made)
 
 
-def _bool(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _power(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    return binary("**", arguments.value(0), arguments.value(1))
+
+
+def _divide(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`divmod(number, other)`."""
+    return list_of(
+        [binary(n, arguments.value(0), arguments.value(1)) for n in ("//", "%")], "tuple"
+    )
+
+
+def _bool(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     value = arguments.get(0) or FALSE
-    decided = truth(value)
+    decided = truth_of(machine, value)
     return Unknown("bool") if decided is None else Scalar(decided, is_tainted(value))
 
 
-def _len(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _len(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    method = machine.runtime.special_method(arguments.value(0), "__len__")
+    if method is not None:
+        return dispatch(machine, method, arguments.with_values())
     items, certain = items_of(arguments.value(0))
     return Scalar(len(items)) if certain else Unknown("len")
 
@@ -97,69 +130,21 @@ def _slice(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     )
 
 
-def _enumerate(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.value(0))
-    start = arguments.get(1, "start")
-    first = start.value if isinstance(start, Scalar) and isinstance(start.value, int) else 0
-    pairs = tuple(list_of((Scalar(first + at), item), "tuple") for at, item in enumerate(items))
-    return list_of(pairs, certain=certain)
-
-
-def _zip(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    found = [items_of(value) for value in arguments.values]
-    rows = zip(*(items for items, _ in found), strict=False)
-    pairs = tuple(list_of(row, "tuple") for row in rows)
-    return list_of(pairs, certain=all(certain for _, certain in found))
-
-
-def _copy(kind: str, _: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.get(0) or list_of(()))
-    return list_of(items, kind, certain=certain)
-
-
-def _call_on_items(
-    machine: AbstractMachine, function: Value | None, given: Value, at: Arguments
-) -> list[Value]:
-    """Call a function, if there is one, on each item of what is given."""
-    if function is None or function == NONE:
-        return []
-    items, certain = items_of(given)
-    if not certain:
-        machine.escape(function)
-    return [dispatch(machine, function, at.with_values(item)) for item in items]
-
-
-def _sorted(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.value(0))
-    if not certain:
-        machine.escape(arguments.keywords.get("key"))
-    return list_of(sort_items(machine, items, arguments), certain=certain)
-
-
 def _dict(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     given = arguments.get(0)
-    made = MapValue(dict(given.fields) if isinstance(given, MapValue) else {})
-    for item in items_of(given)[0] if isinstance(given, ListValue) else ():
-        key, value = (*items_of(item)[0], UNKNOWN, UNKNOWN)[:2]
-        made.fields[key.value if isinstance(key, Scalar) else OPEN] = value
-    made.fields.update(arguments.keywords)
+    made = dict_of(given) if given is not None else MapValue()
+    made.fields.update(keyword_fields(arguments))
     return made
-
-
-def _map(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    function, values = arguments.value(0), arguments.value(1)
-    found = _call_on_items(machine, function, values, arguments)
-    return list_of(found, certain=items_of(values)[1])
-
-
-def _filter(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    items, _certain = items_of(arguments.value(1))
-    _call_on_items(machine, arguments.get(0), arguments.get(1) or NONE, arguments)
-    return list_of(items, certain=False)
 
 
 def _isinstance(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     value, expected_class = arguments.get(0), arguments.get(1)
+    if isinstance(expected_class, ListValue) and not expected_class.open:
+        given = value or NONE
+        calls = [arguments.with_values(given, one) for one in expected_class.items]
+        found = [_isinstance(machine, None, call) for call in calls]
+        answers = [truth(one) for one in found]
+        return TRUE if True in answers else Unknown("isinstance") if None in answers else FALSE
     if isinstance(value, Instance) and isinstance(expected_class, ClassValue):
         return Scalar(any(cls is expected_class for cls in machine.runtime.lineage(value.type)))
     kinds = {"list": "list", "tuple": "tuple", "set": "set"}
@@ -168,10 +153,9 @@ def _isinstance(machine: AbstractMachine, _: object, arguments: Arguments) -> Va
     if isinstance(value, MapValue) and isinstance(expected_class, LibraryFunction):
         return Scalar(expected_class.name == "dict")
     if isinstance(value, Scalar) and isinstance(expected_class, LibraryFunction):
-        names = {"unicode": "str", "basestring": "str", "long": "int"}
-        return Scalar(
-            type(value.value).__name__ == names.get(expected_class.name, expected_class.name)
-        )
+        names = {"unicode": "str", "basestring": "str", "long": "int", "Path": "PathString"}
+        own = {type(value.value).__name__, *({"int"} if value.value in {True, False} else ())}
+        return Scalar(names.get(expected_class.name, expected_class.name) in own)
     return Unknown("isinstance")
 
 
@@ -184,9 +168,14 @@ def _getattr(machine: AbstractMachine, _: object, arguments: Arguments) -> Value
 
 
 def _setattr(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    owner, name = arguments.get(0), arguments.get(1)
-    if isinstance(owner, (Instance, ClassValue)) and isinstance(name, Scalar):
-        machine.undo_log.set(owner.fields, str(name.value), arguments.get(2) or NONE)
+    """`setattr(owner, name, value)`; under a name that is not known, any text may be replaced."""
+    value = arguments.get(2) or NONE
+    for name in options(arguments.get(1)):
+        for owner in options(arguments.get(0)):
+            if isinstance(name, Scalar):
+                assign_member(machine, owner, str(name.value), value, arguments)
+            elif isinstance(owner, (Instance, ClassValue, ModuleValue)):
+                forget_texts(machine, owner.fields)
     return NONE
 
 
@@ -194,6 +183,8 @@ def _hasattr(machine: AbstractMachine, _: object, arguments: Arguments) -> Value
     owner, name = arguments.get(0), arguments.get(1)
     if isinstance(owner, (Instance, ClassValue)) and isinstance(name, Scalar):
         return Scalar(machine.runtime.attribute(owner, str(name.value), ()) is not None)
+    if isinstance(owner, Scalar) and isinstance(name, Scalar):
+        return Scalar(hasattr(owner.value, str(name.value)))
     return Unknown("hasattr")
 
 
@@ -209,47 +200,42 @@ def _super(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     return super_object(owner, cls, order if cls in order else tuple(machine.runtime.lineage(cls)))
 
 
-def _sum(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.value(0))
-    total: Value = Scalar(0)
-    for item in items:
-        total = binary("+", total, item)
-    return total if certain else Unknown("sum")
-
-
-def _min_or_max(
-    pick: Callable[..., object], machine: AbstractMachine, _: object, arguments: Arguments
-) -> Value:
-    values = (
-        arguments.values if len(arguments.values) > 1 else items_of(arguments.get(0) or NONE)[0]
-    )
-    _call_on_items(machine, arguments.keywords.get("key"), list_of(values), arguments)
-    known = [value.value for value in values if isinstance(value, Scalar)]
-    if not known or len(known) != len(values):
-        return Unknown("extreme")
-    try:
-        return Scalar(pick(known))
-    except TypeError:
-        return Unknown("extreme")
-
-
-def _any_or_all(_: AbstractMachine, __: object, arguments: Arguments, *, deciding: bool) -> Value:
-    items, certain = items_of(arguments.value(0))
-    answers = [truth(item) for item in items]
-    if deciding in answers:
-        return Scalar(deciding)
-    return Scalar(not deciding) if certain and None not in answers else Unknown("any")
-
-
-def _type(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _type(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`type(value)`, or `type("Name", bases, members)`, which makes a class."""
     value, members = arguments.get(0), arguments.get(2)
     if isinstance(members, MapValue):
         name = text_with_holes(value or UNKNOWN)
         definition = Class(name=name, file=arguments.frame.file, line=arguments.line)
-        bases = items_of(arguments.get(1) or NONE)[0]
-        return ClassValue(definition, bases, members.entries)
-    return value.type if isinstance(value, Instance) else Unknown("type")
+        runtime = python_runtime(machine)
+        bases = runtime.base_classes(items_of(arguments.get(1) or NONE)[0])
+        return runtime.finish_class(ClassValue(definition, bases, members.entries), arguments.frame)
+    if isinstance(value, Instance):
+        return value.type
+    kind = "dict" if isinstance(value, MapValue) else getattr(value, "kind", "")
+    plain = type(value.value).__name__ if isinstance(value, Scalar) else kind
+    return BUILTINS.get(plain, Unknown("type"))
+
+
+def _format(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`format(value, "02d")`."""
+    given = arguments.get(1) or Scalar("")
+    spec = given.value if isinstance(given, Scalar) else None
+    value = machine.runtime.shown(arguments.value(0))
+    if not isinstance(spec, str):
+        return Unknown("format")
+    return map_options(value, lambda one: apply_format_spec(one, spec))
+
+
+def _callable(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    value = arguments.value(0)
+    if isinstance(value, (Scalar, ListValue, MapValue)):
+        return FALSE
+    is_function = isinstance(value, (FunctionValue, LibraryFunction, ClassValue, LibraryClass))
+    return TRUE if is_function else Unknown("callable")
+
+
+def _exit(_: AbstractMachine, __: object, ___: Arguments) -> Value:
+    raise ThrownError("SystemExit")
 
 
 def _return_unknown(name: str, machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -258,13 +244,16 @@ def _return_unknown(name: str, machine: AbstractMachine, _: object, arguments: A
 
 
 _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+    **ITERATION_FUNCTIONS,
     "str": _str,
     "unicode": _str,
-    "repr": _str,
+    "repr": _repr,
     "int": partial(_number, int),
     "long": partial(_number, int),
     "float": partial(_number, float),
     "abs": partial(_number, abs),
+    "pow": _power,
+    "divmod": _divide,
     "round": partial(_number, round),
     "bool": _bool,
     "len": _len,
@@ -272,30 +261,18 @@ _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "xrange": _range,
     "open": _open,
     "slice": _slice,
-    "enumerate": _enumerate,
-    "zip": _zip,
-    "list": partial(_copy, "list"),
-    "tuple": partial(_copy, "tuple"),
-    "set": partial(_copy, "set"),
-    "frozenset": partial(_copy, "set"),
-    "reversed": lambda machine, _, a: list_of(items_of(a.get(0) or NONE)[0][::-1]),
-    "iter": partial(_copy, "list"),
-    "next": lambda machine, _, a: join(items_of(a.get(0) or NONE)[0] or (Unknown("next"),)),
-    "sorted": _sorted,
     "dict": _dict,
-    "map": _map,
-    "filter": _filter,
     "isinstance": _isinstance,
     "getattr": _getattr,
     "setattr": _setattr,
     "hasattr": _hasattr,
     "super": _super,
-    "sum": _sum,
-    "min": partial(_min_or_max, min),
-    "max": partial(_min_or_max, max),
-    "any": partial(_any_or_all, deciding=True),
-    "all": partial(_any_or_all, deciding=False),
     "type": _type,
+    "format": _format,
+    "callable": _callable,
+    "chr": partial(_number, chr),
+    "ord": partial(_number, ord),
+    **dict.fromkeys(("exit", "quit"), _exit),
     **{name: partial(_return_unknown, name) for name in ("input", "raw_input", "id", "print")},
 }
 FILE = LibraryClass("file")
@@ -304,9 +281,8 @@ BUILTINS: Mapping[str, Value] = {
     "False": FALSE,
     "None": NONE,
     "basestring": LibraryFunction("str", _str),
-    **{
-        name: ExternalSymbol(name) for name in ("object", "property", "staticmethod", "classmethod")
-    },
+    "object": ExternalSymbol("object"),
+    **{n: DESCRIPTOR_FUNCTIONS[n] for n in ("property", "staticmethod", "classmethod")},
     **{name: LibraryFunction(name, call) for name, call in _BUILTIN_FUNCTIONS.items()},
     **DYNAMIC_CODE_BUILTINS,
 }

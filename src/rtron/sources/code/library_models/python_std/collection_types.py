@@ -4,10 +4,13 @@ import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
+from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    OPEN,
     UNKNOWN,
     FunctionValue,
     Instance,
@@ -18,21 +21,32 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
+    map_key,
     text_with_holes,
 )
-from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.abstract_machine import PARTIAL, AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.interpreter.execution.context_managers import SUPPRESS
+from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIONS
+from rtron.sources.code.library_models.common.containers import keyword_fields
+from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.code.library_models.python_std.data_classes import ENUM
+from rtron.sources.code.library_models.python_std.iteration import call_on_rows, fold
 
 MAX_ROWS = 256
+_MAX_DEPTH = 8
 _Combinator = Callable[[tuple[Value, ...], int], Iterable[tuple[Value, ...]]]
 
 
 def _default_dict(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    machine.escape(arguments.get(0))
-    return dispatch(machine, BUILTINS["dict"], arguments.without_first(1))
+    """`defaultdict(factory, …)`; a key that is not known makes an entry too."""
+    factory = arguments.get(0) or NONE
+    made = dispatch(machine, BUILTINS["dict"], arguments.without_first(1))
+    if isinstance(made, MapValue) and factory != NONE:
+        made.default_factory = lambda: dispatch(machine, factory, arguments.with_values())
+    return made
 
 
 def _named_tuple(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
@@ -65,8 +79,8 @@ def _replace_fields(_: AbstractMachine, owner: Instance, arguments: Arguments) -
     return Instance(owner.type, {**owner.fields, **arguments.keywords})
 
 
-def _chain(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    found = [items_of(value) for value in arguments.values]
+def _chain(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    found = [machine.runtime.iterate(value) for value in arguments.values]
     items = tuple(item for items, _ in found for item in items)
     return list_of(items, certain=all(certain for _, certain in found))
 
@@ -113,10 +127,95 @@ def _partial(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
 
     def call(machine: AbstractMachine, _: object, later: Arguments) -> Value:
         values, keywords = (*given.values, *later.values), {**given.keywords, **later.keywords}
-        passed = Arguments(values=values, keywords=keywords, line=later.line, frame=later.frame)
+        at = later if later.line else given
+        passed = Arguments(values=values, keywords=keywords, line=at.line, frame=at.frame)
         return dispatch(machine, function, passed)
 
-    return LibraryFunction("partial", call)
+    return LibraryFunction(PARTIAL, call)
+
+
+def _slice_items(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`islice(items, stop)`, `islice(items, start, stop, step)`."""
+    items, certain = machine.runtime.iterate(arguments.value(0))
+    bounds = [value.value for value in arguments.values[1:] if isinstance(value, Scalar)]
+    if len(bounds) + 1 != len(arguments.values):
+        return list_of(items, "iterator", certain=False)
+    try:
+        return list_of(itertools.islice(items, *bounds), "iterator", certain=certain)
+    except (TypeError, ValueError):
+        return Unknown("islice")
+
+
+def _starmap(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    return call_on_rows(machine, arguments.value(0), arguments.value(1), arguments)
+
+
+def _repeat(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    times = arguments.get(1, "times")
+    count = times.value if isinstance(times, Scalar) and times.value in range(MAX_ROWS) else None
+    return list_of([arguments.value(0)] * (count or 1), "iterator", certain=count is not None)
+
+
+def _copy(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    return copied(arguments.get(0) or NONE, 1)
+
+
+def _deep_copy(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    return copied(arguments.get(0) or NONE, _MAX_DEPTH)
+
+
+def copied(value: Value, depth: int) -> Value:
+    """Return a list, dict or object as a new one, and what it holds, down to a depth."""
+    if depth <= 0:
+        return value
+    if isinstance(value, ListValue):
+        items = tuple(copied(item, depth - 1) for item in value.items)
+        return list_of(items, value.kind, certain=not value.open)
+    if isinstance(value, (MapValue, Instance)):
+        fields = {key: copied(entry, depth - 1) for key, entry in value.fields.items()}
+        return replace(value, fields=fields)
+    return value
+
+
+def _item_getter(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`operator.itemgetter(key, …)`."""
+
+    def get(_: AbstractMachine, __: object, later: Arguments) -> Value:
+        found = [element(later.value(0), key) for key in arguments.values]
+        return found[0] if len(found) == 1 else list_of(found, "tuple")
+
+    return LibraryFunction("itemgetter", get)
+
+
+def _namespace(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    return Instance(_NAMESPACE, keyword_fields(arguments))
+
+
+def _suppress(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    return Instance(SUPPRESS, {"names": list_of(arguments.values)})
+
+
+def _dict_from_keys(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`dict.fromkeys(keys, value)`."""
+    items, certain = machine.runtime.iterate(arguments.value(0))
+    value = arguments.get(1) or NONE
+    made: dict[Any, Value] = {map_key(item): value for item in items}
+    return MapValue(made if certain else {**made, OPEN: value})
+
+
+def _chain_map(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`ChainMap(first, second, …)`: the first that has a key counts."""
+    made = MapValue()
+    for value in reversed(arguments.values):
+        made.fields.update(value.fields if isinstance(value, MapValue) else {OPEN: UNKNOWN})
+    return made
+
+
+_QUEUES = (
+    *("queue.Queue", "queue.SimpleQueue", "Queue.Queue"),
+    *("multiprocessing.Queue", "asyncio.Queue"),
+)
+_NAMESPACE = LibraryClass("types.SimpleNamespace")
 
 
 def _wraps(_: AbstractMachine, __: object, ___: Arguments) -> Value:
@@ -127,8 +226,22 @@ def _wraps(_: AbstractMachine, __: object, ___: Arguments) -> Value:
 _CALLS: Mapping[str, Callable[..., Value]] = {
     "collections.defaultdict": _default_dict,
     "collections.namedtuple": _named_tuple,
-    "functools.partial": _partial,
+    **dict.fromkeys(("functools.partial", "functools.partialmethod"), _partial),
+    "dict.fromkeys": _dict_from_keys,
+    "types.MappingProxyType": return_argument,
+    "collections.ChainMap": _chain_map,
     "functools.wraps": _wraps,
+    "functools.reduce": lambda machine, _, arguments: fold(machine, arguments),
+    **dict.fromkeys(_QUEUES, lambda *_: list_of((), "queue")),
+    "itertools.islice": _slice_items,
+    "itertools.starmap": _starmap,
+    "itertools.repeat": _repeat,
+    "copy.copy": _copy,
+    "copy.deepcopy": _deep_copy,
+    "operator.itemgetter": _item_getter,
+    "types.SimpleNamespace": _namespace,
+    "contextlib.suppress": _suppress,
+    **dict.fromkeys(("contextlib.closing", "contextlib.nullcontext"), return_argument),
     "itertools.chain": _chain,
     "itertools.chain.from_iterable": _chain_from_iterable,
     "itertools.product": _product,
@@ -139,6 +252,10 @@ PYTHON_COLLECTIONS: Mapping[str, Value] = {
     **{name: LibraryFunction(name, call) for name, call in _CALLS.items()},
     "collections.OrderedDict": BUILTINS["dict"],
     "collections.deque": BUILTINS["list"],
+    **{
+        name: DESCRIPTOR_FUNCTIONS[name]
+        for name in ("functools.cached_property", "abc.abstractproperty")
+    },
     "itertools.izip": BUILTINS["zip"],
     "itertools.imap": BUILTINS["map"],
     "enum.Enum": ENUM,

@@ -1,5 +1,6 @@
 """YAML and JSON files of the workspace that a Python program reads itself."""
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -30,6 +31,17 @@ def _load_file(machine: AbstractMachine, _: object, arguments: Arguments) -> Val
     return map_options(arguments.value(0), loaded)
 
 
+def _dump(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`json.dumps(value)` of a number or a text."""
+
+    def dumped(value: Value) -> Value:
+        if not isinstance(value, Scalar) or isinstance(value.value, bytes):
+            return Unknown("json")
+        return Scalar(json.dumps(value.value), value.tainted)
+
+    return map_options(arguments.value(0), dumped)
+
+
 def _file_text(machine: AbstractMachine, stream: Value) -> str | None:
     if isinstance(stream, Instance) and stream.type is FILE:
         path, read = stream.fields["path"], machine.runtime.files.read_text
@@ -57,6 +69,9 @@ def _read_file(machine: AbstractMachine, owner: Instance, _: Arguments) -> Value
 
 FILE.methods["read"] = _read_file
 DATA_FILE_FUNCTIONS: Mapping[str, Value] = {
-    name: LibraryFunction(name, _load_file)
-    for name in ("yaml.load", "yaml.safe_load", "yaml.full_load", "json.load", "json.loads")
+    "json.dumps": LibraryFunction("json.dumps", _dump),
+    **{
+        name: LibraryFunction(name, _load_file)
+        for name in ("yaml.load", "yaml.safe_load", "yaml.full_load", "json.load", "json.loads")
+    },
 }

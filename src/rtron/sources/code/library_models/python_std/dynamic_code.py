@@ -4,11 +4,12 @@ import ast
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     ClassValue,
     ExternalSymbol,
+    FunctionValue,
     Instance,
     LibraryClass,
     LibraryFunction,
@@ -18,6 +19,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     join,
+    map_key,
     text_with_holes,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -43,19 +45,34 @@ def _note_call(
 
 def _eval(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`eval(text)`; a text that is a plain literal runs nothing."""
-    if _is_literal(arguments.get(0)):
-        return Unknown("eval()")
+    literal = literal_value(arguments.get(0))
+    if literal is not None:
+        return literal
     return _note_call("eval", HIDDEN_CODE_REASON, machine, None, arguments)
 
 
-def _is_literal(text: Value | None) -> bool:
-    if not (isinstance(text, Scalar) and isinstance(text.value, str)):
-        return False
+def _literal_eval(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    return literal_value(arguments.get(0)) or Unknown("literal_eval")
+
+
+def literal_value(text: Value | None) -> Value | None:
+    """Return what a text says that is a plain literal of Python; None for any other."""
+    is_text = isinstance(text, Scalar) and isinstance(text.value, str)
+    if not (is_text and len(text.value) <= _MAX_TEXT):  # type: ignore[union-attr]
+        return None
     try:
-        ast.literal_eval(text.value[:_MAX_TEXT])
+        return _plain_value(ast.literal_eval(text.value), text.tainted)  # type: ignore[union-attr]
     except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
-        return False
-    return len(text.value) <= _MAX_TEXT
+        return None
+
+
+def _plain_value(value: object, tainted: bool) -> Value:  # noqa: FBT001 - as Scalar has it
+    if isinstance(value, dict):
+        pairs = ((_plain_value(k, tainted), _plain_value(v, tainted)) for k, v in value.items())
+        return MapValue({map_key(key): entry for key, entry in pairs})
+    if isinstance(value, (list, tuple, set)):
+        return list_of([_plain_value(item, tainted) for item in value], type(value).__name__)
+    return Scalar(value, tainted)
 
 
 def _import_dynamically(
@@ -78,18 +95,26 @@ def _globals(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
     frame = arguments.frame
     while frame.closure is not None:
         frame = frame.closure
-    return MapValue(frame.variables)
+    return MapValue(frame.variables, is_namespace=True)
+
+
+def _locals(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`locals()`; of a function it is a copy: what is written to it changes no variable."""
+    frame = arguments.frame
+    if frame.function is not None or frame.body == "comprehension":
+        return MapValue(dict(frame.variables))
+    return MapValue(frame.variables, is_namespace=True)
 
 
 def _vars(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`vars(owner)`, `owner.__dict__`; without an owner, the variables here."""
     owner = arguments.get(0)
     if owner is None:
-        return MapValue(arguments.frame.variables)
+        return _locals(machine, None, arguments)
     if isinstance(owner, ExternalSymbol):
         return machine.runtime.attribute(owner, "__dict__", ()) or Unknown("vars()")
     if isinstance(owner, (Instance, ClassValue, ModuleValue)):
-        return MapValue(owner.fields)
+        return MapValue(owner.fields, is_namespace=True)
     return Unknown("vars()")
 
 
@@ -116,7 +141,8 @@ def _methodcaller(_: AbstractMachine, __: object, arguments: Arguments) -> Value
 def get_member(machine: AbstractMachine, owner: Value, name: Value, at: Arguments) -> Value:
     """Return a member by its name; one of a library, of a name that is not known, is noted."""
     if not isinstance(name, Scalar):
-        if isinstance(owner, (ExternalSymbol, LibraryFunction, ModuleValue)):
+        is_library = isinstance(owner, (ExternalSymbol, LibraryFunction, ModuleValue))
+        if is_library or _has_joining_method(machine, owner):
             what = f"getattr({_owner_name(owner)}, {text_with_holes(name)})"
             machine.recorder.add_unresolved(what, "which member is not known", at.evidence)
         return Unknown("getattr")
@@ -126,8 +152,20 @@ def get_member(machine: AbstractMachine, owner: Value, name: Value, at: Argument
     return found
 
 
+def _has_joining_method(machine: AbstractMachine, owner: Value) -> bool:
+    """Tell whether an object's class has a method that may join nodes and is not called yet."""
+    classes = machine.runtime.lineage(owner.type) if isinstance(owner, Instance) else ()
+    members = (m for cls in classes if isinstance(cls, ClassValue) for m in cls.fields.values())
+    functions = (member.function for member in members if isinstance(member, FunctionValue))
+    return any(
+        function.key not in machine.executed_functions and machine.is_relevant(machine, function)
+        for function in functions
+    )
+
+
 def _owner_name(owner: Value) -> str:
-    return str(getattr(owner, "name", "?"))
+    named = owner.type if isinstance(owner, Instance) else owner
+    return str(getattr(named, "name", "?"))
 
 
 def _make_master_proxy(_: AbstractMachine, __: object, ___: Arguments) -> Value:
@@ -178,6 +216,7 @@ _CODE_RUNNERS = (
 )
 _CALLS: Mapping[str, Callable[..., Value]] = {
     "builtins.eval": _eval,
+    "ast.literal_eval": _literal_eval,
     "importlib.import_module": partial(_import_dynamically, returns_submodule=True),
     "operator.attrgetter": _attrgetter,
     "operator.methodcaller": _methodcaller,
@@ -199,7 +238,7 @@ _BUILTINS: Mapping[str, Callable[..., Value]] = {
     "__import__": partial(_import_dynamically, returns_submodule=False),
     "globals": _globals,
     "vars": _vars,
-    "locals": lambda machine, _, a: MapValue(a.frame.variables),
+    "locals": _locals,
 }
 DYNAMIC_CODE_BUILTINS: Mapping[str, Value] = {
     name: LibraryFunction(name, c) for name, c in _BUILTINS.items()

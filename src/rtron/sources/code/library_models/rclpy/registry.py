@@ -48,6 +48,13 @@ ROSIDL: Mapping[str, Value] = {
 }
 
 
+def _launch_service(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`launch.LaunchService()`: what it includes, `rtron scan` reads where it is named."""
+    why = "what a node launches itself is not followed: name its launch file with --launch too"
+    machine.recorder.add_unresolved("launch.LaunchService()", why, arguments.evidence)
+    return Unknown("LaunchService")
+
+
 def _create_node(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     return make_node(machine, arguments)
 
@@ -69,5 +76,6 @@ def rclpy_library() -> dict[str, Value]:
         ),
         **dict.fromkeys(("rclpy.parameter.Parameter", "rclpy.Parameter"), PARAMETER),
         "rclpy.create_node": LibraryFunction("rclpy.create_node", _create_node),
+        "launch.LaunchService": LibraryFunction("launch.LaunchService", _launch_service),
         "rclpy.ok": LibraryFunction("rclpy.ok", returning_unknown("ok")),
     }

@@ -204,6 +204,13 @@ def _message_class(_: AbstractMachine, __: object, arguments: Arguments) -> Valu
     return map_options(arguments.value(0), named)
 
 
+def _note_library(machine: AbstractMachine, _: object, arguments: Arguments, *, name: str) -> Value:
+    """Note what a library makes that has no model."""
+    machine.escape_arguments(arguments)
+    machine.recorder.add_unresolved(f"{name}()", "what it joins is not known", arguments.evidence)
+    return Unknown(name)
+
+
 _ENDPOINT = LibraryClass(
     "endpoint",
     methods=dict.fromkeys(
@@ -247,6 +254,13 @@ _CALLS: dict[str, RospyFunction] = {
     "actionlib.ActionServer": partial(_declare_action, DeclarationKind.ACTION_SERVER),
     "dynamic_reconfigure.server.Server": _declare_reconfigure_server,
     "dynamic_reconfigure.client.Client": _declare_reconfigure_client,
+    "smach_ros.SimpleActionState": partial(_declare_action, DeclarationKind.ACTION_CLIENT),
+    "smach_ros.ServiceState": partial(_declare_endpoint, DeclarationKind.SERVICE_CLIENT),
+    "smach_ros.MonitorState": partial(_declare_endpoint, DeclarationKind.SUBSCRIBE),
+    **{
+        f"smach_ros.{name}": partial(_note_library, name=f"smach_ros.{name}")
+        for name in ("IntrospectionServer", "ActionServerWrapper")
+    },
     "tf.TransformListener": _declare_listener,
     "tf2_ros.TransformListener": _declare_listener,
     "tf.TransformBroadcaster": partial(_declare_broadcaster, name="TransformBroadcaster"),
@@ -268,6 +282,11 @@ _ALIASES = {
     "tf2_ros.transform_broadcaster.TransformBroadcaster": "tf2_ros.TransformBroadcaster",
     "rospy.topics.Publisher": "rospy.Publisher",
     "rospy.topics.Subscriber": "rospy.Subscriber",
+    "rospy.impl.tcpros_service.Service": "rospy.Service",
+    "rospy.impl.tcpros_service.ServiceProxy": "rospy.ServiceProxy",
+    "smach_ros.simple_action_state.SimpleActionState": "smach_ros.SimpleActionState",
+    "smach_ros.service_state.ServiceState": "smach_ros.ServiceState",
+    "smach_ros.monitor_state.MonitorState": "smach_ros.MonitorState",
     "rospy.timer.Timer": "rospy.Timer",
     "rospy.rostime.Timer": "rospy.Timer",
     "roslib.message.get_service_class": "roslib.message.get_message_class",

@@ -1,0 +1,79 @@
+"""Calls of what is not in the source that may join nodes: each is noted with its place."""
+
+from collections.abc import Callable
+
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    ExternalSymbol,
+    MessageType,
+    Unknown,
+    Value,
+    is_text,
+    text_with_holes,
+)
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.calls import callee_name
+
+_MAKERS = frozenset(
+    [
+        *("Publisher", "Subscriber", "Service", "ServiceProxy", "ActionServer", "ActionClient"),
+        *("SimpleActionServer", "SimpleActionClient", "create_publisher", "create_subscription"),
+        *("create_service", "create_client", "create_lifecycle_publisher"),
+    ]
+)
+_MIN_ARGUMENTS = 2
+_INTERFACE_FOLDERS = {"msg", "srv", "action"}
+_PACKAGES_WITHOUT_NODES = frozenset(
+    [
+        *("cv_bridge", "image_geometry", "angles", "tf2_geometry_msgs", "tf_conversions", "genpy"),
+        *("ament_index_python", "rosidl_runtime_py", "rosbag", "roslib", "rospkg", "ros_numpy"),
+        *("urdf_parser_py", "sensor_msgs_py", "tf2_py", "rosbag2_py", "launch", "launch_ros"),
+        *("launch_testing", "rostest", "xacro", "catkin_pkg", "catkin", "rosunit"),
+    ]
+)
+"""Packages of ROS whose Python modules only compute, or describe launches."""
+
+
+def note_unknown_call(
+    machine: AbstractMachine,
+    called: Value,
+    arguments: Arguments,
+    is_known: Callable[[str], bool],
+    is_foreign_package: Callable[[str], bool],
+) -> None:
+    """Note a call of what is not known, if it makes an endpoint by its name or by what it gets."""
+    name = callee_name(called)
+    makes = name.rpartition(".")[2] in _MAKERS and len(arguments.all_values) >= _MIN_ARGUMENTS
+    if makes and isinstance(called, (Unknown, ExternalSymbol)):
+        first = next((v for v in arguments.all_values if is_text(v)), Unknown())
+        what = f"{name}({text_with_holes(first)})"
+        machine.recorder.add_unresolved(
+            what, "what it is called on is not known", arguments.evidence
+        )
+    elif _is_foreign(called, is_known) and _gives_name_and_type(arguments):
+        why = "is not in the source, and gets what it takes to join nodes"
+        machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)
+    top = name.partition(".")[0]
+    if isinstance(called, ExternalSymbol) and is_foreign_package(top):
+        why = "is a ROS package that is not in the source: what it joins is not known"
+        machine.recorder.add_unresolved(f"package {top}", why, arguments.evidence)
+
+
+def _is_foreign(called: Value, is_known: Callable[[str], bool]) -> bool:
+    return isinstance(called, ExternalSymbol) and not is_known(called.name)
+
+
+def is_computing_package(name: str) -> bool:
+    """Tell whether a package of ROS is known to join no nodes by itself."""
+    return name in _PACKAGES_WITHOUT_NODES or name.endswith(("_msgs", "_srvs", "_interfaces"))
+
+
+def _gives_name_and_type(arguments: Arguments) -> bool:
+    given = arguments.all_values
+    return any(map(is_text, given)) and any(map(_is_interface, given))
+
+
+def _is_interface(value: Value) -> bool:
+    if isinstance(value, ExternalSymbol):
+        return not _INTERFACE_FOLDERS.isdisjoint(value.name.split(".")[1:-1])
+    return isinstance(value, MessageType)

@@ -1,0 +1,120 @@
+"""Methods of Python's lists, tuples, sets, deques and generators."""
+
+from collections.abc import Callable
+from functools import partial
+
+from rtron.sources.code.interpreter.abstract_values.elements import element
+from rtron.sources.code.interpreter.abstract_values.items import list_of
+from rtron.sources.code.interpreter.abstract_values.operators import binary
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    NONE,
+    ListValue,
+    Scalar,
+    Unknown,
+    Value,
+    truth,
+)
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
+from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.containers import LIST_METHODS, LibraryMethods
+from rtron.sources.code.library_models.common.trivial_functions import return_owner
+
+ITERATORS = {"iterator", "generator"}
+"""The kinds of what gives its items one by one."""
+
+
+def next_item(machine: AbstractMachine, owner: Value, default: Value | None) -> Value:
+    """`next(iterator, default)`: the first item, which the iterator has no longer."""
+    if not isinstance(owner, ListValue) or (owner.open and not owner.items):
+        return Unknown("next")
+    if owner.items:
+        first, *rest = owner.items
+        if owner.kind in ITERATORS:
+            machine.undo_log.set(owner.fields, "items", tuple(rest))
+        return first
+    if default is None and machine.active_handlers:
+        raise ThrownError("StopIteration")
+    return default or Unknown("next")
+
+
+def _next(machine: AbstractMachine, owner: ListValue, _: Arguments) -> Value:
+    return next_item(machine, owner, None)
+
+
+def _pop_left(machine: AbstractMachine, owner: ListValue, _: Arguments) -> Value:
+    found = element(owner, Scalar(0)) if owner.items else Unknown("popleft")
+    machine.undo_log.set(owner.fields, "items", owner.items[1:])
+    return found
+
+
+def _extend_left(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    items, certain = machine.runtime.iterate(arguments.value(0))
+    if not certain:
+        machine.undo_log.mark_open(owner.fields)
+    machine.undo_log.set(owner.fields, "items", (*items[::-1], *owner.items))
+    return NONE
+
+
+def _index(_: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    for at, item in enumerate(owner.items):
+        is_same = truth(binary("==", item, arguments.value(0)))
+        if is_same is not False:
+            return Scalar(at) if is_same else Unknown("index")
+    return Unknown("index")
+
+
+def _count(_: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    answers = [truth(binary("==", item, arguments.value(0))) for item in owner.items]
+    return Unknown("count") if owner.open or None in answers else Scalar(sum(map(bool, answers)))
+
+
+def _combine(operator: str, machine: AbstractMachine, owner: ListValue, given: Arguments) -> Value:
+    """`union(others…)`, `intersection(…)`, `difference(…)`, `symmetric_difference(…)`."""
+    made: Value = list_of(owner.items, "set", certain=not owner.open)
+    for value in given.values:
+        items, certain = machine.runtime.iterate(value)
+        made = binary(operator, made, list_of(items, "set", certain=certain))
+    return made
+
+
+def _combine_in_place(
+    operator: str, machine: AbstractMachine, owner: ListValue, given: Arguments
+) -> Value:
+    made = _combine(operator, machine, owner, given)
+    if isinstance(made, ListValue):
+        machine.undo_log.set(owner.fields, "items", made.items)
+        machine.undo_log.set(owner.fields, "open", made.open)
+    return NONE
+
+
+def _send(machine: AbstractMachine, _: ListValue, arguments: Arguments) -> Value:
+    """`generator.send(value)`: what the generator does with it is not followed."""
+    machine.escape_arguments(arguments)
+    why = "is given to a generator: what that does with it is not followed"
+    machine.recorder.add_unresolved("send()", why, arguments.evidence)
+    return Unknown("send()")
+
+
+_SET_METHODS: dict[str, str] = {
+    "union": "|",
+    "intersection": "&",
+    "difference": "-",
+    "symmetric_difference": "^",
+}
+_METHODS: dict[str, Callable[..., Value]] = {
+    **dict.fromkeys(("popleft", "get", "get_nowait"), _pop_left),
+    **dict.fromkeys(("put", "put_nowait"), LIST_METHODS["append"]),
+    "extendleft": _extend_left,
+    "index": _index,
+    "count": _count,
+    "send": _send,
+    "__iter__": return_owner,
+    **dict.fromkeys(("next", "__next__"), _next),
+    **{name: partial(_combine, operator) for name, operator in _SET_METHODS.items()},
+    **{
+        f"{name}_update": partial(_combine_in_place, operator)
+        for name, operator in _SET_METHODS.items()
+        if name != "union"
+    },
+}
+PYTHON_LIST_METHODS: LibraryMethods = {**LIST_METHODS, **_METHODS}
