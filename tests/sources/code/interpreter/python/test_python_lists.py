@@ -43,3 +43,30 @@ def test_as_python_does(text):
 def test_what_is_not_known_is_not_guessed(text):
     (declared,) = python(f"{text}\nP(x)\n").declarations
     assert declared.resolution == "symbolic"
+
+
+PRIVATE_CLASS = """
+class Api:
+    instance = None
+
+    def __init__(self):
+        if not Api.instance:
+            Api.instance = Api.__Api()
+
+    class __Api:
+        def __init__(self):
+            P('x')
+
+
+Api()
+"""
+
+
+def test_a_class_that_is_private_to_another():
+    interface = python(PRIVATE_CLASS)
+    assert (names(interface), interface.unresolved) == (["x"], ())
+
+
+def test_what_two_sets_share_is_open_where_an_item_is_not_known():
+    interface = python("for name in {'a', unknown()} & {'a', 'b'}:\n    P(name)")
+    assert "a" in names(interface)

@@ -229,7 +229,7 @@ def _(node: ast.ClassDef, source: SourceFile) -> _Stmts:
     source.class_name = outer
     keywords = [(word.arg or "**", lower_expression(word.value, source)) for word in node.keywords]
     made = ir.Class(
-        name=node.name,
+        name=source.own_name(node.name),
         file=source.file,
         line=node.lineno,
         bases=bases,

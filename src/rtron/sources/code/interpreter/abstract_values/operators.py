@@ -116,9 +116,10 @@ def _combine_sets(name: str, left: ListValue, right: ListValue) -> Value:
     """Return `a | b`, `a & b`, `a - b` or `a ^ b`; where that is not known, all they hold."""
     items = (*left.items, *(item for item in right.items if item not in left.items))
     answers = [(_contains(item, left), _contains(item, right)) for item in items]
+    if any(side is None for sides in answers for side in sides):
+        return ListValue({"items": items, "open": True}, left.kind)
     chosen = [item for item, sides in zip(items, answers, strict=True) if _SETS[name](*sides)]
-    known = all(side is not None for sides in answers for side in sides)
-    return ListValue({"items": tuple(chosen) if known else items, "open": not known}, left.kind)
+    return ListValue({"items": tuple(chosen), "open": False}, left.kind)
 
 
 def _add(left: Value, right: Value) -> Value:
