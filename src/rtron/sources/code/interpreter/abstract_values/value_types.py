@@ -202,8 +202,7 @@ class LibraryFunction:
 class LibraryClass:
     """A class of a library that RTron knows: how it is made and what its methods do.
 
-    `virtual_callbacks` are the virtual methods that the library calls by itself, in this order.
-    Where it is not `over_source`, the library's own source is run if it is here.
+    The library calls `virtual_callbacks` by itself, in order. `over_source`: before its own source.
     """
 
     name: str

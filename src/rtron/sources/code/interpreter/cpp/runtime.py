@@ -175,7 +175,7 @@ class CppRuntime(CppObjects):
 
     def _declare_static(self, node: Declare, frame: StackFrame) -> None:
         """Let a variable stand for the one of all calls, which the first call makes."""
-        key = frame.function and frame.function.key, node.name, *sorted(frame.types.items())
+        key = node.name, frame.function and frame.function.key, *sorted(frame.types.items())
         if key not in self._statics:
             self.machine.undo_log.set(self._statics, key, self.initial_value(node, frame))
         frame.aliases[node.name] = StorageSlot(self._statics, key)

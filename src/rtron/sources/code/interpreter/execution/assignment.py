@@ -171,7 +171,7 @@ def _assign_character(machine: AbstractMachine, target: Index, frame: StackFrame
     """`s[0] = 'x'`: what the string is then is left open."""
     slot = slot_of(machine, target.owner, frame)
     if slot is not None:
-        machine.undo_log.set(*slot, Unknown(str(slot.key)))
+        machine.undo_log.set(*slot, Unknown(slot.label))
 
 
 def remove_element(machine: AbstractMachine, owner: Value, key: Value) -> None:

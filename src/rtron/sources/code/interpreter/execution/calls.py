@@ -138,7 +138,7 @@ def _call_function(machine: AbstractMachine, called: FunctionValue, arguments: A
         for param, slot in zip(function.params, arguments.slots, strict=False):
             if param.reference and slot is not None:
                 before = slot.holder.get(slot.key)
-                after = Unknown(str(slot.key), is_tainted(before) if before else False)
+                after = Unknown(slot.label, is_tainted(before) if before else False)
                 machine.undo_log.set(*slot, after)
     return returned
 
@@ -177,7 +177,7 @@ def _forget_written_strings(machine: AbstractMachine, name: str, arguments: Argu
     for slot in filter(None, arguments.slots):
         before = slot.holder.get(slot.key)
         if isinstance(before, (Scalar, PartialText)) and is_text(before):
-            after = Unknown(str(slot.key), is_tainted(before))
+            after = Unknown(slot.label, is_tainted(before))
             machine.undo_log.set(
                 *slot, after if name in MUTATING_FUNCTIONS else join((before, after))
             )

@@ -202,7 +202,7 @@ def _read_into(machine: AbstractMachine, target: Expr, frame: StackFrame) -> Non
     """`stream >> variable` of an unknown stream."""
     slot = slot_of(machine, target, frame)
     if slot is not None:
-        machine.undo_log.set(*slot, Unknown(str(slot.key)))
+        machine.undo_log.set(*slot, Unknown(slot.label))
 
 
 def _overloaded_operator(machine: AbstractMachine, operator: str, left: Value) -> Value | None:

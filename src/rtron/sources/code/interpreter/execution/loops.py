@@ -29,7 +29,7 @@ def for_each(machine: AbstractMachine, node: ForEach, frame: StackFrame) -> Outc
     if machine.runtime.passes_by_reference and _changes_items(node):
         slot = slot_of(machine, node.iterable, frame)
         if slot is not None:
-            machine.undo_log.set(*slot, Unknown(str(slot.key)))
+            machine.undo_log.set(*slot, Unknown(slot.label))
     with machine.enter_loop() as depth:
         most = _max_rounds(depth)
         for item in items[:most]:

@@ -14,6 +14,11 @@ class StorageSlot(NamedTuple):
     holder: dict[Any, Any]
     key: Any
 
+    @property
+    def label(self) -> str:
+        """What is kept there is called: a static variable's key begins with its name."""
+        return str(self.key[0] if isinstance(self.key, tuple) and self.key else self.key)
+
 
 @dataclass(eq=False, slots=True, kw_only=True)
 class StackFrame:

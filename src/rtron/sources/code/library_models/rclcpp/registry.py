@@ -62,7 +62,7 @@ def _replace_in_string(machine: AbstractMachine, _: object, arguments: Arguments
     if slot is not None and text is not None:
         all_known = len(known) == len((text, old, new)) and isinstance(text, Scalar)
         after = Scalar(known[0].replace(known[1], known[2]), text.tainted) if all_known else None
-        machine.undo_log.set(*slot, after or Unknown(str(slot.key)))
+        machine.undo_log.set(*slot, after or Unknown(slot.label))
     return NONE
 
 
