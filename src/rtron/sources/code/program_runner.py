@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeAlias
 
+from rtron.sources.code.endpoint_calls import ENDPOINT_CALLS
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     FunctionValue,
@@ -14,7 +15,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Value,
 )
 from rtron.sources.code.interpreter.cpp.runtime import CppRuntime
-from rtron.sources.code.interpreter.cpp.symbol_table import SymbolTable
+from rtron.sources.code.interpreter.cpp.symbol_table import MAX_FILES, SymbolTable
 from rtron.sources.code.interpreter.execution.abstract_machine import (
     TOO_LARGE,
     AbstractMachine,
@@ -58,7 +59,6 @@ from rtron.sources.code.library_models.rclpy.registry import rclpy_library
 from rtron.sources.code.library_models.roscpp.registry import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
 from rtron.sources.code.library_models.rospy.registry import ROSPY
 from rtron.sources.code.reachability import (
-    ENDPOINT_CALLS,
     joins_nodes,
     names_written_by_callbacks,
     note_unreached,
@@ -257,11 +257,22 @@ def _create_cpp_machine(
     )
     machine = _create_machine(runtime, site, volatile)
     runtime.machine = machine
-    for source in sources:
-        for problem in symbols.units[source].problems if source in symbols.units else ():
+    for path, unit in symbols.units.items():
+        for problem in unit.problems if symbols.is_program_file(str(path)) else ():
             if _is_relevant_problem(problem):
-                machine.recorder.add_problem(source, problem)
+                machine.recorder.add_problem(path, problem)
+    _note_unread(machine, symbols)
     return runtime, machine
+
+
+def _note_unread(machine: AbstractMachine, symbols: SymbolTable) -> None:
+    """Note the files that are too many, and macros of headers that are not expanded."""
+    for path in symbols.unread[:1]:
+        why = f"not read: the program has more than {MAX_FILES} files"
+        machine.recorder.add_problem(path, SourceProblem(0, why))
+    for path, line, name, header in symbols.unexpanded_macros():
+        why = f"{name} makes endpoints by a macro of {header.name}, which is not expanded here"
+        machine.recorder.add_problem(path, SourceProblem(line, why))
 
 
 def _is_relevant_problem(problem: SourceProblem) -> bool:

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 
+from rtron.sources.code.endpoint_calls import ENDPOINT_CALLS
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     ExternalSymbol,
@@ -275,6 +276,14 @@ def _reachable_functions(
         find = called_names if include_unrelated else machine.runtime.related_names
         words = find(current) - left_out
         queue.extend(other for word in words for other in machine.runtime.functions_named(word))
+        queue.extend(_call_operators(machine, words))
+
+
+def _call_operators(machine: AbstractMachine, words: frozenset[str]) -> Iterator[Function]:
+    """Yield what objects of the named classes do when they are called, in C++."""
+    for function in machine.runtime.functions_named("operator()"):
+        if function.name.split("::")[-2:-1] and function.name.split("::")[-2] in words:
+            yield function
 
 
 def _has_unknown_base(machine: AbstractMachine, instance: Instance) -> bool:
@@ -297,14 +306,6 @@ def _methods(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionV
                     yield found
 
 
-ENDPOINT_CALLS = frozenset(
-    [
-        *("advertise", "advertiseCamera", "advertiseService", "subscribe", "subscribeCamera"),
-        *("Publisher", "Subscriber", "SimpleActionClient", "SimpleActionServer"),
-        *("create_publisher", "create_subscription", "create_service", "create_client"),
-        *("create_server", "create_generic_publisher", "create_generic_subscription"),
-    ]
-)
 _PYTHON_ENDPOINT_CALLS = ENDPOINT_CALLS | {
     *("Service", "ServiceProxy", "ActionServer", "ActionClient", "wait_for_message"),
     "create_lifecycle_publisher",
@@ -323,16 +324,33 @@ def note_unreached(machine: AbstractMachine, functions: Iterable[tuple[str, Func
     """Note the functions that would declare something and never ran, one note a file."""
     makers = ENDPOINT_CALLS if machine.runtime.passes_by_reference else _PYTHON_ENDPOINT_CALLS
     unreached: dict[str, list[tuple[str, Function]]] = defaultdict(list)
-    for name, function in functions:
-        ran = function.key in machine.executed_functions
-        if function.body is None or ran:
+    candidates = [(name, function) for name, function in functions if function.body is not None]
+    if machine.runtime.passes_by_reference:
+        makers = ENDPOINT_CALLS | _wrappers(function for _, function in candidates)
+    for name, function in candidates:
+        if function.key in machine.executed_functions:
             continue
         if machine.runtime.related_names(function) & makers or _calls_maker(
             machine, name, function
         ):
-            unreached[function.file].append((name, function))
+            unreached[function.file].append((f"{name}()", function))
+    for body, function in machine.lambdas.items():
+        if body not in machine.executed_bodies and called_names(function) & makers:
+            unreached[function.file].append(("a lambda", function))
     for file, found in unreached.items():
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""
-        places = [Evidence(file=file, line=function.line) for _, function in found[:MAX_PLACES]]
+        lines = dict.fromkeys(function.line for _, function in found[:MAX_PLACES])
+        places = [Evidence(file=file, line=line) for line in lines]
         why = "joins nodes, but nothing that is seen calls it"
-        machine.recorder.add_unresolved(f"{found[0][0]}(){more}", why, *places)
+        machine.recorder.add_unresolved(f"{found[0][0]}{more}", why, *places)
+
+
+def _wrappers(functions: Iterable[Function]) -> frozenset[str]:
+    """Return the names that only functions have which make an endpoint by themselves."""
+    joining: dict[str, bool] = {}
+    for function in functions:
+        owner, _, plain = function.name.rpartition("::")
+        is_constructor = owner.rpartition("::")[2] == plain
+        joins = bool(called_names(function) & ENDPOINT_CALLS) and not is_constructor
+        joining[plain] = joining.get(plain, True) and joins
+    return frozenset(name for name, joins in joining.items() if joins) - _CONTAINER_METHODS

@@ -24,6 +24,7 @@ from rtron.sources.code.ir.expressions import (
     Concat,
     Conditional,
     Const,
+    Expansion,
     Expr,
     Index,
     Lambda,
@@ -39,6 +40,7 @@ from rtron.sources.code.ir.expressions import (
 from rtron.sources.code.ir.statements import (
     Assign,
     Break,
+    Breakable,
     Continue,
     Declare,
     Define,
@@ -48,6 +50,7 @@ from rtron.sources.code.ir.statements import (
     Global,
     If,
     Import,
+    Jump,
     Raise,
     Return,
     Stmt,
@@ -63,10 +66,10 @@ from rtron.sources.code.ir.types import (
 
 __all__ = [
     "BRACES",
-    "Assign", "AssignExpr", "Attr", "Binary", "Break", "Call", "Class", "Comprehension", "Concat",
-    "Conditional", "Const", "Continue", "Declare", "Define", "Delete", "Evaluate", "Expr",
-    "ForEach", "Function", "Global", "If", "Import", "Index", "Lambda", "Logic", "MappingExpr",
-    "Name", "New", "Opaque", "Param", "Raise", "Return", "SequenceExpr", "SourceLanguage",
-    "SourceProblem", "Star", "Stmt", "Try", "TypeRef", "Unary", "Unit", "While", "With", "Yield",
-    "adapter_alias",
+    "Assign", "AssignExpr", "Attr", "Binary", "Break", "Breakable", "Call", "Class",
+    "Comprehension", "Concat", "Conditional", "Const", "Continue", "Declare", "Define", "Delete",
+    "Evaluate", "Expansion", "Expr", "ForEach", "Function", "Global", "If", "Import", "Index",
+    "Jump", "Lambda", "Logic", "MappingExpr", "Name", "New", "Opaque", "Param", "Raise", "Return",
+    "SequenceExpr", "SourceLanguage", "SourceProblem", "Star", "Stmt", "Try", "TypeRef", "Unary",
+    "Unit", "While", "With", "Yield", "adapter_alias",
 ]  # fmt: skip

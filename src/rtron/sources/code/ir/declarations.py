@@ -32,8 +32,9 @@ class Function:
     C++: `name` is qualified as far as the file says (`ns::Class::method`); a constructor's last
     two parts are alike, a destructor's last part begins with `~`; `this` is no parameter;
     `initialisers` are the member initialisers (member or base, arguments); `template` are the
-    names of its template parameters, `defaults` what they are where nothing is written. `body` is
-    None where it is only declared.
+    names of its template parameters, `defaults` what they are where nothing is written;
+    `specialised` is what they are in `template <> void f<int>()`. `body` is None where it is only
+    declared.
     """
 
     name: str
@@ -46,11 +47,13 @@ class Function:
     template: tuple[str, ...] = ()
     defaults: tuple[tuple[str, TypeRef], ...] = ()
     static: bool = False
+    specialised: tuple[TypeRef, ...] = ()
+    column: int = field(default=0, compare=False)
 
     @property
     def key(self) -> tuple[str, int, str]:
-        """What tells it from all others: its file, line and name."""
-        return self.file, self.line, self.name
+        """What tells it from all others: its file, line and name, of a lambda its column."""
+        return self.file, self.line, self.name or f"@{self.column}"
 
 
 @record(frozen=True, slots=True, kw_only=True)
@@ -60,7 +63,7 @@ class Class:
     Python: `bases` are expressions, `keywords` the named ones behind them (`metaclass`), `body`
     holds the statements. C++: `name` is qualified,
     `bases` are types, `fields` the data members in order; its methods are among the unit's
-    functions.
+    functions. `template <> struct T<int>` is called "T<int>", and `specialised` for int.
     """
 
     name: str
@@ -72,6 +75,7 @@ class Class:
     template: tuple[str, ...] = ()
     defaults: tuple[tuple[str, TypeRef], ...] = ()
     keywords: tuple[tuple[str, Expr], ...] = ()
+    specialised: tuple[TypeRef, ...] = ()
 
 
 class SourceLanguage(str, Enum):
@@ -99,7 +103,9 @@ class Unit:
     too; `usings` the namespaces and names opened by `using` (`using a::b;` as "a::b");
     `includes` as written with their quotes or brackets; `exports` the classes given to
     PLUGINLIB_EXPORT_CLASS and the like (class, base); `enums` the enumerators with their values,
-    qualified both with and without the enum's name.
+    qualified both with and without the enum's name; `endpoint_macros` the macros with parameters
+    that hold a call which makes an endpoint, `unexpanded` what reads like a macro of another file,
+    with their lines.
     """
 
     file: str
@@ -112,4 +118,6 @@ class Unit:
     includes: tuple[str, ...] = ()
     exports: tuple[tuple[str, str], ...] = ()
     enums: tuple[tuple[str, int | None], ...] = ()
+    endpoint_macros: tuple[str, ...] = ()
+    unexpanded: tuple[tuple[str, int], ...] = ()
     problems: tuple[SourceProblem, ...] = field(default=())

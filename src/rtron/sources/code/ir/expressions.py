@@ -64,11 +64,15 @@ class Call:
 
 @record(frozen=True, slots=True)
 class New:
-    """C++: a value of a type is made: `new T(args)`, `T{args}`, or by a Declare's initialiser."""
+    """C++: a value of a type is made: `new T(args)`, `T{args}`, or by a Declare's initialiser.
+
+    `braced` marks `T{args}`, where a list of the arguments is what a constructor gets first.
+    """
 
     type: TypeRef
     args: tuple["Expr", ...] = ()
     line: int = 0
+    braced: bool = False
 
 
 @record(frozen=True, slots=True)
@@ -129,7 +133,10 @@ class SequenceExpr:
 
 @record(frozen=True, slots=True)
 class MappingExpr:
-    """A dict that is written out; a key of None spreads the value into it."""
+    """A dict that is written out; a key of None spreads the value into it.
+
+    C++: `{.x = a, .y = b}`, the members by their names.
+    """
 
     items: tuple[tuple["Expr | None", "Expr"], ...]
 
@@ -172,6 +179,14 @@ class AssignExpr:
 
 
 @record(frozen=True, slots=True)
+class Expansion:
+    """C++: a pattern, evaluated for each item of the parameter packs in it: `f(args)...`."""
+
+    pattern: "Expr"
+    packs: tuple[str, ...]
+
+
+@record(frozen=True, slots=True)
 class Opaque:
     """An expression that is not understood: the expressions within it, and its text, cut short."""
 
@@ -197,5 +212,6 @@ Expr: TypeAlias = (
     | Lambda
     | Star
     | AssignExpr
+    | Expansion
     | Opaque
 )

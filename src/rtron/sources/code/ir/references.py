@@ -30,6 +30,7 @@ _ADDING_METHODS = frozenset(
 )
 
 
+_BINDING_CALLS = frozenset({"bind", "thread", "async", "invoke", "call_once", "function"})
 _EFFECTFUL_NODES = (Assign, AssignExpr, Break, Call, Continue, Delete, New, Return, Yield)
 _HARMLESS_CALLS = frozenset(
     {"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"}
@@ -137,6 +138,8 @@ def _called_or_made_names(node: Any) -> Iterator[str]:  # noqa: ANN401 - any par
         if isinstance(current, Call):
             yield from _callee_names(current.function)
             yield from _passed_functions(current)
+        elif isinstance(current, Declare) and isinstance(current.value, Name):
+            yield current.value.id.rpartition("::")[2]
         elif isinstance(current, New):
             yield current.type.name.rpartition("::")[2]
             yield current.type.name
@@ -147,8 +150,9 @@ def _called_or_made_names(node: Any) -> Iterator[str]:  # noqa: ANN401 - any par
 
 def _passed_functions(call: Call) -> Iterator[str]:
     """Yield the functions of C++ that are handed on to be called later, `&Driver::start`."""
+    binds = not _BINDING_CALLS.isdisjoint(_callee_names(call.function))
     for given in call.args:
-        if isinstance(given, Name) and "::" in given.id:
+        if isinstance(given, Name) and (binds or "::" in given.id):
             yield given.id.rpartition("::")[2]
 
 

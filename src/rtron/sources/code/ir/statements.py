@@ -125,6 +125,22 @@ class Continue:
 
 
 @record(frozen=True, slots=True)
+class Breakable:
+    """C++: the chain that a `switch` is, which a `break` leaves and a `continue` does not."""
+
+    body: tuple["Stmt", ...]
+    line: int = 0
+
+
+@record(frozen=True, slots=True)
+class Jump:
+    """C++: `goto label`."""
+
+    label: str
+    line: int = 0
+
+
+@record(frozen=True, slots=True)
 class Raise:
     """`raise`, `throw`."""
 
@@ -189,7 +205,9 @@ Stmt: TypeAlias = (
     | Return
     | Yield
     | Break
+    | Breakable
     | Continue
+    | Jump
     | Raise
     | Try
     | Define

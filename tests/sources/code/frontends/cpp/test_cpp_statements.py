@@ -9,6 +9,7 @@ from rtron.sources.code.ir import (
     Attr,
     Binary,
     Break,
+    Breakable,
     Call,
     Const,
     Continue,
@@ -17,6 +18,7 @@ from rtron.sources.code.ir import (
     ForEach,
     If,
     Index,
+    Jump,
     Logic,
     Name,
     New,
@@ -48,8 +50,8 @@ VECTOR = TypeRef("std::vector", (INT,))
         ("Foo x(a[1]);", Declare("x", FOO, New(FOO, (Index(A, ONE),), 2), line=2)),
         ("Foo x(*a);", Declare("x", FOO, New(FOO, (A,), 2), line=2)),
         ("Foo x(&a);", Declare("x", FOO, New(FOO, (A,), 2), line=2)),
-        ("Foo x{a};", Declare("x", FOO, New(FOO, (A,), 2), line=2)),
-        ("Foo x{};", Declare("x", FOO, New(FOO, (), 2), line=2)),
+        ("Foo x{a};", Declare("x", FOO, New(FOO, (A,), 2, braced=True), line=2)),
+        ("Foo x{};", Declare("x", FOO, New(FOO, (), 2, braced=True), line=2)),
         ("Foo x = a;", Declare("x", FOO, A, line=2)),
         ("Foo x = {a, b};", Declare("x", FOO, SequenceExpr((A, B), BRACES), line=2)),
         ("std::vector<int> x(a);", Declare("x", VECTOR, New(VECTOR, (A,), 2), line=2)),
@@ -203,9 +205,18 @@ def test_a_switch_is_a_chain_of_ifs(cases, lowered):
 def test_a_break_deep_in_a_case_leaves_the_switch_only():
     found = statement("switch (a) { case 1: if (b) break; c(); }")
     chain = If(is_(1), (If(B, (Break(),), (), 2), DO_C), (), 2)
-    assert found == While(Const(value=False), (chain,), first=True, line=2)
+    assert found == Breakable((chain,), 2)
     inner = statement("switch (a) { case 1: while (b) break; c(); }")
     assert inner == If(is_(1), (While(B, (Break(),), line=2), DO_C), (), 2)
+
+
+def test_what_is_switched_on_is_evaluated_once():
+    kept, chain = statements("switch (a()) { default: c(); }")
+    assert (kept, chain) == (Declare("switch@2", None, Call(A, (), (), 2), line=2), DO_C)
+
+
+def test_a_jump_is_kept():
+    assert statement("goto end;") == Jump("end", 2)
 
 
 def test_a_long_switch_is_parted_and_stays_flat():

@@ -1,5 +1,7 @@
 """Namespaces, classes, and what stands in them."""
 
+from dataclasses import replace
+
 from tree_sitter import Node
 
 from rtron.sources.code.frontends.cpp.declarators import read_declarator
@@ -17,6 +19,7 @@ from rtron.sources.code.frontends.cpp.types import (
     anonymous_name,
     one_line_text,
     qualified_name,
+    specialised_name,
     type_of,
 )
 from rtron.sources.code.frontends.cpp.variables import lower_variable, named_declarators
@@ -35,8 +38,19 @@ _NO_BASES = {"access_specifier", "virtual", "attribute_declaration"}
 def _namespace(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     name, body = node.child_by_field_name("name"), node.child_by_field_name("body")
     full = context.qualified(context.text(name).replace(" ", "")) if name else context.scope
+    if any(child.type == "inline" for child in node.children):
+        context.using_declarations.append(full)
     with context.enter_scope(full):
         _members(context, body, out)
+
+
+@lowers_declaration("friend_declaration")
+def _friend(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+    """Lower a function that a class defines as its friend: one of the namespace around."""
+    with context.enter_scope(context.scope.rpartition("::")[0]):
+        for child in node.named_children:
+            if child.type == "function_definition":
+                lower_declaration(context, child, out)
 
 
 @lowers_declaration("declaration_list", "ERROR")
@@ -80,10 +94,13 @@ def _template_parameter(context: LoweringContext, node: Node) -> tuple[str, Type
 @lowers_declaration(*_CLASSES)
 def _class(context: LoweringContext, node: Node, _out: list[Stmt]) -> None:
     name = node.child_by_field_name("name")
-    add_class(context, node, qualified_name(context, name)[0] if name else anonymous_name(node))
+    written, types = qualified_name(context, name) if name else (anonymous_name(node), ())
+    add_class(context, node, specialised_name(written, types), types)
 
 
-def add_class(context: LoweringContext, node: Node, name: str) -> None:
+def add_class(
+    context: LoweringContext, node: Node, name: str, specialised: tuple[TypeRef, ...] = ()
+) -> None:
     """Add a class under a name, and all that it declares, to the file's; not if it has no body."""
     body = node.child_by_field_name("body")
     if body is None:
@@ -102,6 +119,7 @@ def add_class(context: LoweringContext, node: Node, name: str) -> None:
             fields=tuple(field for field in fields if isinstance(field, Declare)),
             template=template.names,
             defaults=template.defaults,
+            specialised=specialised,
         )
     )
 
@@ -226,7 +244,8 @@ def _declaration(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
         else:
             name = qualified_name(context, found.name)[0]
             full = name if context.in_class else context.qualified(name)
-            out.append(lower_variable(context, node, one, full))
+            made = lower_variable(context, node, one, full)
+            out.append(made if context.in_class else replace(made, static=False))
 
 
 def _define_type(context: LoweringContext, node: Node, type: Node, out: list[Stmt]) -> None:

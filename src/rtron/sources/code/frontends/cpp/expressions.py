@@ -1,5 +1,7 @@
 """Expressions of C++: names, members, calls, values that are made."""
 
+from collections.abc import Iterator
+
 from tree_sitter import Node
 
 from rtron.sources.code.frontends.cpp.literals import number_value, string_value
@@ -16,8 +18,10 @@ from rtron.sources.code.ir import (
     Attr,
     Call,
     Const,
+    Expansion,
     Expr,
     Index,
+    MappingExpr,
     Name,
     New,
     Opaque,
@@ -28,6 +32,7 @@ from rtron.sources.code.ir import (
 
 _CASTS = {"static_cast", "dynamic_cast", "const_cast", "reinterpret_cast"}
 _MAX_ITEMS = 4096
+_BIND = Name("std::bind")
 
 
 @lowers_expression(
@@ -112,6 +117,9 @@ def _member(context: LoweringContext, node: Node) -> Expr:
     field = node.child_by_field_name("field")
     if owner is None or field is None:
         return lower_opaque(context, node)
+    if any(child.type == ".*" for child in node.children):
+        method = Name(*qualified_name(context, field))
+        return Call(_BIND, (method, lower_expression(context, owner)), (), line_of(node))
     return Attr(lower_expression(context, owner), *qualified_name(context, field))
 
 
@@ -131,6 +139,7 @@ def _call(context: LoweringContext, node: Node) -> Expr:
     function = node.child_by_field_name("function")
     if function is None:
         return lower_opaque(context, node)
+    context.note_call(function)
     args = lower_arguments(context, node.child_by_field_name("arguments"))
     if function.type == "template_function" and len(args) == 1:
         cast = function.child_by_field_name("name")
@@ -144,13 +153,17 @@ def lower_arguments(context: LoweringContext, node: Node | None) -> tuple[Expr, 
     if node is None:
         return ()
     if node.type in {"argument_list", "initializer_list"}:
-        return lower_expressions(context, node.named_children[:_MAX_ITEMS])
+        children = node.named_children[:_MAX_ITEMS]
+        if children and all(_designated_member(child) is not None for child in children):
+            return (_designated_members(context, children),)
+        return lower_expressions(context, children)
     return (lower_expression(context, node),)
 
 
 @lowers_expression("initializer_list")
 def _list(context: LoweringContext, node: Node) -> Expr:
-    return SequenceExpr(lower_arguments(context, node), BRACES)
+    args = lower_arguments(context, node)
+    return args[0] if args and isinstance(args[0], MappingExpr) else SequenceExpr(args, BRACES)
 
 
 @lowers_expression("initializer_pair")
@@ -159,10 +172,24 @@ def _designated_initialiser(context: LoweringContext, node: Node) -> Expr:
     return lower_expression(context, value) if value else lower_opaque(context, node)
 
 
+def _designated_member(node: Node) -> Node | None:
+    """Return the member that `.x = …` in braces names."""
+    designator = node.child_by_field_name("designator")
+    is_member = designator is not None and designator.type == "field_designator"
+    return designator.named_children[0] if designator is not None and is_member else None
+
+
+def _designated_members(context: LoweringContext, nodes: list[Node]) -> MappingExpr:
+    names = [context.text(name) for name in map(_designated_member, nodes) if name is not None]
+    values = [_designated_initialiser(context, node) for node in nodes]
+    return MappingExpr(tuple(zip(map(Const, names), values, strict=True)))
+
+
 @lowers_expression("compound_literal_expression")
 def _literal(context: LoweringContext, node: Node) -> Expr:
     type = type_of(context, node.child_by_field_name("type")) or TypeRef("auto")
-    return New(type, lower_arguments(context, node.child_by_field_name("value")), line_of(node))
+    args = lower_arguments(context, node.child_by_field_name("value"))
+    return New(type, args, line_of(node), braced=True)
 
 
 @lowers_expression("new_expression")
@@ -172,17 +199,43 @@ def _new(context: LoweringContext, node: Node) -> Expr:
     if array is not None:
         length = array.child_by_field_name("length")
         type = TypeRef("array", (type, TypeRef(context.text(length)[:60] if length else "")))
-    return New(type, lower_arguments(context, node.child_by_field_name("arguments")), line_of(node))
+    given = node.child_by_field_name("arguments")
+    braced = given is not None and given.type == "initializer_list"
+    return New(type, lower_arguments(context, given), line_of(node), braced)
 
 
 @lowers_expression("parameter_pack_expansion")
 def _pack(context: LoweringContext, node: Node) -> Expr:
     pattern = node.child_by_field_name("pattern")
-    return Star(lower_expression(context, pattern)) if pattern else lower_opaque(context, node)
+    return Star(_expansion(context, pattern)) if pattern else lower_opaque(context, node)
 
 
-@lowers_expression(
-    "sizeof_expression", "alignof_expression", "offsetof_expression", "fold_expression"
-)
+@lowers_expression("fold_expression")
+def _fold(context: LoweringContext, node: Node) -> Expr:
+    """`(f(args), ...)`: what is folded is evaluated for each item of the packs in it."""
+    operands = (_expansion(context, child) for child in node.named_children)
+    return Opaque(tuple(operands), context.text(node)[:60])
+
+
+def _expansion(context: LoweringContext, node: Node) -> Expr:
+    """Return a pattern with the packs in it; nothing of it goes before the statement."""
+    outer, context.statements = context.statements, None
+    value = lower_expression(context, node)
+    context.statements = outer
+    found = dict.fromkeys(name for name in identifiers(context, node) if name in context.packs)
+    return Expansion(value, tuple(found)) if found and not isinstance(value, Name) else value
+
+
+def identifiers(context: LoweringContext, node: Node | None) -> Iterator[str]:
+    """Yield the identifiers within a node."""
+    left = [node] if node else []
+    while left:
+        child = left.pop()
+        left.extend(child.named_children)
+        if child.type == "identifier":
+            yield context.text(child)
+
+
+@lowers_expression("sizeof_expression", "alignof_expression", "offsetof_expression")
 def _unknown(context: LoweringContext, node: Node) -> Expr:
     return Opaque((), context.text(node)[:60])

@@ -1,6 +1,5 @@
 """Functions, methods, constructors and lambdas."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 from tree_sitter import Node
@@ -11,7 +10,7 @@ from rtron.sources.code.frontends.cpp.declarators import (
     is_constant,
     read_declarator,
 )
-from rtron.sources.code.frontends.cpp.expressions import lower_arguments
+from rtron.sources.code.frontends.cpp.expressions import identifiers, lower_arguments
 from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
 from rtron.sources.code.frontends.cpp.node_lowering import (
     lower_block,
@@ -22,7 +21,19 @@ from rtron.sources.code.frontends.cpp.node_lowering import (
     lowers_statement,
 )
 from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
-from rtron.sources.code.ir import Declare, Expr, Function, Lambda, New, Param, Stmt, TypeRef
+from rtron.sources.code.ir import (
+    BRACES,
+    Declare,
+    Expr,
+    Function,
+    Lambda,
+    MappingExpr,
+    New,
+    Param,
+    SequenceExpr,
+    Stmt,
+    TypeRef,
+)
 
 
 def lambda_captures(
@@ -35,24 +46,14 @@ def lambda_captures(
     by_reference = {context.text(entry) for entry in plain if _is_by_reference(entry)}
     copies = {context.text(entry): None for entry in plain if not _is_by_reference(entry)}
     if any(entry.type == "lambda_default_capture" and entry.text == b"=" for entry in entries):
-        copies |= {name: None for name in _body_names(context, node) if name not in by_reference}
+        body = node.child_by_field_name("body")
+        copies |= {n: None for n in identifiers(context, body) if n not in by_reference}
     made = [entry for entry in entries if entry.type == "lambda_capture_initializer"]
     return tuple(copies), tuple(_capture_initialiser(context, entry) for entry in made)
 
 
 def _is_by_reference(entry: Node) -> bool:
     return entry.prev_sibling is not None and entry.prev_sibling.type == "&"
-
-
-def _body_names(context: LoweringContext, node: Node) -> Iterator[str]:
-    """Yield the names in a lambda's body, those of lambdas in it as well."""
-    body = node.child_by_field_name("body")
-    left = [body] if body else []
-    while left:
-        child = left.pop()
-        left.extend(child.named_children)
-        if child.type == "identifier":
-            yield context.text(child)
 
 
 def _capture_initialiser(context: LoweringContext, entry: Node) -> Declare:
@@ -92,7 +93,9 @@ def add_function(context: LoweringContext, node: Node, found: Declarator) -> Non
     signature = found.function
     if found.name is not None and found.name.type == "operator_cast":
         signature = found.name.child_by_field_name("declarator")
-    name = qualified_name(context, found.name)[0]
+    name, specialised = qualified_name(context, found.name)
+    if found.name is not None:
+        context.note_call(found.name)
     if signature is None or not name or not _is_function(context, node, name):
         return
     full = context.qualified(name)
@@ -108,6 +111,7 @@ def add_function(context: LoweringContext, node: Node, found: Declarator) -> Non
             initialisers=_initialisers(context, node),
             template=template.names,
             defaults=template.defaults,
+            specialised=specialised if not template.names and "::" not in name else (),
             static=has_specifier(context, node, "storage_class_specifier", b"static"),
         )
     context.functions.append(made)
@@ -118,7 +122,8 @@ def _is_function(context: LoweringContext, node: Node, name: str) -> bool:
     last = name.rpartition("::")[2]
     if node.type == "function_definition" or node.child_by_field_name("type") is not None:
         return True
-    return last.startswith(("~", "operator")) or last == context.scope.rpartition("::")[2]
+    own = context.scope.rpartition("::")[2].partition("<")[0]
+    return last.startswith(("~", "operator")) or last == own
 
 
 def _return_type(context: LoweringContext, node: Node, signature: Node) -> TypeRef | None:
@@ -149,8 +154,13 @@ def _initialisers(context: LoweringContext, node: Node) -> tuple[_Initialiser, .
 
 
 def _initialiser(context: LoweringContext, node: Node) -> _Initialiser:
+    """Return a member or base and its arguments; those in braces are one SequenceExpr."""
     member, *rest = node.named_children
-    return qualified_name(context, member)[0], lower_arguments(context, rest[0] if rest else None)
+    given = rest[0] if rest else None
+    args = lower_arguments(context, given)
+    if args and given is not None and given.type == "initializer_list":
+        args = (args[0] if isinstance(args[0], MappingExpr) else SequenceExpr(args, BRACES),)
+    return qualified_name(context, member)[0], args
 
 
 def lower_parameters(context: LoweringContext, node: Node | None) -> tuple[Param, ...]:
@@ -165,8 +175,11 @@ def _parameter(context: LoweringContext, node: Node) -> Param:
     found = read_declarator(node.child_by_field_name("declarator"))
     type = found.array_type(context, type_of(context, node.child_by_field_name("type")))
     const = has_specifier(context, node, "type_qualifier", b"const")
+    name = qualified_name(context, found.name)[0]
+    if node.type == "variadic_parameter_declaration":
+        context.packs.add(name)
     return Param(
-        qualified_name(context, found.name)[0],
+        name,
         type,
         _default(context, node.child_by_field_name("default_value"), type),
         "star" if node.type == "variadic_parameter_declaration" else "plain",
@@ -196,6 +209,7 @@ def _lambda(context: LoweringContext, node: Node) -> Lambda:
             params=lower_parameters(context, parameters),
             body=_body(context, node),
             returns=_return_type(context, node, signature) if signature else None,
+            column=node.start_point[1],
         ),
         copies,
         captures,

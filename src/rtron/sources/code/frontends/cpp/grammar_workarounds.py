@@ -28,6 +28,10 @@ _STATEMENT = re.compile(rf"^[ \t]*{_MACRO_NAME}(?=[ \t]*\()", re.MULTILINE)
 _MAX_UNCLOSED = 100
 _STATEMENT_START = re.compile(r"(?:\A|[;{}):])\s*\Z")
 _STATEMENT_END = re.compile(r"[ \t]*\n\s*(?:[\w~}]|\Z)")
+_POINTED_MEMBER = re.compile(r"->\*(?=\s*[A-Za-z_])")
+_MAX_PARAMETERS = 2_000
+_WORD_BEFORE = re.compile(r"(\w+)\s*\Z")
+_BEFORE_CONDITIONS = {"if", "while", "for", "switch", "return", "sizeof", "catch", "constexpr"}
 _KERNEL_LAUNCH = re.compile(r"<<[ ]?<(?!<)[^<>;{}]*>>[ ]?>(?=\s*\()")
 _C_NAME = re.compile(
     rf"{STRING}|{CHARACTER}"
@@ -39,16 +43,16 @@ def work_around_grammar(code: str, *, is_c: bool = False) -> str:
     """Return preprocessed code without what hinders the parser; its lines keep their numbers.
 
     Macros in front of types and between `class` and its name go, a macro call alone on its line
-    gets a semicolon, explicit instantiations and the launch parameters of a CUDA kernel go; C may
-    use the words of C++ as names.
+    gets a semicolon, explicit instantiations and the launch parameters of a CUDA kernel go;
+    `p->*f` is read as `p.*f`; C may use the words of C++ as names.
     """
     code = _C_NAME.sub(_rename_keyword, code) if is_c else _INSTANTIATED.sub(_newlines, code)
     code = _NAMED_EXPORT.sub("", code)
     code = _EXPORTED.sub(r"\1\2", code)
     code = _DECLARED.sub(r"\1\2", code)
     code = _BEFORE_TYPE.sub(r"\1", code)
-    code = _AFTER_PARAMETERS.sub(r"\1", code)
-    code = _end_macro_calls(code)
+    code = _AFTER_PARAMETERS.sub(_drop_behind_parameters, code)
+    code = _end_macro_calls(_POINTED_MEMBER.sub(".*", code))
     return _KERNEL_LAUNCH.sub(_newlines, code) if "<<" in code else code
 
 
@@ -70,6 +74,18 @@ def _end_macro_calls(code: str) -> str:
             out += [code[copied : call[1]], ";"]
             copied = call[1]
     return "".join([*out, code[copied:]])
+
+
+def _drop_behind_parameters(found: re.Match[str]) -> str:
+    """Drop a macro behind a function's parameters; what stands behind a cast or `if (…)` stays."""
+    code, start = found.string, found.start()
+    depth, at = 1, start - 1
+    while depth and at > max(start - _MAX_PARAMETERS, -1):
+        depth += {")": 1, "(": -1}.get(code[at], 0)
+        at -= 1
+    before = _WORD_BEFORE.search(code, max(at - 80, 0), at + 1)
+    is_function = before is not None and before[1] not in _BEFORE_CONDITIONS
+    return found[1] if is_function else found.group()
 
 
 def _newlines(found: re.Match[str]) -> str:

@@ -16,6 +16,11 @@ from rtron.sources.code.frontends.cpp import (
     switch_statement,
 )
 from rtron.sources.code.frontends.cpp.grammar_workarounds import work_around_grammar
+from rtron.sources.code.frontends.cpp.lost_calls import (
+    endpoint_macros,
+    note_lost_calls,
+    unexpanded_macros,
+)
 from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
 from rtron.sources.code.frontends.cpp.macros import Macro
 from rtron.sources.code.frontends.cpp.node_lowering import lower_declaration
@@ -70,6 +75,7 @@ def lower_cpp(path: str, text: bytes, defined: Mapping[str, str] = _NO_MACROS) -
     _note_errors(context, root)
     for child in root.named_children:
         lower_declaration(context, child, body)
+    note_lost_calls(context, root)
     body += _macro_constants(path, read.macros)
     return _unit(context, read, body)
 
@@ -86,6 +92,8 @@ def _unit(context: LoweringContext, read: PreprocessedFile, body: list[ir.Stmt])
         includes=read.includes,
         exports=tuple(context.exports),
         enums=tuple(context.enums.items()),
+        endpoint_macros=endpoint_macros(read.macros),
+        unexpanded=unexpanded_macros(read.code),
         problems=tuple(context.problems),
     )
 

@@ -13,6 +13,7 @@ from rtron.sources.code.ir import Class, Function, Name, SourceProblem, Stmt, Ty
 MAX_DEPTH = 90
 _MAX_PROBLEMS = 100
 _ARGUMENTS = re.compile(r"<.*>")
+_UNNAMED = {"lambda_expression", "call_expression", "parenthesized_expression"}
 
 
 class Template(NamedTuple):
@@ -27,7 +28,8 @@ class LoweringContext:
     """The file being lowered; `scope` is the namespace, class or function that names are in.
 
     `statements` takes the statements of the block being lowered, so that an assignment within an
-    expression can stand before the statement it is in; it is None where it must not.
+    expression can stand before the statement it is in; it is None where it must not. `packs` are
+    the names of parameter packs, `called` where the names stand that are called or declared.
     """
 
     file: str
@@ -45,6 +47,8 @@ class LoweringContext:
     enums: dict[str, int | None] = field(default_factory=dict)
     problems: list[SourceProblem] = field(default_factory=list)
     names: dict[bytes, Name] = field(default_factory=dict)
+    packs: set[str] = field(default_factory=set)
+    called: list[tuple[int, int]] = field(default_factory=list)
     types: dict[bytes, TypeRef | None] = field(default_factory=dict)
 
     def text(self, node: Node) -> str:
@@ -55,6 +59,12 @@ class LoweringContext:
         """Note a part that could not be read; the number of notes is bounded."""
         if len(self.problems) < _MAX_PROBLEMS:
             self.problems.append(SourceProblem(line, why))
+
+    def note_call(self, name: Node) -> None:
+        """Note that what is called, or declared, by a name is lowered."""
+        plain = name.child_by_field_name("field") or name
+        if plain.type not in _UNNAMED:
+            self.called.append((plain.start_byte, plain.end_byte))
 
     def is_too_deep(self, node: Node) -> bool:
         """Return whether a node lies deeper than is read; then it becomes a problem."""

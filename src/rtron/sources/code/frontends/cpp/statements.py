@@ -25,6 +25,7 @@ from rtron.sources.code.ir import (
     Expr,
     ForEach,
     If,
+    Jump,
     Name,
     Raise,
     Return,
@@ -35,7 +36,10 @@ from rtron.sources.code.ir import (
 )
 
 
-@lowers_statement("compound_statement", "ERROR", "else_clause", "init_statement", "case_statement")
+@lowers_statement(
+    *("compound_statement", "ERROR", "else_clause", "init_statement", "case_statement"),
+    *("seh_try_statement", "seh_except_clause", "seh_finally_clause"),
+)
 def _block(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     for child in node.named_children:
         lower_statement(context, child, out)
@@ -143,6 +147,12 @@ def _range(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
 @lowers_statement("return_statement", "co_return_statement")
 def _return(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     out.append(Return(_value(context, node), line_of(node)))
+
+
+@lowers_statement("goto_statement")
+def _goto(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+    label = node.child_by_field_name("label")
+    out.append(Jump(context.text(label) if label else "", line_of(node)))
 
 
 @lowers_statement("throw_statement")

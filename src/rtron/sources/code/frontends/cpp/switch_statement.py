@@ -13,19 +13,22 @@ from rtron.sources.code.frontends.cpp.node_lowering import (
 )
 from rtron.sources.code.frontends.cpp.statements import lower_condition
 from rtron.sources.code.ir import (
+    Attr,
     Binary,
     Break,
+    Breakable,
     Const,
     Continue,
+    Declare,
     Expr,
     If,
     Logic,
+    Name,
     Raise,
     Return,
     SequenceExpr,
     Stmt,
     Try,
-    While,
 )
 
 _EXITS = (Break, Continue, Raise, Return)
@@ -46,14 +49,23 @@ class _SwitchCase:
 @lowers_statement("switch_statement")
 def _switch(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     subject = lower_condition(context, node.child_by_field_name("condition"), out)
+    if not isinstance(subject, (Attr, Const, Name)):
+        subject = _evaluate_once(subject, line_of(node), out)
     cases = _read_cases(context, node.child_by_field_name("body"), out)
-    bodies = _with_fallthrough([case.body for case in cases])
+    bodies = _with_fallthrough(context, line_of(node), [case.body for case in cases])
     for case, body in zip(cases, bodies, strict=True):
         case.body = body[:-1] if body and isinstance(body[-1], Break) else body
     chain = _if_chain(subject, cases)
     if any(_breaks(case.body) for case in cases):
-        chain = (While(Const(value=False), chain, first=True, line=line_of(node)),)
+        chain = (Breakable(chain, line_of(node)),)
     out += chain
+
+
+def _evaluate_once(subject: Expr, line: int, out: list[Stmt]) -> Name:
+    """Return a variable that holds what is switched on, which each case asks about."""
+    variable = Name(f"switch@{line}")
+    out.append(Declare(variable.id, None, subject, line=line))
+    return variable
 
 
 def _read_cases(context: LoweringContext, body: Node | None, out: list[Stmt]) -> list[_SwitchCase]:
@@ -82,7 +94,9 @@ def _add_case(context: LoweringContext, node: Node, cases: list[_SwitchCase]) ->
     case.body += lower_block(context, rest)
 
 
-def _with_fallthrough(bodies: list[tuple[Stmt, ...]]) -> list[tuple[Stmt, ...]]:
+def _with_fallthrough(
+    context: LoweringContext, line: int, bodies: list[tuple[Stmt, ...]]
+) -> list[tuple[Stmt, ...]]:
     """Return the bodies, each with those behind it as far as it falls through."""
     result: list[tuple[Stmt, ...]] = []
     following: tuple[Stmt, ...] = ()
@@ -90,6 +104,8 @@ def _with_fallthrough(bodies: list[tuple[Stmt, ...]]) -> list[tuple[Stmt, ...]]:
     for full_body in reversed(bodies):
         body = _until_exit(full_body)
         exits = bool(body) and isinstance(body[-1], _EXITS)
+        if not exits and through == _MAX_FALLTHROUGH:
+            context.add_problem(line, "falls through more cases than are read")
         through = 0 if exits or through >= _MAX_FALLTHROUGH else through + 1
         following = (*body, *following) if through else body
         result.append(following)

@@ -130,6 +130,11 @@ def template_arguments(context: LoweringContext, node: Node) -> Types:
     return tuple(types)
 
 
+def specialised_name(name: str, types: Types) -> str:
+    """Return the name of a class that is specialised for types: `T<int>`, without `::` in them."""
+    return f"{name}<{', '.join(map(str, types)).replace('::', '.')}>" if types else name
+
+
 def _argument(context: LoweringContext, node: Node) -> TypeRef:
     given = type_of(context, node) if node.type == "type_descriptor" else None
     return given or TypeRef(one_line_text(context, node))

@@ -110,16 +110,17 @@ def _initial(context: LoweringContext, found: Declarator, type: TypeRef | None) 
         return lower_expression(context, value)
     if braced and (found.sizes or _is_assigned(context, value)):
         return lower_expression(context, value)
-    return _initialiser_value(found, type, lower_arguments(context, value), line_of(value))
+    args = lower_arguments(context, value)
+    return _initialiser_value(found, type, args, line_of(value), braced=braced)
 
 
 def _initialiser_value(
-    found: Declarator, type: TypeRef | None, args: tuple[Expr, ...], line: int
+    found: Declarator, type: TypeRef | None, args: tuple[Expr, ...], line: int, *, braced: bool
 ) -> Expr:
     """Return what `T x(args)` begins with: a new T, or the argument where T makes nothing."""
     if type is None or found.pointer or found.reference:
         return args[0] if args else Const(None)
-    return New(type, args, line)
+    return New(type, args, line, braced)
 
 
 def _is_assigned(context: LoweringContext, value: Node) -> bool:
@@ -135,7 +136,7 @@ def _add_vexing(
     out: list[Stmt],
 ) -> None:
     made = lower_variable(context, node, one, qualified_name(context, one.declarator.name)[0])
-    value = _initialiser_value(one.declarator, made.type, args, made.line)
+    value = _initialiser_value(one.declarator, made.type, args, made.line, braced=False)
     out.append(
         Declare(made.name, made.type, value, made.reference, made.pointer, made.static, made.line)
     )
@@ -166,6 +167,7 @@ def _argument(context: LoweringContext, node: Node) -> Expr | None:
     if type is None or not bare or type.type in _BUILT_IN or context.is_too_deep(node):
         return None
     value = Name(*qualified_name(context, type))
+    context.note_call(type)
     if inner is None:
         return value
     return _apply_declarator(context, value, inner) if inner.type in _EXPRESSIVE else None

@@ -7,6 +7,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     UNKNOWN,
     Choice,
     ClassValue,
+    ExternalSymbol,
     Instance,
     LibraryClass,
     ListValue,
@@ -57,6 +58,10 @@ def list_of(items: Iterable[Value], kind: str = "list", *, certain: bool = True)
 def unpack(value: Value, count: int) -> tuple[Value, ...]:
     """Return a value taken apart into `count` variables."""
     items, certain = items_of(value)
+    if isinstance(value, Instance) and isinstance(value.type, ClassValue):
+        members = [one.name for one in value.type.definition.fields]
+        items = tuple(value.fields[name] for name in members if name in value.fields)
+        certain = True
     if certain and len(items) == count:
         return items
     return tuple(Unknown(getattr(value, "label", "?")) for _ in range(count))
@@ -93,7 +98,7 @@ def key_value(key: object, *, tainted: bool = False) -> Value:
     if isinstance(key, tuple):
         items = tuple(key_value(item, tainted=tainted) for item in key)
         return list_of(items, "tuple")
-    return key if isinstance(key, IDENTIFIED) else Scalar(key, tainted)
+    return key if isinstance(key, (*IDENTIFIED, ExternalSymbol)) else Scalar(key, tainted)
 
 
 def _holds_parameter(value: Value, depth: int = _MAX_DEPTH) -> bool:

@@ -63,10 +63,14 @@ class Instance:
 
 @dataclass(eq=False, slots=True)
 class ListValue:
-    """A list, tuple, set or C++ container; `open` says that it may hold more than `items`."""
+    """A list, tuple, set or C++ container; `open` says that it may hold more than `items`.
+
+    `type` is what a C++ container was declared as.
+    """
 
     fields: dict[Any, Any] = field(default_factory=dict)
     kind: str = "list"
+    type: TypeRef | None = None
 
     @property
     def items(self) -> tuple["Value", ...]:
@@ -85,12 +89,14 @@ class MapValue:
 
     `iterates_pairs` marks a map of C++, whose items are pairs; `default_factory` makes the value
     of a new key. `is_namespace` says that the entries are variables or members: `vars(owner)`.
+    `type` is what a map of C++ was declared as.
     """
 
     fields: dict[Any, "Value"] = field(default_factory=dict)
     iterates_pairs: bool = False
     default_factory: Callable[[], "Value"] | None = None
     is_namespace: bool = False
+    type: TypeRef | None = None
 
     @property
     def entries(self) -> dict[Any, "Value"]:
@@ -103,9 +109,13 @@ class MapValue:
         return OPEN in self.fields
 
     def key_of(self, key: "Value") -> Any:  # noqa: ANN401 - any key
-        """Return the key that a value is here, or OPEN; C++ compares objects by what they hold."""
+        """Return the key that a value is here, or OPEN; C++ compares objects by what they hold.
+
+        There an enumerator of a header that is not here is known by its name.
+        """
         if self.iterates_pairs:
-            return key.value if isinstance(key, Scalar) else OPEN
+            named = key if isinstance(key, ExternalSymbol) else OPEN
+            return key.value if isinstance(key, Scalar) else named
         return map_key(key)
 
     def missing_note(self, key: object) -> tuple[str, str] | None:  # noqa: ARG002 - for others
@@ -171,6 +181,11 @@ class ClassValue:
         """The class's name as it is defined."""
         return self.definition.name
 
+    @property
+    def constructor(self) -> str:
+        """The name of the constructors that the class has in C++."""
+        return f"{self.name}::{self.name.rpartition('::')[2].partition('<')[0]}"
+
 
 @dataclass(eq=False, slots=True)
 class ModuleValue:
@@ -203,6 +218,7 @@ class LibraryClass:
     """A class of a library that RTron knows: how it is made and what its methods do.
 
     The library calls `virtual_callbacks` by itself, in order. `over_source`: before its own source.
+    `takes_list` marks a container of C++: its constructor gets what stands in braces as one list.
     """
 
     name: str
@@ -210,6 +226,7 @@ class LibraryClass:
     methods: dict[str, Callable[..., "Value"]] = field(default_factory=dict)
     virtual_callbacks: tuple[str, ...] = ()
     over_source: bool = True
+    takes_list: bool = False
 
 
 @record(frozen=True, slots=True)

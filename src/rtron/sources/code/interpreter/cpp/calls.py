@@ -12,11 +12,12 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     MapValue,
     Value,
 )
+from rtron.sources.code.interpreter.cpp.braces import construct_braced, is_braces
 from rtron.sources.code.interpreter.cpp.types import CppTypes
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments, bind_parameters
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
-from rtron.sources.code.ir import Expr, Param
+from rtron.sources.code.ir import Expr, Function, Param
 from rtron.sources.code.library_models.common.containers import copy_instance
 
 
@@ -37,7 +38,7 @@ class CppCalls(CppTypes):
             closure=outer if isinstance(outer, StackFrame) else None,
             this=called.owner if called.owner is not None else getattr(outer, "this", None),
             cls=called.cls,
-            scope=getattr(outer, "scope", "") or function.name.rpartition("::")[0],
+            scope=getattr(outer, "scope", "") or self._scope_of(function),
             types=self.bind_template_parameters(called, passed),
             caller=arguments,
             constants={param.name: param.constant for param in function.params},
@@ -51,25 +52,36 @@ class CppCalls(CppTypes):
         frame.variables = bind_parameters(function.params, passed, default)
         for at, param in enumerate(function.params):
             slot = passed.slot(at)
-            if param.reference and slot is not None and slot.key != "this":
+            is_alias = param.reference and slot is not None and slot.key != "this"
+            if is_alias and slot is not None and param.kind == "plain":
                 frame.aliases[param.name] = slot
-            elif not param.reference and param.kind == "plain":
+            elif param.kind == "plain":
                 value = frame.variables[param.name]
+                if param.reference and not is_braces(value):
+                    continue
                 if isinstance(value, (Instance, ListValue, MapValue)):
                     frame.variables[param.name] = self._copy_argument(value, param, frame)
         return frame
 
+    def _scope_of(self, function: Function) -> str:
+        """Return the scope of a function's names: its own, if it has classes of its own."""
+        name = function.name
+        return name if name in self.symbols.local_scopes else name.rpartition("::")[0]
+
     def _copy_argument(self, value: Value, param: Param, frame: StackFrame) -> Value:
-        """Return what a parameter without & and * holds: a copy."""
+        """Return what a parameter without & and * holds: a copy, or what braces make."""
         if isinstance(value, Instance) and isinstance(value.type, ClassValue) and param.type:
             return copy_instance(value) if self.class_of(param.type, frame) is value.type else value
+        if is_braces(value):
+            at = Arguments(line=frame.caller.line, frame=frame)
+            value = construct_braced(self.machine, param.type, value, at)
         return copy_container(value)
 
 
 def copy_container(value: Value) -> Value:
     """Return a list or map as a new one with the same items, any other value as it is."""
     if isinstance(value, ListValue):
-        return ListValue(dict(value.fields), value.kind)
+        return replace(value, fields=dict(value.fields))
     return replace(value, fields=dict(value.fields)) if isinstance(value, MapValue) else value
 
 

@@ -23,6 +23,13 @@ def begin(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
     return _iterator_at(holder, 0, len(items), certain=certain)
 
 
+def iterator_to(machine: AbstractMachine, owner: Value, position: int, at: Arguments) -> Value:
+    """Return an iterator at one of a container's items."""
+    first = begin(machine, owner, at)
+    found = items_after(first)
+    return found[0][position][0] if found is not None and position < len(found[0]) else first
+
+
 def items_after(value: Value | None) -> tuple[list[tuple[Instance, Value]], bool] | None:
     """Return the iterators from one on with their items, and whether these are all."""
     if not isinstance(value, Instance) or value.type is not ITERATOR or _END in value.fields:
@@ -57,6 +64,25 @@ def write_through(machine: AbstractMachine, held: Value | None, value: Value) ->
 def end(_: AbstractMachine, __: Value, ___: Arguments) -> Value:
     """`container.end()`."""
     return Instance(ITERATOR, {_END: Scalar(value=True)})
+
+
+def container_of(value: Value | None) -> Value | None:
+    """Return what an iterator goes through, any other value as it is."""
+    if not isinstance(value, Instance) or value.type is not ITERATOR or _END in value.fields:
+        return value
+    items = value.fields["items"]
+    return items.fields[_CONTAINER] if isinstance(items, Instance) else value
+
+
+def position_of(value: Value | None) -> int:
+    """Return how many items stand before an iterator; none where that is not known."""
+    position = value.fields.get("at") if isinstance(value, Instance) else None
+    return position.value if isinstance(position, Scalar) else 0
+
+
+def is_end(value: Value) -> bool:
+    """Tell whether a value is what `container.end()` gives."""
+    return isinstance(value, Instance) and value.type is ITERATOR and _END in value.fields
 
 
 def dereference(value: Value) -> Value:

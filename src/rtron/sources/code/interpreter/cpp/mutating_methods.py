@@ -6,11 +6,13 @@ A smart pointer is kept as what it points at and a string as its value, so that 
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    PartialText,
     Scalar,
     Unknown,
     Value,
     concat,
     is_text,
+    join,
     options,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -19,6 +21,7 @@ from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Attr, Call
 
 POINTER_METHODS = frozenset({"get", "lock", "release", "toStrongRef"})
+_OPTIONAL_METHODS = frozenset({"value", "has_value", "value_or"})
 _WRITING_METHODS = frozenset(
     ["reset", "append", "push_back", "pop_back", "assign", "clear", "erase", "insert", "replace"]
 )
@@ -31,7 +34,9 @@ def mutate(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value | N
     name = node.function.name
     if name in POINTER_METHODS and not node.args:
         return _pointed_value(machine, node.function, frame)
-    if name not in _WRITING_METHODS:
+    if name in _OPTIONAL_METHODS:
+        return _optional_value(machine, node, node.function, frame)
+    if name not in _WRITING_METHODS and not (name == "emplace" and node.args):
         return None
     owner = machine.evaluate(node.function.owner, frame)
     if any(machine.runtime.attribute(option, name, ()) is not None for option in options(owner)):
@@ -44,6 +49,29 @@ def _pointed_value(machine: AbstractMachine, function: Attr, frame: StackFrame) 
     owner = machine.evaluate(function.owner, frame)
     own = any(machine.runtime.attribute(option, function.name, ()) for option in options(owner))
     return None if own else owner
+
+
+def _optional_value(
+    machine: AbstractMachine, node: Call, function: Attr, frame: StackFrame
+) -> Value | None:
+    """`value()`, `has_value()`, `value_or(x)` of a std::optional, which is what it holds."""
+    held = machine.evaluate(function.owner, frame)
+    kinds = (Scalar, PartialText)
+    if not all(isinstance(option, kinds) for option in options(held)):
+        return None
+    filled = truth_of_optional(held)
+    if function.name == "has_value":
+        return Scalar(filled) if filled is not None else Unknown("has_value")
+    if function.name == "value" or filled:
+        return held
+    other = machine.evaluate(node.args[0], frame) if node.args else NONE
+    return join([*(one for one in options(held) if one != NONE), other])
+
+
+def truth_of_optional(held: Value) -> bool | None:
+    """Tell whether a std::optional holds anything: 0 and an empty string are something."""
+    answers = {option != NONE for option in options(held)}
+    return answers.pop() if len(answers) == 1 else None
 
 
 def _write(
@@ -65,6 +93,8 @@ def _new_value(name: str, owner: Value, values: list[Value]) -> Value:
         return concat((owner, values[0]))
     if name == "assign" and values:
         return values[0]
+    if name == "emplace":
+        return values[0] if len(values) == 1 else Unknown(name)
     return _edit_text(name, owner, values)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     UNKNOWN,
@@ -12,11 +13,17 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Instance,
     LibraryClass,
     ListValue,
+    MapValue,
     Unknown,
     Value,
 )
+from rtron.sources.code.interpreter.cpp.braces import (
+    construct_braced,
+    is_braces,
+    type_of_target,
+)
 from rtron.sources.code.interpreter.cpp.calls import CppCalls
-from rtron.sources.code.interpreter.cpp.iterators import dereference
+from rtron.sources.code.interpreter.cpp.iterators import ITERATOR, dereference, is_end
 from rtron.sources.code.interpreter.cpp.overload_resolution import choose_overload
 from rtron.sources.code.interpreter.cpp.types import template_types
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -30,12 +37,14 @@ from rtron.sources.code.ir import (
     Declare,
     Expr,
     Function,
+    MappingExpr,
     Name,
     New,
+    SequenceExpr,
+    Star,
     TypeRef,
 )
 from rtron.sources.code.library_models.common.containers import copy_instance
-from rtron.sources.code.library_models.cpp_std.containers import CONTAINER_CONSTRUCTORS
 
 _MAX_DEPTH = 24
 _MAX_RECURSION = 3
@@ -50,7 +59,21 @@ class CppObjects(CppCalls):
     def new(self, node: New, frame: StackFrame) -> Value:
         """Make an object of a type."""
         arguments = self._evaluate_arguments(node, frame)
+        given = arguments.values
+        if node.braced and given and not _is_range_or_copy(node, given):
+            by_name = isinstance(node.args[0], MappingExpr)
+            value = given[0] if by_name else list_of(given, BRACES)
+            if self.class_of(node.type, frame) is not None:
+                return construct_braced(self.machine, node.type, value, arguments)
         return self.construct(node.type, arguments)
+
+    def convert_braces(self, type: TypeRef | None, value: Value, frame: StackFrame) -> Value:
+        """Return what braces make of a type."""
+        return construct_braced(self.machine, type, value, Arguments(frame=frame))
+
+    def braces_for(self, target: Expr, value: Value, frame: StackFrame) -> Value:
+        """Return what braces make that are assigned."""
+        return self.convert_braces(type_of_target(self.machine, target, frame), value, frame)
 
     def construct(self, type: TypeRef, arguments: Arguments) -> Value:
         """Make an object of a type from values."""
@@ -128,34 +151,14 @@ class CppObjects(CppCalls):
         value = self.machine.evaluate(node.value, frame)
         if isinstance(node.value, Name):
             value = dereference(value)
-        if node.type is not None and not node.pointer and isinstance(value, ListValue):
-            return self._convert_initialiser_list(node.type, value, node.line, frame)
+        if node.type is not None and not node.pointer and is_braces(value):
+            at = Arguments(line=node.line, frame=frame)
+            return construct_braced(self.machine, node.type, value, at)
         if node.type is not None and not (
             node.pointer or node.reference or _is_temporary(node.value)
         ):
             return copy_instance(value)
         return value
-
-    def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
-        """Return the frame of a call; `f({"a", 1})` makes an object of the parameter's type."""
-        frame = CppCalls.call_frame(self, called, arguments)
-        for param in called.function.params:
-            value = frame.variables.get(param.name)
-            if isinstance(value, ListValue) and value.kind == BRACES and param.type:
-                made = self._convert_initialiser_list(param.type, value, arguments.line, frame)
-                frame.variables[param.name] = made
-        return frame
-
-    def _convert_initialiser_list(
-        self, type: TypeRef, value: ListValue, line: int, frame: StackFrame
-    ) -> Value:
-        """`std::map<…> m = {{"a", 1}}`: the list makes an object of the declared type."""
-        found = self.class_of(type, frame)
-        if isinstance(found, LibraryClass) and found.construct in CONTAINER_CONSTRUCTORS:
-            return self.construct(type, Arguments(values=(value,), line=line, frame=frame))
-        is_class = isinstance(found, ClassValue) or (found is not None and found.construct)
-        made = Arguments(values=value.items, line=line, frame=frame)
-        return self.construct(type, made) if is_class else value
 
     def construct_instance(
         self, cls: ClassValue, arguments: Arguments, types: tuple[TypeRef, ...]
@@ -181,12 +184,20 @@ class CppObjects(CppCalls):
             len(self._construction_stack) >= _MAX_DEPTH
             or self._construction_stack.count(cls.name) >= _MAX_RECURSION
         ):
+            self._note_unmade(cls, arguments)
             return
         self._construction_stack.append(cls.name)
         try:
             self._run_constructor(made, cls, arguments, candidates)
         finally:
             self._construction_stack.pop()
+
+    def _note_unmade(self, cls: ClassValue, arguments: Arguments) -> None:
+        """Note an object that is made within too many others, if to make it could join nodes."""
+        made = self.overloads(cls.constructor)
+        if any(self.machine.is_relevant(self.machine, function) for function in made):
+            why = "is made within too many others, or within itself"
+            self.machine.recorder.add_unresolved(cls.name, why, arguments.evidence)
 
     def _run_constructor(
         self,
@@ -197,8 +208,7 @@ class CppObjects(CppCalls):
     ) -> None:
         self.machine.note_passed_functions(arguments)
         made.bindings.setdefault(cls.name, made.types)
-        plain = cls.name.rpartition("::")[2]
-        constructors = candidates or self.overloads(f"{cls.name}::{plain}")
+        constructors = candidates or self.overloads(cls.constructor)
         if not constructors:
             self._initialise_members(made, cls, {}, self._class_frame(made, cls), arguments)
             self._initialise_aggregate(made, cls, arguments)
@@ -219,8 +229,7 @@ class CppObjects(CppCalls):
         self, made: Instance, cls: ClassValue, arguments: Arguments, delegating: Function
     ) -> None:
         """`Foo(int a) : Foo(a, 0)`: another constructor of the class runs first."""
-        plain = cls.name.rpartition("::")[2]
-        others = [f for f in self.overloads(f"{cls.name}::{plain}") if f is not delegating]
+        others = [f for f in self.overloads(cls.constructor) if f is not delegating]
         if others:
             self._run_class_part(made, cls, arguments, tuple(others))
 
@@ -246,14 +255,24 @@ class CppObjects(CppCalls):
                 made.fields[member.name] = self._member_value(member, initialisers, frame)
 
     def _initialise_aggregate(self, made: Instance, cls: ClassValue, arguments: Arguments) -> None:
-        """`Point{1, 2}` of a class without constructors and bases: its members, in order."""
-        if not cls.bases:
-            names = [member.name for member in cls.definition.fields if not member.static]
-            made.fields.update(zip(names, arguments.values, strict=False))
+        """`Point{1, 2}`, `Point{.y = 2}` of a class without constructors and bases."""
+        if cls.bases:
+            return
+        frame = self._class_frame(made, cls)
+        members = [member for member in cls.definition.fields if not member.static]
+        given = dict(zip([member.name for member in members], arguments.values, strict=False))
+        first = arguments.get(0)
+        if isinstance(first, MapValue) and not first.iterates_pairs:
+            given = first.fields
+        for member in members:
+            if member.name in given:
+                value = self.convert_braces(member.type, given[member.name], frame)
+                made.fields[member.name] = value
 
     def _initialiser_arguments(self, given: tuple[object, ...], frame: StackFrame) -> Arguments:
         line = frame.function.line if frame.function else 0
-        return self._evaluate_arguments(New(TypeRef("base"), given, line), frame)  # type: ignore[arg-type]
+        args = given[0].items if given and isinstance(given[0], SequenceExpr) else given
+        return self._evaluate_arguments(New(TypeRef("base"), args, line), frame)  # type: ignore[arg-type]
 
     def _initialise_base(self, made: Instance, base: Value, arguments: Arguments) -> None:
         if isinstance(base, ClassValue):
@@ -270,14 +289,15 @@ class CppObjects(CppCalls):
             return self.initial_value(member, frame)
         given = initialisers[member.name]
         line = frame.function.line if frame.function else member.line
-        node = New(member.type or TypeRef("auto"), given, line)  # type: ignore[arg-type]
+        braced = len(given) == 1 and isinstance(given[0], SequenceExpr)
+        args = given[0].items if braced and isinstance(given[0], SequenceExpr) else given
+        node = New(member.type or TypeRef("auto"), args, line, braced)  # type: ignore[arg-type]
         if member.pointer or member.reference or member.type is None:
             values = self._evaluate_arguments(node, frame).values
             return values[0] if values else NONE
-        arguments = self._evaluate_arguments(node, frame)
-        if len(arguments.values) == 1 and self.class_of(member.type, frame) is None:
-            return arguments.values[0]
-        return self.construct(member.type, arguments)
+        if len(args) == 1 and self.class_of(member.type, frame) is None:
+            return self._evaluate_arguments(node, frame).values[0]
+        return self.new(node, frame)
 
     def _class_frame(self, made: Instance, cls: ClassValue) -> StackFrame:
         written = made.bindings.get(cls.name, made.types)
@@ -285,9 +305,22 @@ class CppObjects(CppCalls):
         return StackFrame(file=cls.definition.file, scope=cls.name, this=made, cls=cls, types=types)
 
     def _evaluate_arguments(self, node: New, frame: StackFrame) -> Arguments:
-        values = tuple([dereference(self.machine.evaluate(arg, frame)) for arg in node.args])
+        values: list[Value] = []
+        for arg in node.args:
+            value = self.machine.evaluate(arg, frame)
+            values.extend(items_of(value)[0] if isinstance(arg, Star) else (value,))
+        if not any(map(is_end, values)):
+            values = [dereference(value) for value in values]
         slots = tuple([slot_of(self.machine, arg, frame) for arg in node.args])
-        return Arguments(values=values, slots=slots, line=node.line, frame=frame)
+        return Arguments(values=tuple(values), slots=slots, line=node.line, frame=frame)
+
+
+def _is_range_or_copy(node: New, values: tuple[Value, ...]) -> bool:
+    """`std::vector<T> v{other}` copies, `v{xs.begin(), xs.end()}` takes a range."""
+    copies = len(values) == 1 and not isinstance(node.args[0], (SequenceExpr, MappingExpr))
+    first = values[0] if values else None
+    copied = copies and isinstance(first, (ListValue, MapValue))
+    return copied or (isinstance(first, Instance) and first.type is ITERATOR)
 
 
 def _is_delegation(name: str, cls: ClassValue) -> bool:

@@ -6,6 +6,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     FunctionValue,
     Instance,
+    ListValue,
+    MapValue,
     Scalar,
     Unknown,
     Value,
@@ -15,11 +17,19 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.ir import Function, Param, TypeRef
 
 _NUMBERS = {"int", "double", "float", "bool", "long", "short", "size_t", "uint32_t", "int32_t"}
+_FLOATS = {"double", "float"}
 _TEXTS = {"std::string", "string", "char", "QString"}
+_LISTS = {"initializer_list", "vector", "list", "deque", "set", "array", "map", "unordered_map"}
+_LIST_SCORE = 3
 
 
 def choose_overload(functions: tuple[Function, ...], arguments: Arguments) -> Function:
-    """Return the function that fits a call best: by the number of arguments, then their types."""
+    """Return the function that fits a call best: by the number of arguments, then their types.
+
+    `template <> void f<int>()` fits a call of `f<int>`, and no other.
+    """
+    if any(function.specialised for function in functions):
+        functions = _of_types(functions, arguments) or functions
     count = len(arguments.values)
     ranks = [(_accepts_count(function, count), function.body is not None) for function in functions]
     best = max(ranks)
@@ -27,6 +37,13 @@ def choose_overload(functions: tuple[Function, ...], arguments: Arguments) -> Fu
     if len(fitting) == 1:
         return fitting[0]
     return max(fitting, key=lambda function: _score(function, arguments))
+
+
+def _of_types(functions: tuple[Function, ...], arguments: Arguments) -> tuple[Function, ...]:
+    """Return the functions that are specialised for a call's types, else those for any."""
+    fitting = [f for f in functions if f.specialised == arguments.types[: len(f.specialised)]]
+    special = [function for function in fitting if function.specialised]
+    return tuple(special or fitting)
 
 
 def _accepts_count(function: Function, count: int) -> bool:
@@ -62,6 +79,14 @@ def _unknown_type_score(type: str, value: Unknown) -> int:
     return 3 if value.label.rpartition("::")[2] == f"{type}()" else 0
 
 
+def _number_score(type: str, value: Scalar) -> int:
+    """Tell how well a number fits: best where nothing of it is converted."""
+    if isinstance(value.value, bool) or type == "bool":
+        return 1 + (isinstance(value.value, bool) and type == "bool") if type in _NUMBERS else -1
+    is_float = isinstance(value.value, float)
+    return 1 + (is_float == (type in _FLOATS)) if type in _NUMBERS else -1
+
+
 def _type_score(type: TypeRef, value: Value) -> int:
     last = type.name.rpartition("::")[2]
     if isinstance(value, Unknown):
@@ -69,13 +94,14 @@ def _type_score(type: TypeRef, value: Value) -> int:
     if is_text(value):
         return 2 if type.name in _TEXTS else -_is_scalar(type)
     if isinstance(value, Scalar):
-        return 1 if type.name in _NUMBERS else -1
+        return _number_score(last, value)
     if isinstance(value, Instance):
         name = value.type.name.rpartition("::")[2]
         return 3 if name == last or name in str(type) else -2 * _is_scalar(type)
-    if isinstance(value, (FunctionValue, ClassValue)):
-        return -2 * _is_scalar(type)
-    return 0
+    if isinstance(value, (ListValue, MapValue)) and last in _LISTS:
+        return _LIST_SCORE
+    is_object = isinstance(value, (FunctionValue, ClassValue, ListValue, MapValue))
+    return -2 * _is_scalar(type) * is_object
 
 
 def _is_scalar(type: TypeRef) -> int:

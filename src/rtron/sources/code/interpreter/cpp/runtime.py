@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    ClassValue,
     ExternalSymbol,
     FunctionValue,
     Instance,
@@ -49,6 +50,7 @@ from rtron.sources.code.library_models.cpp_std.registry import (
 from rtron.sources.code.library_models.ros2_common.parameter_types import get_type
 
 _FACTORIES = frozenset({"make_shared", "make_unique"})
+_SAME_TYPES = frozenset({"std::is_same_v", "std::is_same::value"})
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
@@ -59,9 +61,8 @@ class CppRuntime(CppObjects):
     library_constants: Mapping[str, Value] = field(default_factory=lambda: CONSTANTS)
     _unqualified_functions: frozenset[str] = field(default=frozenset(), init=False)
     _globals: dict[str, Value] = field(default_factory=dict)
+    _statics: dict[object, dict[str, Value]] = field(default_factory=dict)
     _candidate_cache: dict[tuple[str, str], tuple[str, ...]] = field(init=False)
-
-    _statics: dict[tuple[object, ...], Value] = field(default_factory=dict)
 
     passes_by_reference = True
 
@@ -163,7 +164,7 @@ class CppRuntime(CppObjects):
         """Make a local variable."""
         frame.constants[node.name] = node.constant and self._may_be_constant(node.name, frame)
         if node.static:
-            self._declare_static(node, frame)
+            frame.aliases[node.name] = self._static_local(node, frame)
             return
         if (node.reference or node.pointer) and node.value is not None:
             slot = slot_of(self.machine, node.value, frame)
@@ -173,12 +174,13 @@ class CppRuntime(CppObjects):
         frame.aliases.pop(node.name, None)
         self.machine.undo_log.set(frame.variables, node.name, self.initial_value(node, frame))
 
-    def _declare_static(self, node: Declare, frame: StackFrame) -> None:
-        """Let a variable stand for the one of all calls, which the first call makes."""
-        key = node.name, frame.function and frame.function.key, *sorted(frame.types.items())
-        if key not in self._statics:
-            self.machine.undo_log.set(self._statics, key, self.initial_value(node, frame))
-        frame.aliases[node.name] = StorageSlot(self._statics, key)
+    def _static_local(self, node: Declare, frame: StackFrame) -> StorageSlot:
+        """Return where a function's static variable is kept, which the first call makes."""
+        key = (frame.function and frame.function.key, node.line, *sorted(frame.types.items()))
+        held = self._statics.setdefault(key, {})
+        if node.name not in held:
+            self.machine.undo_log.set(held, node.name, self.initial_value(node, frame))
+        return StorageSlot(held, node.name)
 
     def _may_be_constant(self, name: str, frame: StackFrame) -> bool:
         """Tell whether no variable that may change has the name already: blocks share a frame."""
@@ -225,8 +227,10 @@ class CppRuntime(CppObjects):
         """`Base::run` inside a class: that base's own method, bound to this."""
         owner, _, method = name.rpartition("::")
         definition = self.symbols.class_named(owner, frame.scope)
-        if definition is None or frame.this is None:
+        if definition is None or not isinstance(frame.this, Instance):
             return self._library_base_method(owner, method, frame)
+        if definition.name not in self.ancestor_names(frame.this):
+            return None
         functions = self.overloads(f"{definition.name}::{method}")
         if not functions:
             return None
@@ -244,11 +248,24 @@ class CppRuntime(CppObjects):
         found = self._template_parameter(name, frame) or _copy_constant(
             self.library_constants.get(name.id)
         )
+        if name.id in _SAME_TYPES and len(name.types) > 1:
+            first, second = (self.qualified_type(type, frame) for type in name.types[:2])
+            return Scalar(first == second)
+        if found is None and name.types and self.symbols.specialisations:
+            found = self._specialised_member(name, frame)
         if found is None and "::" in name.id and name.id in self.library_functions:
             found = self._library_function(name.id, name)
         return (
             found or self._namespace_member(name, frame) or self._type_or_placeholder(name, frame)
         )
+
+    def _specialised_member(self, name: Name, frame: StackFrame) -> Value | None:
+        """`T<int>::text`, a static member of what the template T is specialised as for int."""
+        owner, _, member = name.id.rpartition("::")
+        cls = self.class_of(TypeRef(owner, name.types), frame) if owner else None
+        if not isinstance(cls, ClassValue) or not cls.definition.specialised:
+            return None
+        return self._global(f"{cls.name}::{member}", Name(member))
 
     def _template_parameter(self, name: Name, frame: StackFrame) -> Value | None:
         """Return what a template parameter stands for: a type, or a number."""
@@ -335,10 +352,13 @@ class CppRuntime(CppObjects):
         return LibraryFunction(type.name, make)
 
     def initialise_globals(self) -> None:
-        """Make the program's global objects, as is done before main runs."""
+        """Make the program's global objects, as is done before main runs; macros are none."""
         for name, (declared, file) in list(self.symbols.variables.items()):
-            if declared.type is not None and self.symbols.is_program_file(file):
+            if not declared.static and self.symbols.is_program_file(file):
                 self.lookup(Name(name), StackFrame(file=file))
+        for statement, file in self.symbols.stray:
+            if self.symbols.is_program_file(file):
+                self.machine.evaluate(statement.value, StackFrame(file=file))
 
     def _initialise_global(self, name: str) -> Value:
         declared, file = self.symbols.variables[name]

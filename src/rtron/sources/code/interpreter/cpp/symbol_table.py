@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
-from rtron.sources.code.ir import Class, Declare, Function, SourceLanguage, TypeRef, Unit
+from rtron.sources.code.ir import Class, Declare, Evaluate, Function, SourceLanguage, TypeRef, Unit
 
 MAX_FILES = 600
 MODELLED_FOLDERS = frozenset(
@@ -25,7 +25,11 @@ _MAX_ALIASES = 12
 
 @dataclass(eq=False, slots=True)
 class SymbolTable:
-    """Functions, classes, variables, aliases and enumerators, by their qualified names."""
+    """Functions, classes, variables, aliases and enumerators, by their qualified names.
+
+    `local_scopes` are the functions that have classes or aliases of their own, `unread` the files
+    that were one too many.
+    """
 
     files: SourceProvider
     sources: tuple[Path, ...] = ()
@@ -48,6 +52,10 @@ class SymbolTable:
     version: int = 0
     _dependent_caches: list[dict[Any, Any]] = field(default_factory=list)
     _searched: set[tuple[str, str]] = field(default_factory=set)
+    local_scopes: set[str] = field(default_factory=set)
+    stray: list[tuple[Evaluate, str]] = field(default_factory=list)
+    specialisations: dict[str, list[Class]] = field(default_factory=dict)
+    unread: list[Path] = field(default_factory=list)
 
     def new_cache(self) -> dict[Any, Any]:
         """Return a dict that is emptied whenever a file brings other names."""
@@ -56,7 +64,10 @@ class SymbolTable:
 
     def load(self, path: Path) -> None:
         """Take in a file and the headers it includes, headers first."""
-        if path in self.units or len(self.units) >= MAX_FILES:
+        if path in self.units:
+            return
+        if len(self.units) >= MAX_FILES:
+            self.unread.append(path)
             return
         unit = self.files.lowered_unit(path, SourceLanguage.CPP)
         self.units[path] = unit
@@ -83,6 +94,14 @@ class SymbolTable:
         for path in missing:
             self.load(path)
         return bool(missing)
+
+    def unexpanded_macros(self) -> Iterator[tuple[Path, int, str, Path]]:
+        """Yield where a macro of another file that makes endpoints stands, not expanded."""
+        macros = {name: path for path, unit in self.units.items() for name in unit.endpoint_macros}
+        for path, unit in self.units.items() if macros else ():
+            for name, line in unit.unexpanded:
+                if name in macros and macros[name] != path:
+                    yield path, line, name, macros[name]
 
     def functions_named(self, plain: str) -> tuple[Function, ...]:
         """Return the functions whose last part is a name."""
@@ -211,10 +230,13 @@ class SymbolTable:
         self._add_usings(unit.usings)
         for definition in unit.classes:
             self.classes.setdefault(definition.name, definition)
+            if definition.specialised:
+                primary = definition.name.partition("<")[0]
+                self.specialisations.setdefault(primary, []).append(definition)
             for member in definition.fields:
                 if member.static:
                     name = f"{definition.name}::{member.name}"
-                    self._add_variable(replace(member, name=name), unit.file)
+                    self._add_variable(replace(member, name=name, static=False), unit.file)
         self._clear_caches()
         for function in map(self._qualify, unit.functions):
             self.functions.setdefault(function.name, []).append(function)
@@ -223,9 +245,14 @@ class SymbolTable:
             self._by_unqualified_name.setdefault(plain, []).append(function)
             if function.body is not None:
                 self._methods.setdefault(owner, []).append(plain)
+        local = (*(cls.name for cls in unit.classes), *dict(unit.aliases))
+        owners = {name.rpartition("::")[0] for name in local}
+        self.local_scopes.update(owner for owner in owners if owner in self.functions)
         for statement in unit.body:
             if isinstance(statement, Declare):
                 self._add_variable(statement, unit.file)
+            elif isinstance(statement, Evaluate):
+                self.stray.append((statement, unit.file))
         self.exports.extend(unit.exports)
 
     def _qualify(self, function: Function) -> Function:

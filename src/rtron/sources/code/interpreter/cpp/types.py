@@ -108,7 +108,19 @@ class CppTypes:
         key = resolved.name, frame.scope
         if key not in self._class_cache:
             self._class_cache[key] = self._find_class(resolved, frame)
-        return self._class_cache[key]
+        found = self._class_cache[key]
+        if isinstance(found, ClassValue) and found.name in self.symbols.specialisations:
+            return self._specialisation(found, resolved, frame)
+        return found
+
+    def _specialisation(self, cls: ClassValue, written: TypeRef, frame: StackFrame) -> ClassValue:
+        """Return the class that a template is specialised as for these arguments."""
+        given = tuple(self.qualified_type(arg, frame) for arg in written.args)
+        for one in self.symbols.specialisations[cls.name]:
+            around = StackFrame(file=one.file, scope=one.name.rpartition("::")[0])
+            if tuple(self.qualified_type(arg, around) for arg in one.specialised) == given:
+                return self._class_value(one)
+        return cls
 
     def _find_class(self, resolved: TypeRef, frame: StackFrame) -> ClassValue | LibraryClass | None:
         library = self.library_classes.get(resolved.name) if "::" in resolved.name else None
@@ -139,6 +151,16 @@ class CppTypes:
         return tuple(
             self._qualified_type(arg, frame) for arg in self.resolve_type(type, frame).args
         )
+
+    def qualified_type(self, type: TypeRef, frame: StackFrame) -> TypeRef:
+        """Return a type by the names that it and its arguments have everywhere."""
+        found = self._qualified_type(self.resolve_type(type, frame), frame)
+        return TypeRef(found.name, tuple(self.qualified_type(arg, frame) for arg in found.args))
+
+    def takes_initialiser_list(self, cls: ClassValue) -> bool:
+        """Tell whether a constructor of a class takes what stands in braces as one list."""
+        first = [f.params[0].type for f in self.overloads(cls.constructor) if f.params]
+        return any(type and type.name.endswith("initializer_list") for type in first)
 
     def _qualified_type(self, type: TypeRef, frame: StackFrame) -> TypeRef:
         found = self.symbols.class_named(type.name, frame.scope)
@@ -184,7 +206,7 @@ class CppTypes:
     def bind_method(self, called: FunctionValue, owner: Instance) -> FunctionValue:
         """Return a method named by `&Class::method`, bound to an object of that class."""
         cls, _, name = called.function.name.rpartition("::")
-        if not cls or called.function.static or cls not in self._ancestor_names(owner):
+        if not cls or called.function.static or cls not in self.ancestor_names(owner):
             return called
         found = self.bound_method(owner.type, name, owner)
         return found if isinstance(found, FunctionValue) else called
@@ -247,7 +269,8 @@ class CppTypes:
         types.update(template_types(function, resolved))
         return types
 
-    def _ancestor_names(self, owner: Instance) -> set[str]:
+    def ancestor_names(self, owner: Instance) -> set[str]:
+        """Return the names of an object's class and its bases."""
         return {cls.name for cls in self.lineage(owner.type) if isinstance(cls, ClassValue)}
 
     def _class_value(self, definition: Class) -> ClassValue:

@@ -9,7 +9,7 @@ that is made.
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TypeAlias
 
@@ -70,13 +70,17 @@ class StepsExceededError(EndError):
 class ThrownError(EndError):
     """An exception of the scanned program that is certain: its class's name, and its bases'.
 
-    `has_unknown_bases` says that not all of the bases are known.
+    `has_unknown_bases` says that not all of the bases are known, `is_value` that it is a number,
+    a text or a variable of C++, whose type a handler may have.
     """
 
-    def __init__(self, *names: str, has_unknown_bases: bool = False) -> None:
+    def __init__(
+        self, *names: str, has_unknown_bases: bool = False, is_value: bool = False
+    ) -> None:
         super().__init__(names[0])
         self.names = names
         self.has_unknown_bases = has_unknown_bases
+        self.is_value = is_value
 
     @property
     def name(self) -> str:
@@ -86,7 +90,10 @@ class ThrownError(EndError):
 
 @dataclass(eq=False, slots=True)
 class AbstractMachine:
-    """The state of one run: what was written, what was declared, what is still to be called."""
+    """The state of one run: what was written, what was declared, what is still to be called.
+
+    `lambdas` are those of C++ that were made, by the identity of their bodies.
+    """
 
     runtime: LanguageRuntime
     recorder: DeclarationRecorder
@@ -108,6 +115,8 @@ class AbstractMachine:
     joins_cache: dict[tuple[str, int, str], bool] = field(default_factory=dict)
     joins_cache_version: int = 0
     executed_functions: set[tuple[str, int, str]] = field(default_factory=set)
+    executed_bodies: set[int] = field(default_factory=set)
+    lambdas: dict[int, Function] = field(default_factory=dict)
     active_handlers: list[tuple[str, ...]] = field(default_factory=list)
     possible_throws: int = 0
     trial_depth: int = 0
@@ -166,7 +175,8 @@ class AbstractMachine:
     def call(self, called: FunctionValue, arguments: Arguments) -> Value:
         """Call a scanned function; recursion that does not end gives an Unknown."""
         if len(called.overloads) > 1:
-            called = called.with_overload(choose_overload(called.overloads, arguments))
+            typed = replace(arguments, types=called.types) if called.types else arguments
+            called = called.with_overload(choose_overload(called.overloads, typed))
         function = called.function
         if function.body is None or not self._may_enter(function):
             self.possible_throws += 1
@@ -214,13 +224,19 @@ class AbstractMachine:
     def run(self, function: Function, frame: StackFrame) -> None:
         """Run a function's body in a frame that is ready."""
         if not self._may_enter(function):
+            self._note_skipped_call(function, Arguments(line=function.line, frame=frame))
             return
         self.executed_functions.add(function.key)
+        self.executed_bodies.add(id(function.body))
         self._call_stack.append(function)
         try:
-            self.execute(function.body or (), frame)
+            outcome = self.execute(function.body or (), frame)
         finally:
             self._call_stack.pop()
+        if outcome == "raise" and function.name == "main" and self.runtime.passes_by_reference:
+            location = Evidence(file=function.file, line=function.line)
+            why = "an exception ends it before all of it is run"
+            self.recorder.add_unresolved(function.name, why, location)
 
     def volatile_value(self, name: str, value: Value) -> Value:
         """Return what a member or global holds; one that callbacks change may hold anything."""

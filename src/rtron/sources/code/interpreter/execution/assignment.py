@@ -165,6 +165,17 @@ def _assign_element(
             (_assign_slice if is_slice(key) else _assign_item)(machine, owner, key, value)
         elif is_text(owner):
             _assign_character(machine, target, frame)
+        elif isinstance(owner, Instance) and machine.runtime.passes_by_reference:
+            _call_subscript(machine, owner, key, frame)
+
+
+def _call_subscript(
+    machine: AbstractMachine, owner: Instance, key: Value, frame: StackFrame
+) -> None:
+    """`object[key] = value` calls the operator that the object's class has."""
+    operator = machine.runtime.attribute(owner, "operator[]", ())
+    if isinstance(operator, FunctionValue):
+        machine.call(operator, Arguments(values=(key,), frame=frame))
 
 
 def _assign_character(machine: AbstractMachine, target: Index, frame: StackFrame) -> None:

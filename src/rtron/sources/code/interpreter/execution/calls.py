@@ -2,7 +2,10 @@
 
 from collections.abc import Callable, Mapping
 
+from rtron.sources.code.endpoint_calls import ENDPOINT_METHODS
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    OPEN,
+    UNKNOWN,
     Choice,
     ClassValue,
     ExternalSymbol,
@@ -10,6 +13,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Instance,
     LibraryClass,
     LibraryFunction,
+    ListValue,
     MapValue,
     MessageType,
     PartialText,
@@ -40,6 +44,8 @@ MUTATING_FUNCTIONS = frozenset(
     {"replace", "transform", "reverse", "rotate", "swap", "generate", "fill", "sort", "strcat"}
 )
 """Functions of the standard library that change what they are given."""
+_MIN_ARGUMENTS = 2
+"""What a call of a client library gets at least, if no template argument tells it from others."""
 READ_ONLY_FUNCTIONS = frozenset(
     [
         *("printf", "fprintf", "puts", "fputs", "perror", "syslog", "strlen", "strncmp", "strstr"),
@@ -58,7 +64,15 @@ _ADD_NOTHING = frozenset(
     ]
 )
 """What takes a node and adds no endpoint to it; the last is of generate_parameter_library."""
-ROS_API_METHODS = frozenset({"advertise", "subscribe", "advertiseService", "serviceClient"})
+READ_ONLY_METHODS = frozenset(
+    [
+        *("rbegin", "rend", "crbegin", "crend", "capacity", "max_size", "shrink_to_fit"),
+        *("lower_bound", "upper_bound", "equal_range", "find", "count", "contains", "length"),
+        *("bucket_count", "load_factor", "get_allocator", "key_comp", "value_comp", "substr"),
+        *("c_str", "compare", "toXml", "valid", "size", "empty"),
+    ]
+)
+"""Methods of containers that leave them as they are."""
 
 
 def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
@@ -76,6 +90,10 @@ def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
     if isinstance(node.function, Attr) and isinstance(called, Unknown):
         machine.unknown_method_names.add(node.function.name)
         _note_unknown_receiver(machine, node.function.name, arguments)
+        if machine.runtime.passes_by_reference:
+            _open_container(machine, node.function, frame)
+    elif isinstance(called, ExternalSymbol):
+        _note_unknown_receiver(machine, called.name.rpartition("::")[2], arguments)
     returned = dispatch(machine, called, arguments)
     if (
         machine.active_handlers
@@ -88,9 +106,11 @@ def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
 
 def _note_unknown_receiver(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
     """Note a call that would join nodes, if only it were known what it is called on."""
-    joins = name in ROS_API_METHODS and arguments.types and arguments.values
-    if machine.runtime.passes_by_reference and joins:
-        what = f"{name}({text_with_holes(arguments.values[0])})"
+    given = arguments.values
+    joins = name in ENDPOINT_METHODS and (arguments.types or len(given) >= _MIN_ARGUMENTS)
+    if machine.runtime.passes_by_reference and joins and given:
+        texts = (value for value in given if not isinstance(value, (FunctionValue, Instance)))
+        what = f"{name}({text_with_holes(next(texts, given[0]))})"
         machine.recorder.add_unresolved(
             what, "what it is called on is not known", arguments.evidence
         )
@@ -156,13 +176,38 @@ def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments)
     machine.runtime.note_unknown_call(called, arguments)
     if not (name.isupper() or name.removeprefix("std::") in READ_ONLY_FUNCTIONS):
         _forget_written_strings(machine, name.rpartition("::")[2], arguments)
+        _open_empty_containers(machine, arguments)
     return Unknown(f"{name}()")
+
+
+def _open_empty_containers(machine: AbstractMachine, arguments: Arguments) -> None:
+    """Leave open what is in a C++ container that an unknown function gets while it is empty."""
+    for value in arguments.values if machine.runtime.passes_by_reference else ():
+        if isinstance(value, (ListValue, MapValue)) and not truth(value):
+            open_container(machine, value)
+
+
+def open_container(machine: AbstractMachine, value: Value) -> None:
+    """Leave open what else is in a container."""
+    if isinstance(value, ListValue):
+        machine.undo_log.mark_open(value.fields)
+    elif isinstance(value, MapValue) and not value.open:
+        machine.undo_log.set(value.fields, OPEN, UNKNOWN)
+
+
+def _open_container(machine: AbstractMachine, method: Attr, frame: StackFrame) -> None:
+    """Leave open what is in a C++ container that has a method called which is not known."""
+    slot = None if method.name in READ_ONLY_METHODS else slot_of(machine, method.owner, frame)
+    if slot is not None:
+        open_container(machine, slot.holder.get(slot.key, UNKNOWN))
 
 
 def note_passed_handle(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
     """Note that code which is not here gets what it takes to join nodes."""
     field = _HANDLE_FIELDS[machine.recorder.site.ros]
-    for value in arguments.values if name.rpartition("::")[2] not in _ADD_NOTHING else ():
+    plain = name.rpartition("::")[2]
+    ours = plain in _ADD_NOTHING or plain in ENDPOINT_METHODS
+    for value in arguments.values if not ours else ():
         is_handle = isinstance(value, Instance) and field in value.fields
         is_library = isinstance(value, (ExternalSymbol, LibraryFunction)) and value.name.startswith(
             "rospy"

@@ -138,6 +138,8 @@ def _is_scalar_of(value: Value, kind: type | None) -> bool:
 
 def catches(names: tuple[str, ...], thrown: "ThrownError") -> bool:
     """Tell whether a handler takes an exception; `Exception` does not take SystemExit."""
+    if thrown.is_value:
+        return True
     wide = {"BaseException", "...", ""}
     if thrown.name != "SystemExit":
         wide |= (

@@ -43,6 +43,7 @@ from rtron.sources.code.ir import (
     Concat,
     Conditional,
     Const,
+    Expansion,
     Expr,
     Index,
     Lambda,
@@ -81,6 +82,8 @@ SPECIAL_METHODS = {
     "in": "contains",
 }
 """What Python calls its operators (docs.python.org: reference/datamodel)."""
+_ASSIGNABLE = frozenset({"+", "-", "*", "/", "%", "<<", ">>", "&", "|", "^"})
+"""Operators that C++ has together with an assignment: `a += b` is lowered to `a = a + b`."""
 
 
 def _name(machine: AbstractMachine, node: Name, frame: StackFrame) -> Value:
@@ -90,18 +93,24 @@ def _name(machine: AbstractMachine, node: Name, frame: StackFrame) -> Value:
 def _attr(machine: AbstractMachine, node: Attr, frame: StackFrame) -> Value:
     owner = machine.evaluate(node.owner, frame)
     if isinstance(owner, Choice):
-        return join([_member(machine, option, node) for option in owner.options])
-    return _member(machine, owner, node)
+        return join([_member(machine, option, node, frame) for option in owner.options])
+    return _member(machine, owner, node, frame)
 
 
-def _member(machine: AbstractMachine, owner: Value, node: Attr) -> Value:
+def _member(machine: AbstractMachine, owner: Value, node: Attr, frame: StackFrame) -> Value:
     found = machine.runtime.attribute(owner, node.name, node.types)
+    arrow = overloaded_operator(machine, owner, "->") if found is None else None
+    if arrow is not None:
+        owner = dispatch(machine, arrow, Arguments(frame=frame))
+        found = machine.runtime.attribute(owner, node.name, node.types)
     return Unknown(node.name) if found is None else found
 
 
 def _index(machine: AbstractMachine, node: Index, frame: StackFrame) -> Value:
     owner, key = machine.evaluate(node.owner, frame), machine.evaluate(node.key, frame)
-    method = machine.runtime.special_method(owner, "__getitem__")
+    method = machine.runtime.special_method(owner, "__getitem__") or overloaded_operator(
+        machine, owner, "[]"
+    )
     if method is not None:
         return dispatch(machine, method, Arguments(values=(key,), frame=frame))
     if isinstance(owner, MapValue):
@@ -136,11 +145,15 @@ def _binary(machine: AbstractMachine, node: Binary, frame: StackFrame) -> Value:
     at = Arguments(values=(right,), line=node.line, frame=frame)
     if not machine.runtime.passes_by_reference:
         return _python_binary(machine, node.operator, left, at)
-    overloaded = _overloaded_operator(machine, node.operator, left)
+    at = replace(at, slots=(slot_of(machine, node.right, frame),))
+    overloaded = overloaded_operator(machine, left, node.operator)
     if overloaded is not None:
-        return dispatch(
-            machine, overloaded, replace(at, slots=(slot_of(machine, node.right, frame),))
-        )
+        return dispatch(machine, overloaded, at)
+    is_arithmetic = node.operator in _ASSIGNABLE
+    assigning = overloaded_operator(machine, left, f"{node.operator}=") if is_arithmetic else None
+    if assigning is not None:
+        dispatch(machine, assigning, at)
+        return left
     if node.operator == ">>" and not isinstance(left, Scalar):
         _read_into(machine, node.right, frame)
     if node.operator == "/" and _are_integers(left, right):
@@ -167,7 +180,7 @@ def _special_operator(
 ) -> tuple[Value | None, Value]:
     """Return Python's method for an operator, bound to its object, and what it gets."""
     name = SPECIAL_METHODS.get(operator)
-    own = _overloaded_operator(machine, operator, left)
+    own = overloaded_operator(machine, left, operator)
     if own is not None or name is None:
         return own, right
     if operator == "in":
@@ -205,7 +218,7 @@ def _read_into(machine: AbstractMachine, target: Expr, frame: StackFrame) -> Non
         machine.undo_log.set(*slot, Unknown(slot.label))
 
 
-def _overloaded_operator(machine: AbstractMachine, operator: str, left: Value) -> Value | None:
+def overloaded_operator(machine: AbstractMachine, left: Value, operator: str) -> Value | None:
     """Return what a class of C++, or of a library, has for an operator."""
     is_library = isinstance(left, Instance) and isinstance(left.type, LibraryClass)
     if isinstance(left, Instance) and (machine.runtime.passes_by_reference or is_library):
@@ -215,6 +228,10 @@ def _overloaded_operator(machine: AbstractMachine, operator: str, left: Value) -
 
 def _unary(machine: AbstractMachine, node: Unary, frame: StackFrame) -> Value:
     operand = machine.evaluate(node.operand, frame)
+    word = "!" if node.operator == "not" else node.operator
+    overloaded = overloaded_operator(machine, operand, word)
+    if overloaded is not None:
+        return dispatch(machine, overloaded, Arguments(frame=frame))
     if node.operator != "not":
         return unary(node.operator, operand)
     decided = truth_of(machine, operand)
@@ -316,6 +333,7 @@ def _run_loops(
 def _lambda(machine: AbstractMachine, node: Lambda, frame: StackFrame) -> Value:
     """Python evaluates default arguments where the function is made, C++ where it is called."""
     if machine.runtime.passes_by_reference:
+        machine.lambdas[id(node.function.body)] = node.function
         closure = cpp_runtime(machine).closure_frame(node, frame)
         return FunctionValue(node.function, closure=closure)
     named = evaluate_defaults(node.function, lambda default: machine.evaluate(default, frame))
@@ -330,6 +348,21 @@ def _assign_expr(machine: AbstractMachine, node: AssignExpr, frame: StackFrame) 
         frame = frame.closure
     assign(machine, node.target, value, frame)
     return value
+
+
+def _expansion(machine: AbstractMachine, node: Expansion, frame: StackFrame) -> Value:
+    """Evaluate the pattern for each item of the packs, which are variables of their names."""
+    slots = [machine.runtime.slot(name, frame) for name in node.packs]
+    packs = [slot.holder.get(slot.key, UNKNOWN) for slot in slots]
+    rows = [items_of(pack) for pack in packs]
+    found: list[Value] = []
+    for at in range(min(len(items) for items, _ in rows)):
+        for slot, (items, _) in zip(slots, rows, strict=True):
+            machine.undo_log.set(*slot, items[at])
+        found.append(machine.evaluate(node.pattern, frame))
+    for slot, pack in zip(slots, packs, strict=True):
+        machine.undo_log.set(*slot, pack)
+    return list_of(found, certain=all(certain for _, certain in rows))
 
 
 def _star(machine: AbstractMachine, node: Star, frame: StackFrame) -> Value:
@@ -350,6 +383,7 @@ EVALUATORS: MappingType[type, Callable[..., Value]] = {
     Comprehension: _comprehension,
     Concat: _concat,
     Conditional: _conditional,
+    Expansion: _expansion,
     Const: lambda machine, node, frame: Scalar(node.value),
     Index: _index,
     Lambda: _lambda,

@@ -8,6 +8,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     ClassValue,
     Instance,
+    Scalar,
     Unknown,
     Value,
     is_tainted,
@@ -27,6 +28,7 @@ from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import (
     Assign,
     Break,
+    Breakable,
     Call,
     Continue,
     Declare,
@@ -39,9 +41,13 @@ from rtron.sources.code.ir import (
     If,
     Import,
     Index,
+    Jump,
+    MappingExpr,
+    Name,
     New,
     Raise,
     Return,
+    SequenceExpr,
     Star,
     Stmt,
     Try,
@@ -50,6 +56,10 @@ from rtron.sources.code.ir import (
     Yield,
 )
 from rtron.sources.code.ir.references import side_effects
+from rtron.vocabulary import Evidence
+
+_BRACED = (SequenceExpr, MappingExpr)
+"""What `{…}` of C++ is lowered to where no type stands before it."""
 
 
 def run_branches(
@@ -78,8 +88,10 @@ def _evaluate(machine: AbstractMachine, node: Evaluate, frame: StackFrame) -> Ou
 def _assign(machine: AbstractMachine, node: Assign, frame: StackFrame) -> Outcome:
     value = machine.evaluate(node.value, frame)
     machine.line = node.line
+    braced = machine.runtime.passes_by_reference and isinstance(node.value, _BRACED)
     for target in node.targets:
-        assign(machine, target, value, frame)
+        made = cpp_runtime(machine).braces_for(target, value, frame) if braced else value
+        assign(machine, target, made, frame)
     return None
 
 
@@ -105,8 +117,24 @@ def _undecided_if(machine: AbstractMachine, node: If, test: Value, frame: StackF
         return run_branches(machine, frame, (node.body, node.orelse))
 
 
+def _breakable(machine: AbstractMachine, node: Breakable, frame: StackFrame) -> Outcome:
+    outcome = machine.execute(node.body, frame)
+    return None if outcome == "break" else outcome
+
+
+def _jump(machine: AbstractMachine, node: Jump, frame: StackFrame) -> Outcome:
+    """Note a jump, if its function could join nodes: what follows is run as if there were none."""
+    function = frame.function
+    if function is None or machine.is_relevant(machine, function):
+        place = Evidence(file=frame.file, line=node.line)
+        machine.recorder.add_unresolved(f"goto {node.label}", "jumps are not followed", place)
+    return None
+
+
 def _return(machine: AbstractMachine, node: Return, frame: StackFrame) -> Outcome:
     value = machine.evaluate(node.value, frame) if node.value is not None else NONE
+    if machine.runtime.passes_by_reference and isinstance(node.value, _BRACED) and frame.function:
+        value = cpp_runtime(machine).convert_braces(frame.function.returns, value, frame)
     frame.returns.append(value)
     return "return"
 
@@ -133,7 +161,9 @@ def _raise(machine: AbstractMachine, node: Raise, frame: StackFrame) -> Outcome:
 def _thrown_error(machine: AbstractMachine, node: Expr | None, value: Value | None) -> ThrownError:
     owner = value.type if isinstance(value, Instance) else value
     if not isinstance(owner, ClassValue):
-        return ThrownError(_exception_name(node), has_unknown_bases=True)
+        is_plain = isinstance(node, Name) or isinstance(value, Scalar)
+        is_value = machine.runtime.passes_by_reference and is_plain
+        return ThrownError(_exception_name(node), has_unknown_bases=True, is_value=is_value)
     lineage = list(machine.runtime.lineage(owner))
     names = [cls.name.rpartition("::")[2] for cls in lineage if isinstance(cls, ClassValue)]
     return ThrownError(*names, has_unknown_bases=len(names) < len(lineage))
@@ -239,6 +269,7 @@ def _delete(machine: AbstractMachine, node: Delete, frame: StackFrame) -> Outcom
 EXECUTORS: Mapping[type, Callable[..., Outcome]] = {
     Assign: _assign,
     Break: lambda machine, node, frame: "break",
+    Breakable: _breakable,
     Continue: lambda machine, node, frame: "continue",
     Declare: _declare,
     Define: _define,
@@ -248,6 +279,7 @@ EXECUTORS: Mapping[type, Callable[..., Outcome]] = {
     Global: _global,
     If: _if,
     Import: _import,
+    Jump: _jump,
     Raise: _raise,
     Return: _return,
     Try: _try,

@@ -1,10 +1,12 @@
 """Methods of lists, dicts and the containers of C++."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import (
+    PAIR,
     items_of,
     key_value,
     list_of,
@@ -15,6 +17,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     UNKNOWN,
     ClassValue,
+    ExternalSymbol,
     Instance,
     LibraryFunction,
     ListValue,
@@ -28,6 +31,15 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     map_key,
     text_with_holes,
     truth,
+)
+from rtron.sources.code.interpreter.cpp.braces import default_item, is_braces, make_item
+from rtron.sources.code.interpreter.cpp.iterators import (
+    ITERATOR,
+    dereference,
+    end,
+    is_end,
+    items_after,
+    iterator_to,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import OPEN_KEYWORD, Arguments
@@ -57,9 +69,23 @@ def _append_left(machine: AbstractMachine, owner: ListValue, arguments: Argument
 
 def _push(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
     """`push_back`: an object of a class is copied, as C++ does."""
-    item = arguments.get(0) or NONE
-    item = item if id(item) in machine.pointer_held else copy_instance(item)
-    return _write(machine, owner, (*owner.items, item))
+    return _write(machine, owner, (*owner.items, _new_item(machine, owner, arguments)))
+
+
+def _push_front(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    return _write(machine, owner, (_new_item(machine, owner, arguments), *owner.items))
+
+
+def _emplace(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    """`emplace(args…)` of a set, `emplace(position, args…)` of a vector."""
+    first = arguments.get(0)
+    positioned = isinstance(first, Instance) and first.type is ITERATOR
+    return _push(machine, owner, arguments.without_first(1) if positioned else arguments)
+
+
+def _new_item(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    item = make_item(machine, owner, arguments)
+    return item if id(item) in machine.pointer_held else copy_instance(item)
 
 
 def copy_instance(value: Value) -> Value:
@@ -78,14 +104,59 @@ def _extend(machine: AbstractMachine, owner: ListValue, arguments: Arguments) ->
 
 def _insert(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
     index = arguments.get(0)
+    if owner.type is not None:
+        return _insert_cpp(machine, owner, arguments)
     if arguments.get(1) and isinstance(index, Scalar) and isinstance(index.value, int):
         before, after = owner.items[: index.value], owner.items[index.value :]
         return _write(machine, owner, (*before, arguments.get(1) or NONE, *after))
     return _write(machine, owner, (*owner.items, arguments.get(1) or arguments.get(0) or NONE))
 
 
+def _insert_cpp(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    """`insert([position,] value)`, `insert([position,] first, last)`, of another container."""
+    ranged = [items_after(value) for value in arguments.values[-2:-1]]
+    if ranged and ranged[0] is not None and is_end(arguments.values[-1]):
+        items, certain = ranged[0]
+        if not certain:
+            machine.undo_log.mark_open(owner.fields)
+        return _write(machine, owner, (*owner.items, *(item for _, item in items)))
+    last = arguments.without_first(len(arguments.values) - 1)
+    return _write(machine, owner, (*owner.items, *_inserted(machine, owner, last)))
+
+
+def _inserted(machine: AbstractMachine, owner: ListValue, last: Arguments) -> tuple[Value, ...]:
+    """Return the items that the last argument of an insertion is; braces may hold several."""
+    given = last.get(0)
+    if isinstance(given, ListValue) and is_braces(given):
+        return tuple(_new_item(machine, owner, last.with_values(item)) for item in given.items)
+    return (_new_item(machine, owner, last),)
+
+
+def _assign(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    """`assign(first, last)`, `assign({…})`, `assign(count, value)`."""
+    count, given = arguments.get(0), arguments.get(1)
+    _clear(machine, owner, arguments)
+    if isinstance(count, Scalar) and isinstance(count.value, int):
+        return _write(machine, owner, (given or UNKNOWN,) * max(0, min(count.value, MAX_ITEMS)))
+    return _insert_cpp(machine, owner, arguments)
+
+
+def _swap(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+    other = arguments.get(0)
+    if not isinstance(other, ListValue):
+        machine.undo_log.mark_open(owner.fields)
+        return NONE
+    items, opened = owner.items, owner.open
+    machine.undo_log.set(owner.fields, "open", other.open)
+    machine.undo_log.set(other.fields, "open", opened)
+    before = other.items
+    _write(machine, other, items)
+    return _write(machine, owner, before)
+
+
 def _pop(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
-    key = arguments.get(0) or Scalar(-1)
+    first = owner.type is not None and owner.type.name == "std::queue"
+    key = arguments.get(0) or Scalar(0 if first else -1)
     found = element(owner, key) if owner.items else Unknown("pop")
     remove_element(machine, owner, key)
     return found
@@ -99,8 +170,10 @@ def _remove_item(machine: AbstractMachine, owner: ListValue, arguments: Argument
 
 
 def _pop_entry(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
-    found = _get(machine, owner, arguments)
-    remove_element(machine, owner, arguments.value(0))
+    """`pop(key)` of a dict, `erase(key)` and `erase(iterator)` of a std::map."""
+    found, pointed = _get(machine, owner, arguments), dereference(arguments.value(0))
+    is_entry = isinstance(pointed, Instance) and pointed.type is PAIR
+    remove_element(machine, owner, items_of(pointed)[0][0] if is_entry else pointed)
     return found
 
 
@@ -133,16 +206,18 @@ def _last(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
 
 
 def _resize(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
-    count, fill = arguments.get(0), arguments.get(1) or Unknown("item")
+    count, fill = arguments.get(0), arguments.get(1)
     if not (isinstance(count, Scalar) and isinstance(count.value, int)):
         machine.undo_log.mark_open(owner.fields)
         return NONE
-    items = (*owner.items, *[fill] * min(count.value, MAX_ITEMS))
-    return _write(machine, owner, items[: max(0, count.value)])
+    size = max(0, min(count.value, MAX_ITEMS + 1))
+    more = size - len(owner.items)
+    added = [fill or default_item(machine, owner, arguments.frame) for _ in range(more)]
+    return _write(machine, owner, (*owner.items, *added)[:size])
 
 
 def _copy(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
-    return ListValue(dict(owner.fields), owner.kind)
+    return replace(owner, fields=dict(owner.fields))
 
 
 def _sort(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
@@ -249,27 +324,52 @@ def _count(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> V
 
 
 def _insert_pair(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+    """`insert(pair)`, `emplace(key, args…)`, `insert({{key, value}, …})`: what is there stays."""
     items, _ = items_of(arguments.value(0))
     if len(arguments.values) > 1:
-        items = arguments.values
-    key, value = (*items, UNKNOWN, UNKNOWN)[:2]
-    machine.undo_log.set(owner.fields, key.value if isinstance(key, Scalar) else OPEN, value)
+        return _emplace_entry(machine, owner, arguments)
+    if items and all(isinstance(item, ListValue) for item in items):
+        for item in items:
+            _insert_pair(machine, owner, arguments.with_values(item))
+        return NONE
+    return _emplace_entry(machine, owner, arguments.with_values(*items[:1], *items[1:2]))
+
+
+def _emplace_entry(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+    if isinstance(arguments.value(0), ExternalSymbol):
+        parts = [items_of(value)[0] for value in arguments.values[1:]]
+        arguments = arguments.with_values(*(item for part in parts for item in part))
+    key, rest = arguments.value(0), arguments.without_first(1)
+    is_new = owner.key_of(key) not in owner.entries
+    if is_new:
+        _set_entry(machine, owner, key, rest)
+    entry = element(owner, key)
+    return pair_of(pair_of(key, entry), Scalar(is_new))
+
+
+def _insert_or_assign(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+    _set_entry(machine, owner, arguments.value(0), arguments.without_first(1))
     return NONE
+
+
+def _set_entry(machine: AbstractMachine, owner: MapValue, key: Value, rest: Arguments) -> None:
+    if rest.values or owner.default_factory is None:
+        value = make_item(machine, owner, rest) if rest.values else UNKNOWN
+    else:
+        value = owner.default_factory()
+    machine.undo_log.set(owner.fields, owner.key_of(key), value)
 
 
 def _find_pair(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
     key = arguments.get(0)
     found = _has_key(machine, owner, arguments)
-    if isinstance(found, Scalar) and isinstance(key, Scalar):
-        return pair_of(key, owner.fields[key.value]) if found.value else _END
-    return Unknown("find")
+    if not (isinstance(found, Scalar) and isinstance(key, Scalar)):
+        return Unknown("find")
+    if not found.value:
+        return end(machine, owner, arguments)
+    position = list(owner.entries).index(key.value)
+    return iterator_to(machine, owner, position, arguments)
 
-
-def _end(_: AbstractMachine, __: Value, ___: Arguments) -> Value:
-    return _END
-
-
-_END = Scalar("end()")
 
 LIST_METHODS: LibraryMethods = {
     "append": _append,
@@ -277,10 +377,15 @@ LIST_METHODS: LibraryMethods = {
     "appendleft": _append_left,
     "push_back": _push,
     "emplace_back": _push,
+    "push_front": _push_front,
+    "emplace_front": _push_front,
+    "emplace": _emplace,
     "push": _push,
     "extend": _extend,
     "update": _extend,
     "insert": _insert,
+    "assign": _assign,
+    "swap": _swap,
     "pop": _pop,
     "clear": _clear,
     "size": _size,
@@ -288,6 +393,7 @@ LIST_METHODS: LibraryMethods = {
     "at": _at,
     "front": _at,
     "back": _last,
+    "top": _last,
     "resize": _resize,
     "copy": _copy,
     "data": _copy,
@@ -324,8 +430,9 @@ CPP_MAP_METHODS: LibraryMethods = {
     "contains": _has_key,
     "insert": _insert_pair,
     "emplace": _insert_pair,
+    "try_emplace": _insert_pair,
+    "insert_or_assign": _insert_or_assign,
     "find": _find_pair,
-    "end": _end,
     "size": _size,
     "empty": _empty,
     "hasMember": _has_key,

@@ -3,20 +3,28 @@
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
+from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     TRUE,
+    ListValue,
     Scalar,
     Unknown,
     Value,
     truth,
 )
-from rtron.sources.code.interpreter.cpp.iterators import end, items_after
+from rtron.sources.code.interpreter.cpp.iterators import (
+    container_of,
+    end,
+    items_after,
+    position_of,
+)
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.interpreter.execution.calls import dispatch, open_container
+from rtron.sources.code.library_models.cpp_std.functional import bind
 
 _THIRD_ARGUMENT = 2
 """The index of the function, or of the value looked for: behind both iterators."""
@@ -38,6 +46,61 @@ def _call_with_item(
 ) -> Value:
     given = arguments.with_values(item)
     return dispatch(machine, function, given)
+
+
+def _invoke(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::invoke(function, args…)`; of a method, the first argument is the object."""
+    called = bind(machine, None, arguments)
+    return dispatch(machine, called, arguments.with_values())
+
+
+def _apply(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::apply(function, tuple)`."""
+    items, _certain = items_of(arguments.value(1))
+    return dispatch(machine, arguments.value(0), arguments.with_values(*items))
+
+
+def _copy(machine: AbstractMachine, _: object, arguments: Arguments, *, transforms: bool) -> Value:
+    """`std::copy(xs.begin(), xs.end(), std::back_inserter(ys))`, `std::transform(…, function)`."""
+    found, place = items_after(arguments.get(0)), arguments.get(_THIRD_ARGUMENT)
+    target, function = container_of(place), arguments.get(_THIRD_ARGUMENT + 1)
+    if found is None or not isinstance(target, ListValue) or (transforms and function is None):
+        machine.escape(function)
+        open_container(machine, target or NONE)
+        return Unknown("copy")
+    items = [item for _, item in found[0]]
+    if transforms and function is not None:
+        items = [_call_with_item(machine, function, item, arguments) for item in items]
+    before = target.items if place is target else ()
+    rest = target.items[len(items) :] if place is not target else ()
+    machine.undo_log.set(target.fields, "items", (*before, *items, *rest))
+    if not found[1] or (place is not target and position_of(place)):
+        machine.undo_log.mark_open(target.fields)
+    return target
+
+
+def _copy_if(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::copy_if(xs.begin(), xs.end(), std::back_inserter(ys), predicate)`."""
+    found, target = items_after(arguments.get(0)), arguments.get(_THIRD_ARGUMENT)
+    predicate = arguments.get(_THIRD_ARGUMENT + 1)
+    if found is None or not isinstance(target, ListValue) or predicate is None:
+        return _copy(machine, None, arguments, transforms=True)
+    items = [item for _, item in found[0]]
+    answers = [truth(_call_with_item(machine, predicate, item, arguments)) for item in items]
+    chosen = tuple(item for item, answer in zip(items, answers, strict=True) if answer is not False)
+    machine.undo_log.set(target.fields, "items", (*target.items, *chosen))
+    if not found[1]:
+        machine.undo_log.mark_open(target.fields)
+    return target
+
+
+def _iota(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::iota(xs.begin(), xs.end(), first)`."""
+    target, first = container_of(arguments.get(0)), arguments.get(_THIRD_ARGUMENT) or NONE
+    if isinstance(target, ListValue):
+        items = [binary("+", first, Scalar(at)) for at in range(len(target.items))]
+        machine.undo_log.set(target.fields, "items", tuple(items))
+    return NONE
 
 
 def _find(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -110,6 +173,12 @@ def _predicate_results(
 
 ALGORITHMS: Mapping[str, Callable[..., Value]] = {
     "for_each": _for_each,
+    "invoke": _invoke,
+    "apply": _apply,
+    "copy": partial(_copy, transforms=False),
+    "copy_if": _copy_if,
+    "iota": _iota,
+    "transform": partial(_copy, transforms=True),
     "find": _find,
     "find_if": partial(_find_if, expected=True),
     "find_if_not": partial(_find_if, expected=False),

@@ -16,44 +16,86 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Value,
     is_text,
 )
-from rtron.sources.code.interpreter.cpp.iterators import ITERATOR
+from rtron.sources.code.interpreter.cpp.braces import default_item, is_braces, make_item
+from rtron.sources.code.interpreter.cpp.iterators import ITERATOR, is_end, items_after
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
+from rtron.sources.code.ir import TypeRef
+from rtron.sources.code.library_models.common.containers import copy_instance
 
 _SIZE_AND_FILL = 2
-
-
+MAX_ITEMS = 256
 _KEY_AND_VALUE = 2
 
 
-def _convert_item(
-    machine: AbstractMachine, item: Value, arguments: Arguments, at: int = 0
-) -> Value:
-    """Return what braces make of an element: `{"a", 1}` in a vector of pairs or structs."""
-    if not isinstance(item, ListValue) or len(arguments.types) <= at:
-        return item
-    inner = arguments.with_values(*item.items)
-    made = cpp_runtime(machine).construct(arguments.types[at], inner)
-    return item if isinstance(made, Unknown) else made
-
-
 def make_vector(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """Make a std::vector: copied, filled, or of what stands in braces."""
-    given = arguments.get(0)
+    """Make a std::vector: copied, filled, of a range, or of what stands in braces."""
+    made = _typed_list(machine, arguments, "std::vector", arguments.types)
+    _fill_vector(machine, made, arguments)
+    return made
+
+
+def make_queue(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """Make a std::queue, which gives first what came first."""
+    made = _typed_list(machine, arguments, "std::queue", arguments.types)
+    _fill_vector(machine, made, arguments)
+    return made
+
+
+def make_multimap(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """Make a std::multimap, a list of pairs: a key may stand in it several times."""
+    pair = TypeRef("std::pair", arguments.types)
+    made = _typed_list(machine, arguments, "std::multimap", (pair,))
+    _fill_vector(machine, made, arguments)
+    return made
+
+
+def _typed_list(
+    machine: AbstractMachine, arguments: Arguments, name: str, types: tuple[TypeRef, ...]
+) -> ListValue:
+    """Return an empty container that knows what its items are, in every scope."""
+    full = cpp_runtime(machine).qualified_type(TypeRef(name, types), arguments.frame)
+    return ListValue({"items": (), "open": False}, type=full)
+
+
+def _fill_vector(machine: AbstractMachine, made: ListValue, arguments: Arguments) -> None:
+    given, fill = arguments.get(0), arguments.get(1)
+    ranged = items_after(given) if fill is not None and is_end(fill) else None
     if isinstance(given, ListValue):
-        items = tuple(_convert_item(machine, item, arguments) for item in given.items)
-        return ListValue({**given.fields, "items": items})
-    if (
-        isinstance(given, Scalar)
-        and isinstance(given.value, int)
-        and len(arguments.values) <= _SIZE_AND_FILL
-    ):
-        fill = arguments.get(1) or Unknown("item")
-        return list_of([fill] * max(0, min(given.value, 256)))
-    if given is not None and all(_is_element(value) for value in arguments.values):
-        return list_of(arguments.values)
-    return list_of((), certain=given is None)
+        made.fields |= {**given.fields, "items": _convert_items(machine, made, given, arguments)}
+    elif ranged is not None:
+        made.fields |= {"items": tuple(item for _, item in ranged[0]), "open": not ranged[1]}
+    elif _is_size(given) and len(arguments.values) <= _SIZE_AND_FILL:
+        made.fields["items"] = _default_items(machine, made, given, arguments)
+        made.fields["open"] = isinstance(given, Scalar) and given.value > MAX_ITEMS
+    elif given is not None and all(_is_element(value) for value in arguments.values):
+        made.fields["items"] = arguments.values
+    else:
+        made.fields["open"] = given is not None
+
+
+def _is_size(value: Value | None) -> bool:
+    return isinstance(value, Scalar) and isinstance(value.value, int)
+
+
+def _default_items(
+    machine: AbstractMachine, made: ListValue, size: Value | None, arguments: Arguments
+) -> tuple[Value, ...]:
+    """`std::vector<T> v(size)`, `v(size, fill)`: each item is an object of its own."""
+    count = size.value if isinstance(size, Scalar) else 0
+    fill = arguments.get(1)
+    return tuple(
+        default_item(machine, made, arguments.frame) if fill is None else copy_instance(fill)
+        for _ in range(max(0, min(count, MAX_ITEMS)))
+    )
+
+
+def _convert_items(
+    machine: AbstractMachine, made: Value, given: ListValue, arguments: Arguments
+) -> tuple[Value, ...]:
+    """Return what braces make of each item: `{"a", 1}` in a vector of pairs or structs."""
+    return tuple(make_item(machine, made, arguments.with_values(item)) for item in given.items)
 
 
 def _is_element(value: Value) -> bool:
@@ -63,18 +105,33 @@ def _is_element(value: Value) -> bool:
 
 def make_map(machine: AbstractMachine, arguments: Arguments) -> Value:
     """Make a std::map, of pairs in braces or of another map."""
-    made = MapValue(iterates_pairs=True, default_factory=_default_factory(machine, arguments))
+    full = cpp_runtime(machine).qualified_type(
+        TypeRef("std::map", arguments.types), arguments.frame
+    )
+    factory = _default_factory(machine, arguments)
+    made = MapValue(iterates_pairs=True, default_factory=factory, type=full)
     given = arguments.get(0)
     if isinstance(given, MapValue):
-        return MapValue(
-            dict(given.fields), iterates_pairs=True, default_factory=made.default_factory
-        )
-    pairs = items_of(given)[0] if given is not None and len(arguments.values) == 1 else ()
-    for item in pairs or arguments.values:
+        made.fields.update(given.fields)
+        return made
+    pairs, certain = _given_pairs(given, arguments)
+    for item in pairs:
         key, value = (*items_of(item)[0], UNKNOWN, UNKNOWN)[:2]
-        entry = _convert_item(machine, value, arguments, 1)
-        made.fields[key.value if isinstance(key, Scalar) else OPEN] = entry
+        entry = make_item(machine, made, arguments.with_values(value))
+        made.fields[made.key_of(key)] = entry
+    if not certain:
+        made.fields.setdefault(OPEN, UNKNOWN)
     return made
+
+
+def _given_pairs(given: Value | None, arguments: Arguments) -> tuple[tuple[Value, ...], bool]:
+    """Return the pairs that a map is made of, and whether these are all."""
+    ranged = items_after(given)
+    if ranged is not None:
+        return tuple(item for _, item in ranged[0]), ranged[1]
+    if given is None or len(arguments.values) > 1:
+        return arguments.values, True
+    return items_of(given)
 
 
 def _default_factory(machine: AbstractMachine, arguments: Arguments) -> Callable[[], Value] | None:
@@ -85,17 +142,21 @@ def _default_factory(machine: AbstractMachine, arguments: Arguments) -> Callable
 
 
 def make_array(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`T name[n]`: as many as it says of what T is by default."""
-    given = arguments.get(0)
-    if isinstance(given, ListValue):
-        items = tuple(_convert_item(machine, item, arguments) for item in given.items)
-        return ListValue({**given.fields, "items": items})
+    """`T name[n]`, `std::array<T, n>`: what is given, and of the rest what T is by default."""
     types = arguments.types
     size = int(types[1].name) if len(types) > 1 and types[1].name.isdigit() else 0
-    element: Value = Unknown("item")
-    if types:
-        element = cpp_runtime(machine).default_value(types[0], arguments.frame)
-    return list_of((element,) * min(size, 64), certain=size > 0)
+    made = _typed_list(machine, arguments, "std::array", types)
+    given = arguments.get(0)
+    if isinstance(given, ListValue) and len(given.items) == 1 and size > 1:
+        inner = given.items[0]
+        given = inner if isinstance(inner, ListValue) and is_braces(inner) else given
+    if isinstance(given, ListValue):
+        made.fields |= {**given.fields, "items": _convert_items(machine, made, given, arguments)}
+    missing = min(size, MAX_ITEMS) - len(made.items)
+    more = [default_item(machine, made, arguments.frame) for _ in range(missing)]
+    made.fields["items"] = (*made.items, *more)
+    made.fields["open"] = made.open or size > MAX_ITEMS or not (made.items or size)
+    return made
 
 
 def make_pair(_: AbstractMachine, arguments: Arguments) -> Value:
@@ -109,12 +170,15 @@ def make_pair_function(machine: AbstractMachine, _: object, arguments: Arguments
     return make_pair(machine, arguments)
 
 
+def make_tuple(_: AbstractMachine, arguments: Arguments) -> Value:
+    """Make a std::tuple."""
+    return list_of(arguments.values, "tuple")
+
+
 def get_tuple_item(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    """`std::get<0>(tuple)`."""
+    """`std::get<0>(tuple)`; `std::get<T>(variant)`, which is what it holds."""
     at = arguments.types[0].name if arguments.types else ""
+    if not at.isdigit() and not isinstance(arguments.get(0), ListValue):
+        return arguments.value(0)
     items, _certain = items_of(arguments.get(0) or NONE)
     return items[int(at)] if at.isdigit() and int(at) < len(items) else Unknown("get")
-
-
-CONTAINER_CONSTRUCTORS = (make_vector, make_map, make_array)
-"""They take a list in braces whole; other classes take what stands in it."""

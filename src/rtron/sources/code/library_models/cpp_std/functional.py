@@ -2,6 +2,7 @@
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    ExternalSymbol,
     FunctionValue,
     Instance,
     LibraryClass,
@@ -13,6 +14,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
 from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.library_models.common.command_lines import record_started, shell_words
@@ -20,13 +22,12 @@ from rtron.sources.code.library_models.common.command_lines import record_starte
 _HIDDEN_REASON = "runs or registers what the source does not show"
 
 
-def bind(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def bind(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`boost::bind(&C::method, object, _1)`: the method, bound to the object (boost: bind)."""
     called, given = arguments.get(0), arguments.values[1:]
     if not isinstance(called, FunctionValue):
         return Unknown("bind")
-    is_method = called.owner is None and "::" in called.function.name and not called.function.static
-    if is_method and given and isinstance(given[0], Instance):
+    if given and isinstance(given[0], Instance) and _is_method_of(machine, called, given[0]):
         return _bind_method(called, given[0], given[1:])
     if called.owner is not None and given and given[0] is called.owner:
         given = given[1:]
@@ -39,6 +40,14 @@ def bind(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
         called.types,
         called.overloads,
     )
+
+
+def _is_method_of(machine: AbstractMachine, called: FunctionValue, owner: Instance) -> bool:
+    """Tell whether the first argument is the object; `&C::f` within C has `this` already."""
+    if "::" not in called.function.name or called.function.static:
+        return False
+    lineage = machine.runtime.lineage(owner.type)
+    return called.owner is None or any(cls is called.cls for cls in lineage)
 
 
 def _bind_method(called: FunctionValue, owner: Instance, given: tuple[Value, ...]) -> FunctionValue:
@@ -55,9 +64,37 @@ def make_thread(machine: AbstractMachine, arguments: Arguments) -> Value:
     return Instance(_THREAD)
 
 
+def run_async(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::async([policy,] function, args…)`."""
+    policy = isinstance(arguments.get(0), (ExternalSymbol, Unknown)) and len(arguments.values) > 1
+    return make_thread(machine, arguments.without_first(1) if policy else arguments)
+
+
 def make_function(_: AbstractMachine, arguments: Arguments) -> Value:
     """Make a std::function, which is what it holds."""
     return arguments.get(0) or Unknown("function")
+
+
+def exchange(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::exchange(variable, value)`: return what the variable held before."""
+    slot = arguments.slot(0)
+    if slot is not None:
+        machine.undo_log.set(*slot, arguments.value(1))
+    return arguments.value(0)
+
+
+def swap(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::swap(a, b)`."""
+    first, second = arguments.slot(0), arguments.slot(1)
+    if first is not None and second is not None:
+        machine.undo_log.set(*first, arguments.value(1))
+        machine.undo_log.set(*second, arguments.value(0))
+    return NONE
+
+
+def visit(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::visit(function, variant)`: a variant is what it holds."""
+    return dispatch(machine, arguments.value(0), arguments.without_first(1))
 
 
 def end_program(_: AbstractMachine, __: object, ___: Arguments) -> Value:

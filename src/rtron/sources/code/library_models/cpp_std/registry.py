@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
+from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     BindPlaceholder,
@@ -23,24 +23,32 @@ from rtron.sources.code.library_models.cpp_std.containers import (
     get_tuple_item,
     make_array,
     make_map,
+    make_multimap,
     make_pair,
     make_pair_function,
+    make_queue,
+    make_tuple,
     make_vector,
 )
 from rtron.sources.code.library_models.cpp_std.functional import (
     bind,
     end_program,
+    exchange,
     getenv,
     make_function,
     make_pointer,
     make_shared,
     make_thread,
     note_hidden_code,
+    run_async,
     run_system,
+    swap,
+    visit,
 )
 from rtron.sources.code.library_models.cpp_std.strings import (
     FORMAT,
     STREAM,
+    choose_number,
     compare_strings,
     copy_string,
     getline,
@@ -117,7 +125,8 @@ def _classes() -> dict[str, LibraryClass]:
     }
     for name, make in _CONSTRUCTORS.items():
         for space in ("", "std::", "boost::", "boost::unordered::"):
-            classes[space + name] = LibraryClass(space + name, make)
+            takes_list = make in _LIST_MAKERS
+            classes[space + name] = LibraryClass(space + name, make, takes_list=takes_list)
     for name in ("stringstream", "ostringstream", "istringstream"):
         classes["std::" + name] = classes[name] = STREAM
     for name in ("boost::format", "format"):
@@ -129,10 +138,18 @@ def _classes() -> dict[str, LibraryClass]:
 _CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
     "string": make_string,
     **dict.fromkeys(
-        ("vector", "list", "deque", "set", "unordered_set", "queue", "stack"), make_vector
+        (
+            *("vector", "list", "deque", "set", "unordered_set", "stack"),
+            *("multiset", "forward_list", "initializer_list"),
+        ),
+        make_vector,
     ),
-    **dict.fromkeys(("map", "unordered_map", "multimap"), make_map),
+    **dict.fromkeys(("map", "unordered_map"), make_map),
+    **dict.fromkeys(("multimap", "unordered_multimap"), make_multimap),
     "array": make_array,
+    "queue": make_queue,
+    **dict.fromkeys(("optional", "variant", "reference_wrapper", "string_view"), make_pointer),
+    "tuple": make_tuple,
     "pair": make_pair,
     **dict.fromkeys(
         ("shared_ptr", "unique_ptr", "scoped_ptr", "auto_ptr", "weak_ptr"), make_pointer
@@ -141,10 +158,15 @@ _CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
     "function": make_function,
 }
 
+_LIST_MAKERS = {make_vector, make_map, make_multimap, make_array, make_queue}
+
 _STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("make_shared", "make_unique"), make_shared),
     **dict.fromkeys(
-        ("move", "ref", "cref", "forward", "static_pointer_cast", "dynamic_pointer_cast"),
+        (
+            *("move", "ref", "cref", "forward", "static_pointer_cast", "dynamic_pointer_cast"),
+            *("back_inserter", "front_inserter", "inserter", "as_const", "addressof"),
+        ),
         return_argument,
     ),
     "make_pair": make_pair_function,
@@ -160,12 +182,21 @@ _STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "exit": end_program,
     "abort": end_program,
     "quick_exit": end_program,
-    "make_tuple": lambda machine, _, arguments: list_of(arguments.values, "tuple"),
+    **dict.fromkeys(
+        ("make_tuple", "tie", "forward_as_tuple"),
+        lambda machine, _, arguments: make_tuple(machine, arguments),
+    ),
+    "make_optional": return_argument,
+    "max": partial(choose_number, max),
+    "min": partial(choose_number, min),
+    "exchange": exchange,
+    "swap": swap,
+    "visit": visit,
     "get": get_tuple_item,
     "split": split_string,
     "is_any_of": return_argument,
     "str": stream_text,
-    "async": lambda machine, _, arguments: make_thread(machine, arguments),
+    "async": run_async,
 }
 
 _HIDDEN_CODE_FUNCTIONS = (
@@ -201,7 +232,11 @@ def _functions() -> dict[str, LibraryFunction]:
     }
 
 
-CONSTANTS: Mapping[str, Value] = {"std::string::npos": Scalar(-1), "string::npos": Scalar(-1)}
+CONSTANTS: Mapping[str, Value] = {
+    "std::string::npos": Scalar(-1),
+    "string::npos": Scalar(-1),
+    "std::nullopt": NONE,
+}
 
 PLACEHOLDERS = {
     f"{space}_{n}": BindPlaceholder(n)

@@ -56,6 +56,18 @@ def lexical_cast(machine: AbstractMachine, _: object, arguments: Arguments) -> V
     return parse_number(float if target in {"double", "float"} else int, machine, None, arguments)
 
 
+def choose_number(
+    choose: Callable[[Any], object], _: AbstractMachine, __: object, arguments: Arguments
+) -> Value:
+    """Return the largest or the least of some numbers, `std::max(a, b)`."""
+    given = arguments.get(0)
+    values = items_of(given)[0] if isinstance(given, ListValue) else arguments.values[:2]
+    numbers = [value.value for value in values if isinstance(value, Scalar)]
+    known = len(numbers) == len(values) and all(isinstance(one, (int, float)) for one in numbers)
+    tainted = any(map(is_tainted, values))
+    return Scalar(choose(numbers), tainted) if numbers and known else Unknown("number", tainted)
+
+
 def parse_number(
     make: Callable[[Any], object], _: AbstractMachine, __: object, arguments: Arguments
 ) -> Value:

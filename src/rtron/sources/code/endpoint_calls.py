@@ -1,0 +1,15 @@
+"""The calls of the client libraries that make an endpoint, by their plain names."""
+
+ENDPOINT_METHODS = frozenset(
+    [
+        *("advertise", "advertiseCamera", "advertiseService", "subscribe", "subscribeCamera"),
+        *("serviceClient", "waitForMessage", "create_publisher", "create_subscription"),
+        *("create_service", "create_client", "create_server", "create_generic_publisher"),
+        *("create_generic_subscription", "create_generic_client", "create_generic_service"),
+        *("create_camera_publisher", "create_camera_subscription"),
+    ]
+)
+"""Those that are methods or functions."""
+ENDPOINT_CALLS = ENDPOINT_METHODS | {
+    *("Publisher", "Subscriber", "SimpleActionClient", "SimpleActionServer"),
+}
