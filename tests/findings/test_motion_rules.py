@@ -526,8 +526,12 @@ class TestMavros:
     def test_of_the_nodes_of_a_process_only_the_router_opens_the_app(self):
         plugins = "/mavros/imu mavros third_party\n    pub /mavros/imu/data sensor_msgs/Imu\n"
         router = "/router mavros third_party\n    pub /uas1/mavlink_source mavros_msgs/Mavlink\n"
-        finding = the_finding("network_bridge", small_graph(f"{self.TEXT}{plugins}{router}"))
+        text = f"{self.TEXT}{plugins}{router}"
+        finding = the_finding("network_bridge", small_graph(text))
         assert (finding.nodes, finding.level) == (("/router",), FindingLevel.PEDANTIC)
+        url = parameters("gcs_url", mavros="udp://10.0.0.9")
+        finding = the_finding("network_bridge", small_graph(text, parameters=url))
+        assert (finding.nodes, finding.level) == (("/router",), FindingLevel.REGULAR)
 
     def test_each_process_of_ros1_may_open_the_app(self):
         assert the_finding("network_bridge", small_graph(self.TEXT, ros=1))

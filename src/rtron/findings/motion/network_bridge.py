@@ -63,21 +63,29 @@ def check(app: AppFacts) -> Iterator[Finding]:
     for node in app.graph.nodes:
         if node.package in _BRIDGES:
             yield _finding(app, node)
-        elif node.package in _LINKS:
-            yield from _link(app, node)
         elif node.package in _VIEWS and not _is_local(app, node.name):
             yield _view(app, node)
+    for node in _linked_nodes(app):
+        yield from _link(app, node)
     for package, notes in _included_bridges(app).items():
         yield _included(app, package, notes)
+
+
+def _linked_nodes(app: AppFacts) -> list[Node]:
+    """Return the nodes that may have a link: of a process with a node for each plugin only one."""
+    nodes = [node for node in app.graph.nodes if node.package in _LINKS]
+    routers = [
+        node
+        for node in nodes
+        if any(end.topic.endswith(_LINK_TOPIC) for end in app.graph.published_by(node.name))
+    ]
+    return routers or nodes
 
 
 def _link(app: AppFacts, node: Node) -> Iterator[Finding]:
     """Yield a finding where the link is open, or where its parameter is not known."""
     name, effect = _LINKS[node.package]
-    values = {p.name: p.value for p in app.graph.parameters if p.node == node.name}
-    url = values.get(name)
-    if name not in values and not _has_link(app, node):
-        return
+    url = _process_parameter(app, node, name)
     if url == "" or (isinstance(url, str) and any(local in url for local in _LOCAL)):
         return
     is_known = isinstance(url, str)
@@ -95,10 +103,18 @@ def _link(app: AppFacts, node: Node) -> Iterator[Finding]:
     )
 
 
-def _has_link(app: AppFacts, node: Node) -> bool:
-    """Return whether a node may have a link; a process of ROS 2 has more nodes, one with links."""
-    topics = (end.topic for end in app.graph.published_by(node.name))
-    return app.graph.ros == 1 or node.unread or any(t.endswith(_LINK_TOPIC) for t in topics)
+def _process_parameter(app: AppFacts, node: Node, name: str) -> object:
+    """Return the value that a node has of a parameter, or in ROS 2 one beside it in its process."""
+    values = {p.node: p.value for p in app.graph.parameters if p.name == name}
+    namespace = node.name.rpartition("/")[0]
+    beside = [
+        values[each.name]
+        for each in app.graph.nodes
+        if each.name in values
+        and app.graph.ros > 1
+        and (each.package, each.name.rpartition("/")[0]) == (node.package, namespace)
+    ]
+    return values.get(node.name, beside[0] if beside else None)
 
 
 def _view(app: AppFacts, node: Node) -> Finding:

@@ -1,4 +1,4 @@
-"""What a node reads from its own Lua file, and which of its parameters and plugins a model asks for."""
+"""What a node reads from its own Lua file; which parameters and plugins a model asks for."""
 
 import pytest
 from model_cases import ros2_node_site, site

@@ -38,6 +38,9 @@ ARM = {
 }
 
 
+FOLLOWED = "/r/arm/follow_joint_trajectory"
+
+
 @pytest.mark.parametrize(
     ("distribution", "owner"),
     [("humble", "/r/move_group"), ("jazzy", "/r/moveit_simple_controller_manager")],
@@ -50,8 +53,7 @@ def test_an_arm_commands_the_controllers_of_its_list(distribution, owner):
         environ=[("ROS_DISTRO", distribution)],
     )
     assert told(found) >= {
-        ("action_client", "/r/arm/follow_joint_trajectory")
-        + ("control_msgs/action/FollowJointTrajectory",),
+        ("action_client", FOLLOWED, "control_msgs/action/FollowJointTrajectory"),
         ("action_client", "/r/hand", "control_msgs/action/GripperCommand"),
         ("action_server", "/r/move_action", "moveit_msgs/action/MoveGroup"),
         ("action_server", "/r/sequence_move_group", "moveit_msgs/action/MoveGroupSequence"),
@@ -113,18 +115,18 @@ def test_a_joystick_sends_what_its_commands_say():
 
 
 @pytest.mark.parametrize(
-    ("name", "named", "router", "state"),
+    ("name", "named", "router", "state", "command"),
     [
-        ("/mavros_node", False, "/mavros_router", "/mavros"),
-        ("/drone/mavros_node", False, "/drone/mavros_router", "/drone"),
-        ("/mavros/mavros", True, "/mavros/mavros", "/mavros"),
+        ("/mavros_node", False, "/mavros_router", "/mavros", "/mavros/cmd"),
+        ("/drone/mavros_node", False, "/drone/mavros_router", "/drone", "/drone/cmd"),
+        ("/mavros/mavros", True, "/mavros/mavros", "/mavros", "/mavros/mavros"),
     ],
 )
-def test_a_drone_has_a_router_and_a_node_for_each_plugin(name, named, router, state):
+def test_a_drone_has_a_router_and_a_node_for_each_plugin(name, named, router, state, command):
     found = modelled("mavros/mavros_node", name=name, named=named)
     assert told(found) >= {
         ("publish", f"{state}/state", "mavros_msgs/msg/State"),
-        ("service", f"{state}/cmd/arming", "mavros_msgs/srv/CommandBool"),
+        ("service", f"{command}/arming", "mavros_msgs/srv/CommandBool"),
         ("subscribe", "/uas1/mavlink_sink", "mavros_msgs/msg/Mavlink"),
         ("publish", "/uas1/mavlink_sink", "mavros_msgs/msg/Mavlink"),
     }
