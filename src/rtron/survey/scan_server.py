@@ -25,7 +25,7 @@ from rtron.sources.models import ROS2_LIBRARY, load_models
 from rtron.sources.models.packages import known_packages
 from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros2.app import read_ros2_workspace
-from rtron.sources.workspace import Workspace, keep_workspaces, read_workspace
+from rtron.sources.workspace import Workspace, read_workspace, share_workspaces
 from rtron.survey.app_listing import REQUEST_ADAPTER, AppToScan, ScanRequest
 from rtron.survey.app_survey import RESULT_ADAPTER, AppResult, AppSurvey, survey_app
 from rtron.vocabulary import InteractionGraph, Node
@@ -43,11 +43,11 @@ def main() -> None:
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # no scan writes among answers
     _load()
-    signal.signal(signal.SIGALRM, _time_up)
-    keeper = WorkspaceKeeper()
+    signal.signal(signal.SIGALRM, raise_timeout)
+    sharing = WorkspaceSharing()
     for line in sys.stdin.buffer:
         request = REQUEST_ADAPTER.validate_json(line)
-        keeper.prepare(request)
+        sharing.prepare(request)
         result = scan_forked(request, sys.stdin.buffer)
         answers.write(RESULT_ADAPTER.dump_json(result) + b"\n")
         answers.flush()
@@ -68,8 +68,8 @@ def _load() -> None:
 
 
 @dataclass(slots=True)
-class WorkspaceKeeper:
-    """Keeps the workspace of the repository whose apps are scanned now, for the forked processes.
+class WorkspaceSharing:
+    """Shares the workspace of the repository whose apps are scanned now with the forked processes.
 
     Most apps need where packages lie and a hash of them. Where several follow each other, what the
     build files of all packages say is read once, too.
@@ -86,33 +86,38 @@ class WorkspaceKeeper:
         """
         key = _folders(request.app), _package_path(request.app)
         if key != self._key:
-            keep_workspaces()
+            share_workspaces()
             self._key, self._count, self._workspace = key, 0, None
         self._count += 1
-        signal.setitimer(signal.ITIMER_REAL, request.seconds)
-        with suppress(RTronError, RecursionError, MemoryError, _TimeUpError):
-            self._read(request.app)
-        signal.setitimer(signal.ITIMER_REAL, 0)
+        with suppress(RTronError, RecursionError, MemoryError, _ReadingTimeoutError):
+            signal.setitimer(signal.ITIMER_REAL, request.seconds)
+            try:
+                self._read(request.app)
+            finally:
+                signal.setitimer(signal.ITIMER_REAL, 0)
 
     def _read(self, app: AppToScan) -> None:
         if self._count == 1:
             folders, package_path = self._key
-            found = [(read_workspace(folders, {"ROS_PACKAGE_PATH": package_path}), package_path)]
+            found: list[tuple[Workspace, str | None]] = [
+                (read_workspace(folders, {"ROS_PACKAGE_PATH": package_path}), package_path)
+            ]
             if app.ros == _ROS2:
                 found.append((read_ros2_workspace(folders), None))
             self._workspace = found[-1][0]
             hash_workspace(self._workspace)
-            keep_workspaces(*found)
+            share_workspaces(*found)
         if self._count == _SEVERAL and self._workspace:
             self._workspace.plugins("")
 
 
-class _TimeUpError(Exception):
-    """Raised where a workspace takes too long to read."""
+class _ReadingTimeoutError(BaseException):
+    """Raised in the middle of whatever reads a workspace for too long."""
 
 
-def _time_up(*_: object) -> None:
-    raise _TimeUpError
+def raise_timeout(*_: object) -> None:
+    """End what is being read; the handler of the alarm."""
+    raise _ReadingTimeoutError
 
 
 def _folders(app: AppToScan) -> tuple[Path, ...]:

@@ -111,7 +111,7 @@ class SurveyCounts:
 
     def median_of(self, field: str) -> float:
         """Return the median over the apps of a number that a survey has."""
-        return median([getattr(survey, field) for _, survey in self.surveys] or [0])
+        return float(median([getattr(survey, field) for _, survey in self.surveys] or [0]))
 
     def _risk_count(self, kind: RiskKind) -> RiskCount:
         counts = [(survey.risks.get(kind, 0), result.app) for result, survey in self.surveys]

@@ -1,6 +1,6 @@
 """A survey: the apps of a folder that have no result yet are scanned, several at a time."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -107,7 +107,7 @@ def _scan_missing(
 
 def _scan(
     apps: Sequence[AppToScan], options: SurveyOptions
-) -> Iterator[tuple[AppToScan, AppResult]]:
+) -> Generator[tuple[AppToScan, AppResult], None, None]:
     requests = [
         ScanRequest(app=app, seconds=options.seconds, use_cache=options.use_cache) for app in apps
     ]

@@ -97,7 +97,8 @@ const details = (app) => {
 const line = (app) => {
   const row = make("tr");
   for (const [, value, look] of columns) row.append(make("td", look === "app" ? "" : String(value(app) ?? ""), look));
-  const button = make("button", app.app);
+  const button = make("button");
+  for (const part of app.app.split(/(?<=\/)/)) button.append(part, make("wbr"));
   button.type = "button";
   button.setAttribute("aria-expanded", "false");
   button.addEventListener("click", () => {

@@ -3,9 +3,9 @@
 from rtron.sources.workspace.catalog import (
     Workspace,
     indexed_workspace,
-    keep_workspaces,
-    kept_workspace,
     read_workspace,
+    share_workspaces,
+    shared_workspace,
 )
 from rtron.sources.workspace.package_contents import BuildTarget, PackageContents, TargetKind
 from rtron.sources.workspace.plugin_description import Plugin, PluginClass
@@ -21,8 +21,8 @@ __all__ = [
     "TargetKind",
     "Workspace",
     "indexed_workspace",
-    "keep_workspaces",
-    "kept_workspace",
     "program_digest",
     "read_workspace",
+    "share_workspaces",
+    "shared_workspace",
 ]

@@ -334,29 +334,31 @@ def _component(cls: str, contents: PackageContents) -> Program | None:
 def read_workspace(folders: Iterable[Path], environ: Mapping[str, str] = os.environ) -> Workspace:
     """Return the workspace of some folders, ROS_PACKAGE_PATH and Debian's packages."""
     given = tuple(folders)
-    kept = kept_workspace(given, environ.get("ROS_PACKAGE_PATH", ""))
-    return kept or Workspace(find_packages(given, environ), given)
+    shared = shared_workspace(given, environ.get("ROS_PACKAGE_PATH", ""))
+    return shared or Workspace(find_packages(given, environ), given)
 
 
-_KEPT: dict[tuple[tuple[Path, ...], str | None], Workspace] = {}
+_SHARED: dict[tuple[tuple[Path, ...], str | None], Workspace] = {}
 
 
-def keep_workspaces(*workspaces: tuple[Workspace, str | None]) -> None:
-    """Keep workspaces, each with its ROS_PACKAGE_PATH or None for ROS 2, instead of earlier ones.
+def share_workspaces(*workspaces: tuple[Workspace, str | None]) -> None:
+    """Share workspaces, each with its ROS_PACKAGE_PATH or None for ROS 2, instead of earlier ones.
 
-    They are for the processes that this one forks: each finds what was read of them before. Nobody
-    else keeps one, since files change.
+    They are for the processes that this one forks: each finds what was read of them before. No
+    other process shares one, since files change.
     """
-    _KEPT.clear()
-    _KEPT.update({(each.folders, path): each for each, path in workspaces})
+    _SHARED.clear()
+    _SHARED.update({(each.folders, path): each for each, path in workspaces})
 
 
-def kept_workspace(folders: tuple[Path, ...], package_path: str | None) -> Workspace | None:
-    """Return the workspace that is kept of some folders, if there is one."""
-    return _KEPT.get((folders, package_path))
+def shared_workspace(folders: tuple[Path, ...], package_path: str | None) -> Workspace | None:
+    """Return the workspace that is shared of some folders, if there is one."""
+    return _SHARED.get((folders, package_path))
 
 
 def indexed_workspace(packages: PackageIndex, folders: tuple[Path, ...]) -> Workspace:
-    """Return the workspace of packages that are known: the one that is kept, else a new one."""
-    same = (each for each in _KEPT.values() if (each.packages, each.folders) == (packages, folders))
-    return next(same, None) or Workspace(packages, folders)
+    """Return the workspace of packages that are known: the one that is shared, else a new one."""
+    for shared in _SHARED.values():
+        if (shared.packages, shared.folders) == (packages, folders):
+            return shared
+    return Workspace(packages, folders)

@@ -14,13 +14,13 @@ from rtron.errors import InputError
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.reports.functions.labels import STAGES
 from rtron.reports.functions.svg import lay_out
-from rtron.survey.reports.page_sections import link_name
+from rtron.survey.reports.page_sections import link_name, pairs_of_two
 from rtron.survey.statistics import LinkCount, SurveyCounts
 from rtron.vocabulary import FunctionType
 
-_MIN_SHARE = 0.02
-"""An interaction of a smaller share of the apps is in the matrix only."""
-_MOST_ARROWS = 45
+_MIN_SHARE = 0.05
+"""An interaction with a smaller share of what the most frequent one has is in the matrix only."""
+_MOST_ARROWS = 40
 _MAX_WIDTH = 7.0
 _HEAD = """\
 digraph functions {
@@ -49,11 +49,8 @@ def graph_picture(counts: SurveyCounts) -> str:
 
 
 def _drawn_links(counts: SurveyCounts) -> list[LinkCount]:
-    return [
-        link
-        for link in list(counts.links.values())[:_MOST_ARROWS]
-        if link.apps >= _MIN_SHARE * counts.apps and link.source is not link.target
-    ]
+    links = list(pairs_of_two(counts).values())[:_MOST_ARROWS]
+    return [link for link in links if link.apps >= _MIN_SHARE * links[0].apps]
 
 
 def _document(counts: SurveyCounts, links: list[LinkCount]) -> Iterator[str]:
@@ -69,7 +66,7 @@ def _document(counts: SurveyCounts, links: list[LinkCount]) -> Iterator[str]:
     if len(stages) > 1:
         yield f"  {' -> '.join(stages)} [style=invis]"
     for link in links:
-        yield _arrow(link, ids, columns, counts.apps)
+        yield _arrow(link, ids, columns, links[0].apps)
     yield "}"
 
 
@@ -103,15 +100,18 @@ def _arrow(
     link: LinkCount,
     ids: Mapping[FunctionType, str],
     columns: Mapping[FunctionType, int],
-    apps: int,
+    most: int,
 ) -> str:
-    """Return an arrow; one that leads back is turned round, so that the stages keep their order."""
+    """Return an arrow, the broadest for the `most` apps.
+
+    One that leads back is turned round, so that the stages keep their order.
+    """
     leads_back = columns[link.source] > columns[link.target]
     tail, head = (link.target, link.source) if leads_back else (link.source, link.target)
     address = urlencode({"link": link_name((link.source, link.target))}, quote_via=quote)
     types = ", ".join(list(link.types)[:3])
     look = [
-        f"penwidth={max(0.8, _MAX_WIDTH * link.apps / apps):.2f}",
+        f"penwidth={max(0.8, _MAX_WIDTH * link.apps / most):.2f}",
         f'URL="#{address}"',
         f'tooltip="{link.source} → {link.target}: {link.apps} apps, {types}"',
         f'label="{link.apps}"',

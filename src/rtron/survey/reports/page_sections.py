@@ -112,7 +112,7 @@ def _complex_numbers(survey: AppSurvey) -> tuple[int, ...]:
 def interaction_section(counts: Counts) -> str:
     """Return the pairs of functions that exchange messages in most apps."""
     rows = []
-    for pair, link in list(counts[0].links.items())[:_MOST_LINKS]:
+    for pair, link in list(pairs_of_two(counts[0]).items())[:_MOST_LINKS]:
         cells = [
             share_cell(
                 _link_apps(counts[ros], pair),
@@ -152,6 +152,11 @@ def _matrix_cell(link: LinkCount | None, largest: int) -> str:
     return matrix_cell(link.apps, largest, title, link=link_name((link.source, link.target)))
 
 
+def pairs_of_two(counts: SurveyCounts) -> Mapping[FunctionPair, LinkCount]:
+    """Return the interactions of two functions, as the paper's graph has them, the most first."""
+    return {pair: link for pair, link in counts.links.items() if pair[0] is not pair[1]}
+
+
 def link_name(pair: FunctionPair) -> str:
     """Return the name of a pair of functions in links and data of the page."""
     return f"{pair[0]}>{pair[1]}"
@@ -184,7 +189,7 @@ def change_section(counts: Counts) -> str:
     """Return the interactions whose share of apps differs most between ROS 1 and ROS 2."""
     shares = {
         pair: [_link_apps(counts[ros], pair) / (counts[ros].apps or 1) for ros in _ROS]
-        for pair in counts[0].links
+        for pair in pairs_of_two(counts[0])
     }
     ranked = sorted(shares, key=lambda pair: -abs(shares[pair][1] - shares[pair][0]))
     rows = [

@@ -29,16 +29,16 @@ from rtron.sources.static.ros2.gazebo_server import GazeboServers
 from rtron.sources.static.ros2.hardware import HardwareParts
 from rtron.sources.static.ros2.standard_nodes import add_standard_interface
 from rtron.sources.static.ros2.unread_parameters import sections_without_node, unread_parameters
-from rtron.sources.workspace import Workspace, kept_workspace
+from rtron.sources.workspace import Workspace, shared_workspace
 from rtron.vocabulary import InteractionGraph
 
 
 def read_ros2_workspace(folders: Iterable[Path]) -> Workspace:
     """Return the packages below folders alone: Debian's are of ROS 1."""
     folders_read = tuple(folder.absolute() for folder in folders)
-    kept = kept_workspace(folders_read, None)
-    if kept is not None:
-        return kept
+    shared = shared_workspace(folders_read, None)
+    if shared is not None:
+        return shared
     packages = find_packages(folders_read, {})
     own_packages = {
         n: path for n, path in packages.items() if any(map(path.is_relative_to, folders_read))
