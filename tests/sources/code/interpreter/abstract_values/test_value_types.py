@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of, pair_of, unpack
+from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     MAX_CHOICES,
@@ -29,7 +30,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     options,
     parts_of,
     text_with_holes,
-    truth,
 )
 
 HOLE = Unknown("h")

@@ -36,9 +36,11 @@ from rtron.sources.code.ir import (
 )
 from rtron.sources.code.ir.references import called_names
 from rtron.sources.code.library_models.common.containers import (
-    CPP_MAP_METHODS,
     LIST_METHODS,
     bound_method,
+)
+from rtron.sources.code.library_models.common.maps import (
+    CPP_MAP_METHODS,
 )
 from rtron.sources.code.library_models.common.strings import CPP_STRING_METHODS, bound_string_method
 from rtron.sources.code.library_models.cpp_std.registry import (
@@ -368,11 +370,9 @@ class CppRuntime(CppObjects):
         return self._globals[name]
 
     def _in_closure(self, name: str, frame: StackFrame) -> bool:
-        return (
-            name in frame.variables
-            or name in frame.aliases
-            or (frame.closure is not None and self._in_closure(name, frame.closure))
-        )
+        if name in frame.variables or name in frame.aliases:
+            return True
+        return frame.closure is not None and self._in_closure(name, frame.closure)
 
 
 _PARAMETER_TYPE_METHODS = {"getType": parameter_type_of, "get_type": get_type}
@@ -388,9 +388,8 @@ def _container_member(owner: ListValue | MapValue, name: str) -> Value | None:
     walk = {"begin": begin, "end": end, "cbegin": begin, "cend": end}.get(name)
     if walk is not None:
         return LibraryFunction(name, walk, owner)
-    return bound_method(
-        LIST_METHODS if isinstance(owner, ListValue) else CPP_MAP_METHODS, owner, name
-    )
+    methods = LIST_METHODS if isinstance(owner, ListValue) else CPP_MAP_METHODS
+    return bound_method(methods, owner, name)
 
 
 def _copy_constant(constant: Value | None) -> Value | None:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from rtron.sources.code.endpoint_calls import ENDPOINT_METHODS
+from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     UNKNOWN,
@@ -24,7 +25,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     is_text,
     join,
     text_with_holes,
-    truth,
 )
 from rtron.sources.code.interpreter.cpp.iterators import dereference
 from rtron.sources.code.interpreter.cpp.mutating_methods import mutate

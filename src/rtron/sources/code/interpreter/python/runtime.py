@@ -31,8 +31,10 @@ from rtron.sources.code.interpreter.python.unknown_calls import (
 )
 from rtron.sources.code.ir import Class, Define, Name, TypeRef
 from rtron.sources.code.library_models.common.containers import (
-    DICT_METHODS,
     bound_method,
+)
+from rtron.sources.code.library_models.common.maps import (
+    DICT_METHODS,
 )
 from rtron.sources.code.library_models.common.strings import (
     PYTHON_STRING_METHODS,

@@ -2,13 +2,13 @@
 
 from typing import Any
 
+from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
     ListValue,
     Scalar,
     Value,
-    truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments

@@ -5,6 +5,7 @@ from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary
+from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
@@ -13,7 +14,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
-    truth,
 )
 from rtron.sources.code.interpreter.cpp.iterators import (
     container_of,

@@ -6,6 +6,7 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.elements import SLICE
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary
+from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
@@ -28,7 +29,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     map_options,
     options,
     text_with_holes,
-    truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -38,7 +38,10 @@ from rtron.sources.code.interpreter.execution.language_runtime import python_run
 from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIONS
 from rtron.sources.code.interpreter.python.method_resolution_order import super_object
 from rtron.sources.code.ir import Class
-from rtron.sources.code.library_models.common.containers import dict_of, keyword_fields
+from rtron.sources.code.library_models.common.maps import (
+    dict_of,
+    keyword_fields,
+)
 from rtron.sources.code.library_models.common.strings import apply_format_spec
 from rtron.sources.code.library_models.python_std.dynamic_code import (
     DYNAMIC_CODE_BUILTINS,

@@ -5,6 +5,7 @@ from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary
+from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     ListValue,
@@ -13,7 +14,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Value,
     join,
     options,
-    truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments

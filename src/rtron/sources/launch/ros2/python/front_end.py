@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from rtron.sources.code.interpreter.abstract_values.items import list_of
+from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     Instance,
@@ -17,7 +18,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
-    truth,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import (
     AbstractMachine,

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of
+from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     Choice,
@@ -14,7 +15,6 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Value,
     options,
-    truth,
 )
 from rtron.sources.code.library_models.launch.constructor_calls import (
     constructor_arguments,
