@@ -107,7 +107,7 @@ class _DaskWorkers:
             futures = {
                 self.client.submit(run_item, function, item, pure=False): item for item in items
             }
-        for future in self.dask.as_completed(futures):
+        for future in self.dask.as_completed(futures, loop=self.client.loop):
             yield futures[future], self._result_or_failure(future)
 
     def _result_or_failure(self, future: Any) -> Any:  # noqa: ANN401 - Dask has no types here
