@@ -3,10 +3,11 @@
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from pathlib import Path
 
 from pydantic import TypeAdapter
 
+import rtron
 from rtron.functions.app_categories import AppProfile, app_profile
 from rtron.functions.interactions.typical_messages import is_informative
 from rtron.survey.app_listing import AppToScan
@@ -29,7 +30,8 @@ MAX_LISTED = 30
 """Risks and findings of an app that are kept one by one, the worst; all are counted."""
 MAX_NAMES = 8
 """Nodes or topics that are named of one of them."""
-Listed = TypeVar("Listed")
+_OWN_FOLDER = f"{Path(rtron.__file__).parents[1]}/"
+"""Models of ours are places, too, and are named from here."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,7 +152,8 @@ def _place(evidence: Sequence[Evidence]) -> str:
     first = next((each for each in evidence if each.file), None)
     if first is None:
         return ""
-    return f"{first.file}:{first.line}" if first.line else first.file
+    file = first.file.removeprefix(_OWN_FOLDER)
+    return f"{file}:{first.line}" if first.line else file
 
 
 def function_links(graph: InteractionGraph, profile: AppProfile) -> Iterator[FunctionLink]:
