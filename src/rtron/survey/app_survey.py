@@ -117,8 +117,8 @@ def survey_app(app: AppToScan, graph: InteractionGraph) -> AppSurvey:
         profile=profile,
         unresolved=len(graph.unresolved),
         finding_counts=Counter(finding.rule for finding in findings),
-        listed_risks=tuple(map(_listed_risk, _worst(result.report.risks))),
-        listed_findings=tuple(map(_listed_finding, findings[:MAX_LISTED])),
+        listed_risks=tuple(_listed_risk(each, app.top) for each in _worst(result.report.risks)),
+        listed_findings=tuple(_listed_finding(each, app.top) for each in findings[:MAX_LISTED]),
         links=tuple(function_links(graph, profile)),
     )
 
@@ -128,31 +128,31 @@ def _worst(risks: Sequence[Risk]) -> Sequence[Risk]:
     return sorted(risks, key=lambda each: -worst_last.index(each.severity))[:MAX_LISTED]
 
 
-def _listed_risk(risk: Risk) -> ListedRisk:
+def _listed_risk(risk: Risk, top: Path) -> ListedRisk:
     nodes = dict.fromkeys(name for names in risk.role_nodes.values() for name in names)
     return ListedRisk(
         kind=risk.kind,
         severity=risk.severity,
         topics=risk.topics[:MAX_NAMES],
         nodes=tuple(nodes)[:MAX_NAMES],
-        place=_place(risk.evidence),
+        place=_place(risk.evidence, top),
     )
 
 
-def _listed_finding(finding: Finding) -> ListedFinding:
+def _listed_finding(finding: Finding, top: Path) -> ListedFinding:
     return ListedFinding(
         rule=finding.rule,
         severity=finding.severity,
         summary=finding.summary,
-        place=_place(finding.evidence),
+        place=_place(finding.evidence, top),
     )
 
 
-def _place(evidence: Sequence[Evidence]) -> str:
+def _place(evidence: Sequence[Evidence], top: Path) -> str:
     first = next((each for each in evidence if each.file), None)
     if first is None:
         return ""
-    file = first.file.removeprefix(_OWN_FOLDER)
+    file = first.file.removeprefix(f"{top}/").removeprefix(_OWN_FOLDER)
     return f"{file}:{first.line}" if first.line else file
 
 
