@@ -57,8 +57,9 @@ class Triple(NamedTuple):
 class GraphScore:
     """The triples that are live and those of them that were found; what was claimed, and wrongly.
 
-    `untold` are those that were missed although no note speaks of their node or their file, and no
-    endpoint of that kind is reported there whose name is open.
+    `untold` are those that were missed although no note speaks of their node, of their file or of a
+    launch file that is not here and may start it, and no endpoint of that kind is reported there
+    whose name is open.
     """
 
     live: frozenset[Triple]
@@ -150,6 +151,9 @@ class GraphTruth:
         )
         places = {triple: (node, entry) for node in nodes for triple, entry in _entries(node)}
         told = {t for t in explicit if _is_told(*places[t], graph.unresolved)}
+        if any(_is_launch_file(note) for note in graph.unresolved):
+            started = {node.name for node in graph.nodes}
+            told |= {t for t in explicit if t.node not in started}
         symbolic = set(_symbolic_kinds(graph))
         untold = frozenset(t for t in explicit - found - told if t[:2] not in symbolic)
         return GraphScore(explicit, found, claimed, claimed - live, untold)
@@ -258,6 +262,11 @@ def _is_told(
         if file and any(Path(place.file).name == file for place in note.evidence):
             return True
     return False
+
+
+def _is_launch_file(note: UnresolvedItem) -> bool:
+    """Tell whether a note is of a launch file that is not here."""
+    return note.what.startswith("include")
 
 
 def _node_differences(truth: GraphTruth, graph: InteractionGraph) -> Iterator[str]:
