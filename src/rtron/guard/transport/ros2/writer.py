@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
+_MAX_WAITS = 10
+"""How often a change of writers waits another `HANDOVER_S`."""
+
 
 class Writer:
     """A DDS writer: `publish` sends a message, `count` returns the number of matched readers.
@@ -38,6 +41,10 @@ class Writer:
         self.publish: Callable[[bytes], None] = partial(rcl.publish, handle.pointer)
         self.count: Callable[[], int] = handle.get_subscription_count
         self.lost = 0
+
+    def is_taken(self) -> bool:
+        """Return whether the reliable readers have all that was sent."""
+        return bool(self._publisher.wait_for_all_acked(Duration()))
 
     def close(self) -> None:
         """Leave the topic; the messages that DDS keeps go too."""
@@ -75,7 +82,7 @@ class LosslessWriter(Writer):
         has the last message at the very moment of asking, but often enough before the bound.
         """
         is_much = self._unacknowledged > MAX_QUEUE_BYTES // 2
-        if is_much and self._publisher.wait_for_all_acked(Duration()):
+        if is_much and self.is_taken():
             self._unacknowledged = 0
         return self._unacknowledged <= MAX_QUEUE_BYTES
 
@@ -131,16 +138,35 @@ class FittingWriter:
         if self._next:
             self._next.close()
         self._next = self._create(depth)
-        self._loop.call_later(HANDOVER_S, partial(self._switch, self._next))
+        self._loop.call_later(HANDOVER_S, partial(self._switch_in_time, self._next, _MAX_WAITS))
 
-    def _switch(self, next: Writer) -> None:
-        """Send with the next writer from now on, unless another one takes its place."""
+    def _switch_in_time(self, next: Writer, waits: int) -> None:
+        """Switch when the readers know the next writer; on a busy machine that takes a while."""
         if next is not self._next:
             return
+        if waits and next.count() < self._writer.count():
+            retry = partial(self._switch_in_time, next, waits - 1)
+            self._loop.call_later(HANDOVER_S, retry)
+        else:
+            self._switch(next)
+
+    def _switch(self, next: Writer) -> None:
+        """Send with the next writer from now on."""
         self._close_former(self._former)
         self._former, self._writer, self._next = self._writer, next, None
         self._lost += self._former.lost
-        self._loop.call_later(HANDOVER_S, partial(self._close_former, self._former))
+        close = partial(self._close_former_in_time, self._former, _MAX_WAITS)
+        self._loop.call_later(HANDOVER_S, close)
+
+    def _close_former_in_time(self, former: Writer, waits: int) -> None:
+        """Close the former writer when the reliable readers have all that it sent."""
+        if former is not self._former:
+            return
+        if waits and not former.is_taken():
+            retry = partial(self._close_former_in_time, former, waits - 1)
+            self._loop.call_later(HANDOVER_S, retry)
+        else:
+            self._close_former(former)
 
     def _close_former(self, former: Writer | None) -> None:
         if former and former is self._former:
