@@ -34,9 +34,10 @@ log = logging.getLogger(__name__)
 
 ANSWER_LIMIT_S = 2.0
 """How long a person waits for the audit's answer, s."""
-NOT_CONNECTED = "the audit is not connected: nobody knows whether the intruder is gone"
-_JUST_BEGUN = "the audit has just begun: it does not know yet whether the intruder is gone"
-_NO_ANSWER = f"the audit has not answered within {ANSWER_LIMIT_S:g} s"
+_AGAIN = "try again in a few seconds"
+NOT_CONNECTED = f"the audit is not connected: nobody knows whether the intruder is gone; {_AGAIN}"
+_JUST_BEGUN = f"the audit has just begun: it does not know whether the intruder is gone; {_AGAIN}"
+_NO_ANSWER = f"the audit has not answered within {ANSWER_LIMIT_S:g} s; {_AGAIN}"
 
 
 class RemoteAudit:
