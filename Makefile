@@ -1,14 +1,12 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-ros2 test-all test-pythons test-arm64 lint coverage mutation fuzz bench soak eval study docs lock check-locks
+.PHONY: help setup demo check test test-all test-durations test-ros2 test-pythons test-arm64 lint coverage mutation fuzz bench soak eval study docs lock check-locks
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
 ROS2_PYTHON := .venv-ros2/bin/python
-ROS2_TESTS = $(shell grep -rl "mark.ros2" tests --include="test_*.py")
 CODE := src tests scripts bench evaluation figures
 WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
-SHORT := and not long
 EXAMPLES :=
 PYTHONS := 3.10 3.13
 LOCKED_PYTHONS := 3.10 3.11 3.12 3.13 3.14
@@ -17,7 +15,7 @@ LOCKED_PLATFORMS := x86_64-manylinux_2_28 aarch64-manylinux_2_28
 unexport PYTHONDONTWRITEBYTECODE
 
 help: ## List the targets, and how long each takes on 2 cores
-	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / {printf "make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 setup: ## Install Debian's ROS 1 packages, .venv and .venv-ros2, if they are missing (1 minute)
 	@scripts/setup.sh
@@ -36,21 +34,23 @@ lint: setup ## Check style, types, names, sizes, imports and whether the generat
 	$(PYTHON) scripts/docs_policies.py --check
 	$(PYTHON) scripts/docs_schemas.py --check
 
+check: setup ## Run lint and the tests beside what differs from main, without ROS and network (2 minutes)
+	$(PYTHON) scripts/run_tests.py --changed main
+
+test: setup ## Run lint and all tests but the long ones, fast ones first (12 minutes)
+	$(PYTHON) scripts/run_tests.py
+
+test-all: setup ## Run all of that and the long tests: every scene on a real ROS, case studies, soak, load, faults (2 hours)
+	$(PYTHON) scripts/run_tests.py --long
+
+test-durations: ## Show the slowest files of the last run, and its tests over 20 s
+	$(PYTHON) scripts/run_tests.py --durations
+
 coverage: setup ## Run the tests of policies, risks, plans and vocabulary, which must run every branch (1 minute)
-	$(BIN)/pytest -m covered $(addprefix tests/,policies risks coherence vocabulary planning/plan_file) $(WORKERS) $(EXAMPLES) \
-	  --cov=rtron.policies --cov=rtron.risks --cov=rtron.coherence --cov=rtron.vocabulary --cov-branch \
-	  --cov-report=term-missing:skip-covered --cov-fail-under=100
+	$(PYTHON) scripts/run_tests.py covered
 
-# One group after the other: side by side six processes share two cores, and what is tested is late.
-test: lint coverage test-ros2 ## Run lint, coverage and the tests (20 minutes)
-	$(BIN)/pytest -m "not ros2 and not covered $(SHORT)" $(WORKERS) $(EXAMPLES)
-
-test-ros2: setup ## Run the tests on a real ROS 2 (6 minutes)
-	[ ! -x $(ROS2_PYTHON) ] || $(ROS2_PYTHON) -m pytest -m "ros2 $(SHORT)" $(ROS2_TESTS) $(WORKERS) $(EXAMPLES)
-
-test-all: SHORT :=
-test-all: EXAMPLES := --hypothesis-profile=thorough
-test-all: test ## Run all of that, the case studies, and the soak, load and fault runs (an hour)
+test-ros2: setup ## Run the tests on a real ROS 2 but the long ones (5 minutes)
+	$(PYTHON) scripts/run_tests.py ros2
 
 test-pythons: ## Run the tests that need no ROS 2 on Python 3.10 and 3.13 (20 minutes each)
 	for python in $(PYTHONS); do scripts/test_python.sh $$python $(WORKERS) $(EXAMPLES) || exit 1; done

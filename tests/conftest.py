@@ -1,10 +1,11 @@
 """Where tests find their helpers, and in which order they run."""
 
+import gc
 import sys
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from example_budget import SHORT, WHOLE
 
@@ -25,9 +26,19 @@ def _helper_folders():
 
 sys.path += sorted({*_helper_folders(), str(TESTS.parent), str(TESTS.parent / "scripts")})
 
-# A deadline would be an absolute time: on a busy machine any example may take longer.
-settings.register_profile("default", deadline=None, max_examples=SHORT)
-settings.register_profile("thorough", deadline=None, max_examples=WHOLE)
+# A run says the same everywhere and every time: Hypothesis would take other examples in CI. A
+# deadline, and how long it takes to make examples, would be absolute times.
+settings.register_profile(
+    "default",
+    max_examples=SHORT,
+    derandomize=True,
+    database=None,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.register_profile(
+    "thorough", settings.get_profile("default"), max_examples=WHOLE, derandomize=False
+)
 settings.load_profile("default")
 
 
@@ -42,6 +53,15 @@ COVERED = tuple(
     )
 )
 """Where the tests are that run every branch of what they test; `make coverage` runs them."""
+
+
+gc.set_threshold(100_000)  # thousands of tests live as long as the process: look for garbage seldom
+
+
+def pytest_collection_finish():
+    """Look for no garbage among the tests themselves."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -24,13 +24,21 @@ SOURCE = ROOT / "src" / "rtron"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 ADDRESS = PROJECT["urls"]["Source"]
 UNITS = {path.name for path in (ROOT / "deploy" / "systemd").iterdir()}
+UNREACHED = re.compile(
+    "error sending request|dns error|Failed to fetch|not found in the package reg"
+)
 BESIDES = {"CHANGELOG.md", "LICENSE", "README.md", "pyproject.toml", "PKG-INFO", ".gitignore"}
 
 
 def run_uv(*arguments):
     command = [sys.executable, "-m", "uv", *map(str, arguments)]
     ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    if UNREACHED.search(ran.stderr):
+        pytest.fail("no package index", pytrace=False)
     assert ran.returncode == 0, ran.stderr
+
+
+pytestmark = pytest.mark.network
 
 
 @pytest.fixture(scope="module")

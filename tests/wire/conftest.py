@@ -4,7 +4,11 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile(
-    "fuzz", max_examples=30_000, deadline=None, suppress_health_check=list(HealthCheck)
+    "fuzz",
+    max_examples=30_000,
+    derandomize=False,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
 )
 _GIVEN = pytest.StashKey[list[int]]()
 
