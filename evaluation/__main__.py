@@ -72,7 +72,7 @@ def _reporter(console: Console, progress: Progress, *, verbose: bool) -> Reporte
     task = progress.add_task("")
 
     def show_activity(what: str) -> None:
-        progress.update(task, description=what)
+        progress.update(task, description=what, refresh=True)
 
     def print_lines(lines: Sequence[str]) -> None:
         for line in lines:
@@ -86,8 +86,11 @@ def _quiet(lines: Sequence[str]) -> None:
 
 
 def _progress(console: Console) -> Progress:
+    """Return what shows the activity; no thread draws it, so that scans may fork."""
     description = TextColumn("{task.description}")
-    return Progress(SpinnerColumn(), description, TimeElapsedColumn(), console=console)
+    return Progress(
+        SpinnerColumn(), description, TimeElapsedColumn(), console=console, auto_refresh=False
+    )
 
 
 def _arguments() -> argparse.Namespace:

@@ -1,7 +1,8 @@
 """How sure the classifier is beside how often it is right: learned and measured on labels by hand.
 
 `python -m evaluation.common.function_confidence [--write]` prints the reliability table, and with
-`--write` learns the weights of `confidence.yaml` from all labels. What it measures, it measures by
+`--write` learns the weights of `confidence.yaml`, from the labels that check the rules: those that
+the rules were written with would teach too much trust. What it measures, it measures by
 cross-validation: each repository with weights that were learned from others.
 """
 
@@ -10,9 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from importlib.resources import files
-from itertools import pairwise
 from pathlib import Path
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +19,8 @@ import yaml
 
 from evaluation.common.datasets import Datasets, Reporter, datasets_from_environ
 from evaluation.common.function_corpora import HELD_OUT, read_repositories
-from evaluation.common.function_labels import Label, read_labels
+from evaluation.common.function_labels import CHECK, Label, half_of, read_labels
+from evaluation.common.reliability import Array, Reliability, reliability, reliability_lines
 from figures.figure import Figure
 from rtron.functions.classifier.confidence import FEATURES, features
 from rtron.functions.classifier.pipeline import classify, package_words, source_scores
@@ -31,8 +31,6 @@ POSITIONS = ("first", "others")
 _FOLDS = 10
 _RIDGE = 1.0
 _STEPS = 30
-_BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
-Array: TypeAlias = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,28 +50,6 @@ class Answer:
     def fold(self) -> int:
         """The part of the cross-validation that the repository is in, whatever was read of it."""
         return int.from_bytes(sha256(self.repo.encode()).digest()[1:3], "big") % _FOLDS
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReliabilityBin:
-    """Answers of about one probability: how many, their mean probability, the share right."""
-
-    lowest: float
-    highest: float
-    answers: int
-    predicted: float
-    right: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reliability:
-    """Probabilities beside what was right; `base` is the Brier score of one fixed probability."""
-
-    answers: int
-    brier: float
-    base: float
-    calibration_error: float
-    bins: tuple[ReliabilityBin, ...]
 
 
 def cross_validated(answers: Sequence[Answer]) -> Array:
@@ -98,19 +74,6 @@ def learned_weights(answers: Sequence[Answer]) -> Mapping[str, Mapping[str, floa
         position: dict(zip(FEATURES, np.round(_fit(of_position), 3).tolist(), strict=True))
         for position, of_position in by_position.items()
     }
-
-
-def reliability(probabilities: Array, right: Array) -> Reliability:
-    """Return how well probabilities fit what was right."""
-    bins = tuple(_bins(probabilities, right))
-    errors = sum(each.answers * abs(each.predicted - each.right) for each in bins)
-    return Reliability(
-        answers=len(right),
-        brier=float(np.mean((probabilities - right) ** 2)),
-        base=float(np.var(right)),
-        calibration_error=errors / max(len(right), 1),
-        bins=bins,
-    )
 
 
 def labelled_answers(
@@ -179,20 +142,6 @@ def _chosen(answers: Sequence[Answer], mask: npt.NDArray[np.bool_]) -> list[Answ
     return [each for each, is_chosen in zip(answers, mask, strict=True) if is_chosen]
 
 
-def _bins(probabilities: Array, right: Array) -> Iterator[ReliabilityBin]:
-    for lowest, highest in pairwise(_BINS):
-        is_last = highest == _BINS[-1]
-        inside = (probabilities >= lowest) & ((probabilities < highest) | is_last)
-        if inside.any():
-            yield ReliabilityBin(
-                lowest=lowest,
-                highest=highest,
-                answers=int(inside.sum()),
-                predicted=float(probabilities[inside].mean()),
-                right=float(right[inside].mean()),
-            )
-
-
 def held_out_answers(datasets: Datasets) -> list[Answer]:
     """Return the answers for every repository with held-out labels."""
     return [
@@ -209,7 +158,7 @@ def confidence_figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figur
     reporter.progress("how sure the classifier is, cross-validated")
     answers = held_out_answers(datasets)
     for position, view, found in _reliabilities(answers):
-        reporter.detail([*_lines(f"{position} functions, {view}", found), ""])
+        reporter.detail([*reliability_lines(f"{position} functions, {view}", found), ""])
         name = f"functions.confidence.{position}.{view}"
         yield Figure(f"{name}.brier", found.brier, found.base, "")
         yield Figure(f"{name}.calibration_error", found.calibration_error, None, "share")
@@ -223,32 +172,23 @@ def _reliabilities(answers: Sequence[Answer]) -> Iterator[tuple[str, str, Reliab
             yield position, view, reliability(probabilities[chosen], right[chosen])
 
 
-def _lines(title: str, found: Reliability) -> Iterator[str]:
-    yield (
-        f"{title}: {found.answers} answers, Brier {found.brier:.4f} (one fixed probability "
-        f"{found.base:.4f}), calibration error {found.calibration_error:.3f}"
-    )
-    yield f"  {'probability':14}{'answers':>7}{'mean':>8}{'right':>8}"
-    for each in found.bins:
-        span = f"{each.lowest:.2f} to {each.highest:.2f}"
-        yield f"  {span:14}{each.answers:>7}{each.predicted:>8.3f}{each.right:>8.3f}"
-
-
 def main(arguments: Sequence[str]) -> None:
     """Print the reliability of every view; write the weights if asked to."""
     answers = held_out_answers(datasets_from_environ())
     for position, view, found in _reliabilities(answers):
-        print("\n".join(_lines(f"{position} functions, {view}", found)))  # noqa: T201 - what it is for
+        print("\n".join(reliability_lines(f"{position} functions, {view}", found)))  # noqa: T201 - what it is for
     if "--write" in arguments:
         path = Path(str(files("rtron.functions.classifier") / "confidence.yaml"))
-        weights = yaml.safe_dump(learned_weights(answers), sort_keys=False)
+        checking = [each for each in answers if half_of(each.repo) == CHECK]
+        weights = yaml.safe_dump(learned_weights(checking), sort_keys=False)
         path.write_text(_HEADER + weights, encoding="utf-8")
 
 
 _HEADER = """\
 # How much each piece of key information counts for a function, and against it: the weights of a
-# logistic regression, for the first function of a repository and for its others. Learned from
-# evaluation/data/function_labels*.jsonl: python -m evaluation.common.function_confidence --write
+# logistic regression, for the first function of a repository and for its others. Learned from the
+# check halves of evaluation/data/function_labels.jsonl and function_labels_ros2.jsonl:
+# python -m evaluation.common.function_confidence --write
 
 """
 

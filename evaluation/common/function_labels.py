@@ -11,12 +11,16 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from rtron.functions.classifier.result import Classification
+import numpy as np
+
+from evaluation.common.reliability import Reliability, reliability, reliability_lines
+from rtron.functions.classifier.result import Classification, DecisionSource
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.vocabulary import Domain, FunctionType
 
 HALVES = ("develop", "check")
 """What the labels of each half are for: to write rules with, and to check them."""
+CHECK = HALVES.index("check")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +47,12 @@ class Label:
     @property
     def half(self) -> int:
         """Return 0 for the half that the rules were made with, 1 for the one that checks them."""
-        return sha256(self.repo.encode()).digest()[0] % 2
+        return half_of(self.repo)
+
+
+def half_of(repo: str) -> int:
+    """Return the half of the labels that a repository is in, by its name."""
+    return sha256(repo.encode()).digest()[0] % 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,18 +65,24 @@ class FunctionScore:
     def automation(self) -> float:
         """Return the share of the repositories of function nodes that a rule decides."""
         nodes = [found for label, found in self.pairs if label.is_node]
-        return _share(sum(found.primary is not None for found in nodes), len(nodes))
+        return _share(sum(map(_is_decided, nodes)), len(nodes))
 
     @property
     def precision(self) -> float:
         """Return the share of the decided repositories whose first function is right."""
-        decided = [pair for pair in self.pairs if pair[1].primary is not None]
+        decided = [pair for pair in self.pairs if _is_decided(pair[1])]
         return _share(sum(found.primary in label.primary for label, found in decided), len(decided))
+
+    @property
+    def accuracy(self) -> float:
+        """Return the share of all repositories whose first function is right, decided or not."""
+        right = sum(found.primary in label.primary for label, found in self.pairs)
+        return _share(right, len(self.pairs))
 
     @property
     def decided(self) -> float:
         """Return the share of all repositories that a rule decides."""
-        return _share(sum(found.primary is not None for _, found in self.pairs), len(self.pairs))
+        return _share(sum(_is_decided(found) for _, found in self.pairs), len(self.pairs))
 
     @property
     def agreement(self) -> float:
@@ -84,6 +99,13 @@ class FunctionScore:
         )
         return _share(2 * hits, 2 * hits + wrong)
 
+    @property
+    def reliability(self) -> Reliability:
+        """Return how well the probabilities of the first functions fit what the readers say."""
+        probabilities = np.array([found.confidence or 0.0 for _, found in self.pairs])
+        right = np.array([label.share_as_first(found.primary) for label, found in self.pairs])
+        return reliability(probabilities, right)
+
     def differences(self) -> Iterator[str]:
         """Yield a line for each repository with a function that is wrong or missed."""
         for label, found in self.pairs:
@@ -91,7 +113,7 @@ class FunctionScore:
             if extra or missed or found.primary not in label.primary:
                 right = "WRONG" if found.primary not in label.primary else "PART"
                 yield (
-                    f"{right:5} {label.repo}: {found.primary or 'cannot tell'}"
+                    f"{right:5} {label.repo}: {found.primary}"
                     f" ({'/'.join(sorted(label.primary))}), extra {_names(extra)},"
                     f" missed {_names(missed)}"
                 )
@@ -126,8 +148,18 @@ def _label(document: Mapping[str, list[str]]) -> Label:
 def _classification(document: Mapping[str, Any]) -> Classification:
     functions = tuple(map(FunctionType, document["functions"]))
     return Classification(
-        repo=document["repo"], functions=functions, primary=functions[0] if functions else None
+        repo=document["repo"],
+        functions=functions,
+        primary=functions[0],
+        probabilities={
+            FunctionType(name): share for name, share in document["probabilities"].items()
+        },
+        decided_by=DecisionSource(document["decided_by"]),
     )
+
+
+def _is_decided(found: Classification) -> bool:
+    return found.decided_by is not DecisionSource.NONE
 
 
 def _types(names: Iterable[str]) -> frozenset[FunctionType]:
@@ -151,15 +183,21 @@ def _share(part: int, total: int) -> float:
 
 
 def main(files: Sequence[str]) -> None:
-    """Print the scores of both halves and of all labels whose repositories are classified."""
+    """Print the scores of both halves and of all labels whose repositories are classified.
+
+    Then print how well the first functions' probabilities fit.
+    """
     labels, found = read_labels(Path(files[0])), read_classifications(Path(files[1]))
     halves = {name: [each for each in labels if each.half == at] for at, name in enumerate(HALVES)}
     for name, chosen in {**halves, "all": labels}.items():
         scored = score(chosen, found)
         print(  # noqa: T201 - what it is for
-            f"{name:8}{len(scored.pairs):4} repositories, decided {scored.decided:.3f}, correct "
-            f"{scored.precision:.3f}, agreement {scored.agreement:.3f}, F1 {scored.f1:.3f}"
+            f"{name:8}{len(scored.pairs):4} repositories, decided {scored.decided:.3f}, correct of "
+            f"these {scored.precision:.3f}, of all {scored.accuracy:.3f}, "
+            f"agreement {scored.agreement:.3f}, F1 {scored.f1:.3f}"
         )
+    fit = score(labels, found).reliability
+    print("\n".join(reliability_lines("first functions", fit)))  # noqa: T201 - nor is this
 
 
 if __name__ == "__main__":

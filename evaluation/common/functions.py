@@ -6,12 +6,14 @@ from evaluation.common.datasets import Datasets, Reporter
 from evaluation.common.function_confidence import confidence_figures
 from evaluation.common.function_corpora import (
     HELD_OUT,
+    SECOND,
     LabelledCorpus,
     classified,
     read_repositories,
 )
 from evaluation.common.function_labels import HALVES, FunctionScore, Label, read_labels, score
 from evaluation.common.function_timing import Timing, timed
+from evaluation.common.reliability import reliability_lines
 from figures.figure import Figure
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import Classification
@@ -34,6 +36,8 @@ def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
     for corpus in HELD_OUT:
         reporter.progress(f"{corpus.name}: labels that the rules were not written with")
         yield from _held_out(corpus, datasets, reporter)
+    reporter.progress("labels that were made later")
+    yield from _second(datasets, reporter)
     yield from confidence_figures(datasets, reporter)
     nodes = sum_function_nodes(build_tables(found.values()).types)
     yield Figure("functions.941.nodes", nodes.total, 636, "functions")
@@ -69,6 +73,24 @@ def _held_out(corpus: LabelledCorpus, datasets: Datasets, reporter: Reporter) ->
             scored = score([one for one in labels if one.half == half], found)
             reporter.detail([*scored.differences(), ""] if name == "develop" else [])
             yield from _half(f"{corpus.name}.{evidence}.{name}", scored)
+
+
+def _second(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
+    """Score labels that were made later; how well the probabilities fit them is told, too."""
+    repositories = {each.labels: read_repositories(each, datasets) for each in SECOND}
+    found = FunctionScore(
+        tuple(
+            (label, classify(read[label.repo]))
+            for path, read in repositories.items()
+            for label in read_labels(path)
+        )
+    )
+    reporter.detail([*reliability_lines("first functions, second labels", found.reliability), ""])
+    yield Figure("functions.second.accuracy", found.accuracy, None, "share")
+    yield Figure("functions.second.decided", found.decided, None, "share")
+    yield Figure("functions.second.f1", found.f1, None, "share")
+    error = found.reliability.calibration_error
+    yield Figure("functions.second.calibration_error", error, None, "share")
 
 
 def _overall(

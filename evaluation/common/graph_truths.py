@@ -2,6 +2,13 @@
 
 Each truth was written before the app was scanned, and stands in `evaluation/data/graphs/` with its
 commit, the places that show each endpoint, and what was decided where the source leaves it open.
+
+Where readers may name the same thing in two ways, both sides are brought to one:
+
+- A nodelet's endpoints count at its `manager`, as a running master shows them; the calls of the
+  manager's services that load and unload it count at the nodelet's own name, which is its loader's.
+- What the client library puts on a node of its own (`own_node`, whose name a run makes) is listed
+  at the node that it serves, and may be found at a node of that name, made in the same file.
 """
 
 import re
@@ -138,25 +145,38 @@ class GraphTruth:
     def score(self, graph: InteractionGraph, *, own_only: bool = False) -> GraphScore:
         """Score what a graph says of the nodes of the truth, or of the app's own."""
         nodes = [n for n in self.document["nodes"] if not (own_only and n.get("third_party"))]
-        names = {node["name"] for node in nodes} & self.known_nodes
         entries = [each for node in nodes for each in _entries(node)]
+        names = {n.get("manager", n["name"]) for n in nodes} | {n["name"] for n in nodes}
+        names &= self.known_nodes
         live = frozenset(triple for triple, entry in entries if _is_live(entry))
         explicit = frozenset(
             t for t, entry in entries if _is_live(entry) and not entry.get("implicit")
         )
-        reported = [(t, is_implicit) for t, is_implicit in triples_of(graph) if t.node in names]
-        found = explicit & {triple for triple, _ in reported}
+        others = {t for n in self.document["nodes"] if n not in nodes for t, _ in _entries(n)}
+        others -= {triple for triple, _ in entries}
+        reported = [
+            (t, is_implicit)
+            for t, is_implicit in triples_of(graph)
+            if t.node in names and t not in others
+        ]
+        found = {triple for triple, _ in reported}
+        found |= {t for t, entry in entries if _is_at_own_node(t, entry, graph)}
+        found &= explicit
         claimed = frozenset(
             t for t, is_implicit in reported if not is_implicit and not self._is_open(t)
         )
-        places = {triple: (node, entry) for node in nodes for triple, entry in _entries(node)}
-        told = {t for t in explicit if _is_told(*places[t], graph.unresolved)}
+        told = {
+            triple
+            for node in nodes
+            for triple, entry in _entries(node)
+            if _is_told(node, entry, graph.unresolved)
+        }
         if any(_is_launch_file(note) for note in graph.unresolved):
             started = {node.name for node in graph.nodes}
             told |= {t for t in explicit if t.node not in started}
         symbolic = set(_symbolic_kinds(graph))
         untold = frozenset(t for t in explicit - found - told if t[:2] not in symbolic)
-        return GraphScore(explicit, found, claimed, claimed - live, untold)
+        return GraphScore(explicit, frozenset(found), claimed, claimed - live, untold)
 
     def _is_open(self, triple: Triple) -> bool:
         """Tell whether only a run decides on something, by the node and the name's beginning."""
@@ -241,7 +261,33 @@ def _entries(node: Mapping[str, Any]) -> Iterator[tuple[Triple, Mapping[str, Any
         for entry in node.get(kind) or ():
             if _is_listed(entry[key]):
                 is_dead = node.get("live") is False
-                yield Triple(node["name"], kind, entry[key]), {**entry, "is_dead": is_dead}
+                triple = Triple(_home(node, entry[key]), kind, entry[key])
+                yield triple, {**entry, "is_dead": is_dead}
+
+
+def _home(node: Mapping[str, Any], name: str) -> str:
+    """Return the node that something counts at: the manager of a nodelet, but for its loader."""
+    manager = node.get("manager", node["name"])
+    is_of_loader = name in (f"{manager}/load_nodelet", f"{manager}/unload_nodelet")
+    return str(node["name"] if is_of_loader else manager)
+
+
+def _is_at_own_node(triple: Triple, entry: Mapping[str, Any], graph: InteractionGraph) -> bool:
+    """Tell whether a subscription is reported at the node that the client library makes for it."""
+    if "own_node" not in entry:
+        return False
+    own, file = "/" + _known_part(entry["own_node"]), _file_name(entry)
+    return any(
+        end.node.partition("{")[0] == own
+        and (_ENDPOINT_KINDS[end.direction], end.topic) == triple[1:]
+        and any(Path(place.file).name == file for place in end.evidence)
+        for end in graph.endpoints
+    )
+
+
+def _file_name(entry: Mapping[str, Any]) -> str:
+    """Return the name of the file that shows an endpoint."""
+    return str(entry.get("evidence", "")).rpartition(":")[0].rpartition("/")[2]
 
 
 def _is_live(entry: Mapping[str, Any]) -> bool:
@@ -252,7 +298,7 @@ def _is_told(
     node: Mapping[str, Any], entry: Mapping[str, Any], notes: Collection[UnresolvedItem]
 ) -> bool:
     """Tell whether a note speaks of the node, of its program, or of the file of an endpoint."""
-    file = str(entry.get("evidence", "")).rpartition(":")[0].rpartition("/")[2]
+    file = _file_name(entry)
     words = {node["name"], f"{node.get('package')}/{node.get('program')}"}
     for note in notes:
         texts = (note.what, note.why, note.missing)

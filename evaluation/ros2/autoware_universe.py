@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from evaluation.common.datasets import Datasets, Reporter
-from evaluation.ros2.call_sites import call_sites
-from evaluation.ros2.navigation2 import call_site_figures
+from evaluation.ros2.call_sites import call_sites, parameter_sites
+from evaluation.ros2.navigation2 import call_site_figures, parameter_figure
 from evaluation.ros2.program_scan import scan_programs
 from figures.figure import Figure
 from rtron.sources.static.common.scan_options import ScanOptions, default_workers
@@ -32,6 +32,7 @@ def figures(datasets: Datasets, reporter: Reporter) -> Iterator[Figure]:
         found = list(scan_programs(read_ros2_workspace([folder]), folder, options))
         seconds = time.perf_counter() - before
     yield from call_site_figures("universe", call_sites(folder), found, reporter)
+    yield parameter_figure("universe", parameter_sites(folder), found, reporter)
     failed = sum(_failed(note.why) for one in found for note in one.result.interface.unresolved)
     yield Figure("universe.programs", len(found), None, "programs")
     yield Figure("universe.failed", failed, None, "programs", at_most=0)

@@ -132,4 +132,4 @@ def test_who_stops_early_starts_no_further_item():
     results.close()
     gate.set()
     wait_for(lambda: set(threading.enumerate()) <= before)
-    assert set(started) <= {0, 1}
+    assert len(started) <= 2  # the one that was begun meanwhile

@@ -7,6 +7,7 @@ import pytest
 from function_examples import failing_examples
 
 from rtron.functions.classifier.pipeline import classify
+from rtron.functions.classifier.result import DecisionSource
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.functions.repository import SourcePackage, SourceRepository
 from rtron.functions.rules.loader import parse_rules
@@ -41,4 +42,5 @@ def test_its_types_are_all_there_are():
 def test_a_readme_of_signs_only_tells_nothing(text):
     package = SourcePackage(name="qqq", description=text)
     found = classify(SourceRepository(name="zzz", packages=(package,), readme=text))
-    assert found.primary is None
+    assert found.decided_by is DecisionSource.NONE
+    assert found.evidence == ()

@@ -9,7 +9,9 @@ from survey_cases import HOSTILE, SURVEY
 
 from rtron.survey.reports import page_graph
 from rtron.survey.reports.page import survey_page
+from rtron.survey.statistics import SurveyCounts
 from rtron.survey.survey_run import Survey
+from rtron.vocabulary import RiskKind
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 needs_browser = pytest.mark.skipif(
@@ -27,6 +29,17 @@ def test_the_page_asks_nobody_for_anything():
     namespaces = ("http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink")
     assert set(re.findall(r"https?://[^\"' ]+", page)) <= set(namespaces)
     assert HOSTILE not in page
+
+
+def test_how_many_risks_an_app_has_is_a_mean_over_all_apps():
+    results = [result for result in SURVEY.results if result.survey]
+    expected = {
+        kind: sum(result.survey.risks.get(kind, 0) for result in results) / len(results)
+        for kind in RiskKind
+    }
+    assert {risk.kind: risk.per_app for risk in SurveyCounts(results).risks} == expected
+    assert 0 < min(mean for mean in expected.values() if mean) < 1
+    assert [risk.per_app for risk in SurveyCounts([]).risks] == [0] * len(RiskKind)
 
 
 def test_a_survey_without_apps_is_a_page():
@@ -78,7 +91,16 @@ def follow(page, selector):
 @needs_browser
 def test_each_app_has_a_line_and_one_that_failed_its_reason(page):
     assert apps(page) == [result.app for result in SURVEY.results]
-    assert "not done within 60 s" in page.find_element(By.ID, "lines").text
+    lines = page.find_element(By.ID, "lines")
+    assert "not done within 60 s" in lines.text
+    functions = [
+        each.get_attribute("textContent")
+        for each in lines.find_elements(By.CSS_SELECTOR, "tbody td:last-child")
+    ]
+    assert functions == [
+        ", ".join(result.survey.profile.functions) if result.survey else ""
+        for result in SURVEY.results
+    ]
 
 
 @needs_browser

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from datetime import datetime
 from typing import Any
 
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 _SECOND = 1_000_000_000
 _MARKS = {"info": " ", "warning": "!", "error": "E"}

@@ -8,7 +8,7 @@ from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.text import Text
 
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 GAP = 2
 

@@ -12,6 +12,8 @@ from rtron.errors import InputError
 
 STDIN = Path("-")
 _MAX_HASHED_BYTES = 64 * 2**20
+_USUAL_BYTES = 2**16
+"""What most files are smaller than: for these no memory is mapped."""
 
 
 def read_bounded(path: Path, max_bytes: int) -> bytes:
@@ -21,7 +23,7 @@ def read_bounded(path: Path, max_bytes: int) -> bytes:
     """
     try:
         with _open(path) as stream:
-            data = stream.read(max_bytes + 1)
+            data = _read_at_most(stream, max_bytes + 1)
     except OSError as error:
         raise InputError(
             error.strerror or "cannot be read", path=str(path), help="check the path"
@@ -55,10 +57,16 @@ def content_hash(path: Path) -> str:
         _require_regular_or_folder(path)
         with path.open("rb") as stream:
             content = sha256(str(path.stat().st_size).encode())
-            content.update(stream.read(_MAX_HASHED_BYTES))
+            content.update(_read_at_most(stream, _MAX_HASHED_BYTES))
             return content.hexdigest()
     except OSError:
         return ""
+
+
+def _read_at_most(stream: BinaryIO, most: int) -> bytes:
+    """Return the bytes of a stream, so many at most; asked for many, it makes room for all."""
+    start = stream.read(min(most, _USUAL_BYTES))
+    return start if len(start) < _USUAL_BYTES else start + stream.read(most - len(start))
 
 
 def _require_regular_or_folder(path: Path) -> None:

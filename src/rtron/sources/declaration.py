@@ -48,7 +48,8 @@ class Declaration:
 
     `name` is absolute, as it resolves in its node before any remapping; what is not known of it
     stands in braces (`/{~prefix}/scan`). An action's `name` is its namespace and its `type` ends
-    in `Action`. `implicit` marks what a library declares by itself.
+    in `Action`. `implicit` marks what a library declares by itself, `undecided` what stands under a
+    condition that is not known.
 
     ROS 2: `type` is `package/msg/Name`, an action's `package/action/Name`; `node` is the full name
     of the node, of which a process may have several; `evidence` begins where the name is given,
@@ -61,6 +62,7 @@ class Declaration:
     node: str = ""
     qos: QoS | None = None
     implicit: bool = False
+    undecided: bool = False
     latched: bool = False
     resolution: Resolution = Resolution.LITERAL
     evidence: tuple[Evidence, ...] = ()
@@ -103,6 +105,20 @@ class HardwareDescription:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LoadedPlugin:
+    """A plugin that a node loads: its class as pluginlib names it, and what the node calls it.
+
+    In ROS 1 the name is relative to the loading node, `global_costmap/obstacles`. In ROS 2 `node`
+    is the one that the plugin gets, which may be another one of the process: a costmap.
+    """
+
+    class_name: str
+    name: str
+    node: str
+    base: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NodeSite:
     """A node where it runs: its full name, its command line and the parameters of the launch.
 
@@ -115,7 +131,8 @@ class NodeSite:
     the process's arguments. Of a component that is loaded (`loading`) they are its container's;
     `args` and `overrides` are its own, the arguments and the parameters of the options that it is
     loaded with. `remap_rules` are remap rules as written, of which the first that fits counts.
-    `hardware` is the component of ros2_control that runs in the process.
+    `hardware` is the component of ros2_control that runs in the process, `plugin` a class that its
+    node loads. In ROS 1, `manager` is the node whose process a nodelet runs in.
     """
 
     name: str
@@ -132,11 +149,13 @@ class NodeSite:
     loading: ComponentLoading | None = None
     remap_rules: tuple[tuple[str, str], ...] = ()
     hardware: HardwareDescription | None = None
+    plugin: LoadedPlugin | None = None
+    manager: str = ""
 
     @property
     def process_name(self) -> str:
         """The full name that a launch gives the nodes of the process."""
-        return self.loading.container if self.loading else self.name
+        return self.loading.container if self.loading else self.manager or self.name
 
     @property
     def node_settings(self) -> tuple[ParameterSetting, ...]:
@@ -192,7 +211,8 @@ class NodeInterface:
     """All that one node declares, and what of it could not be found out.
 
     `nodes` are those of a process of ROS 2, in the order they are made, `parameters` theirs.
-    `frames` are the transforms whose child frames are known.
+    `frames` are the transforms whose child frames are known, `plugins` those classes that a model
+    says to be loaded, and that have no model themselves: each has a note called like its class.
     """
 
     nodes: tuple[CreatedNode, ...] = ()
@@ -201,6 +221,7 @@ class NodeInterface:
     unresolved: tuple[UnresolvedItem, ...] = ()
     parameters: tuple[NodeParameter, ...] = ()
     frames: tuple[FrameBroadcast, ...] = ()
+    plugins: tuple[LoadedPlugin, ...] = ()
 
     def with_location(self, location: Evidence) -> "NodeInterface":
         """Return the interface with a plugin's place in its file before its model's evidence."""

@@ -46,11 +46,11 @@ class GraphDocument:
 
 _DOCUMENT = TypeAdapter(GraphDocument)
 _OPTIONAL_KEYS = {
-    "nodes": "unread",
-    "endpoints": "gid",
-    "services": "implicit",
-    "clients": "implicit",
-    "unresolved": "missing",
+    "nodes": ("unread", "process"),
+    "endpoints": ("gid",),
+    "services": ("implicit",),
+    "clients": ("implicit",),
+    "unresolved": ("missing",),
 }
 _OPTIONAL_LISTS = ("clients", "parameters", "wiring")
 """What not every graph has, and is written only where it is something."""
@@ -100,10 +100,11 @@ def graph_to_json(graph: InteractionGraph) -> dict[str, Any]:
         wiring=graph.wiring,
     )
     json: dict[str, Any] = _DOCUMENT.dump_python(document, mode="json", exclude_none=True)
-    for key, optional in _OPTIONAL_KEYS.items():
+    for key, optional_keys in _OPTIONAL_KEYS.items():
         for each in json[key]:
-            if not each[optional]:
-                del each[optional]
+            for optional in optional_keys:
+                if not each[optional]:
+                    del each[optional]
     return {key: value for key, value in json.items() if value or key not in _OPTIONAL_LISTS}
 
 

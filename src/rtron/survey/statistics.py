@@ -20,7 +20,7 @@ FunctionPair: TypeAlias = tuple[FunctionType, FunctionType]
 class RiskCount:
     """How many apps have a kind of risk and how many such risks there are, and the app with most.
 
-    `per_app` is the median over all apps.
+    `per_app` is the mean over all apps.
     """
 
     kind: RiskKind
@@ -116,11 +116,12 @@ class SurveyCounts:
     def _risk_count(self, kind: RiskKind) -> RiskCount:
         counts = [(survey.risks.get(kind, 0), result.app) for result, survey in self.surveys]
         most, worst = max(counts, default=(0, ""))
+        risks = sum(number for number, _ in counts)
         return RiskCount(
             kind=kind,
             apps=sum(number > 0 for number, _ in counts),
-            risks=sum(number for number, _ in counts),
-            per_app=median([number for number, _ in counts] or [0]),
+            risks=risks,
+            per_app=risks / (len(counts) or 1),
             most=most,
             worst_app=worst if most else "",
         )

@@ -44,7 +44,8 @@ class Node:
     """A ROS node: its full name, and where it comes from as far as that is known.
 
     `unread` marks one whose endpoints are not known, or not all: it has neither source nor model,
-    or firmware behind it names them.
+    or firmware behind it names them. `process` is the node in whose process it runs: a component's
+    container; empty for its own.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Node:
     function: FunctionType | None = None
     domain: Domain | None = None
     unread: bool = False
+    process: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

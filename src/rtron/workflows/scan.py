@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TypeVar
 
 from rtron.errors import InputError
 from rtron.findings import FINDING_RULES, find_findings
@@ -22,7 +23,10 @@ from rtron.vocabulary import (
     RiskReport,
     Triage,
     UnresolvedItem,
+    WiringFact,
 )
+
+_Part = TypeVar("_Part", Endpoint, UnresolvedItem, WiringFact)
 
 _MAX_SOURCE_BYTES = 4 << 20
 _MAX_LINE_LENGTH = 200
@@ -57,17 +61,16 @@ def with_relative_evidence(graph: InteractionGraph, root: Path | None) -> Intera
     if root is None:
         return graph
     prefix = f"{root}/"
-    endpoints = (_relative_endpoint(endpoint, prefix) for endpoint in graph.endpoints)
-    unresolved = (_relative_note(note, prefix) for note in graph.unresolved)
-    return replace(graph, endpoints=tuple(endpoints), unresolved=tuple(unresolved))
+    return replace(
+        graph,
+        endpoints=tuple(_with_relative(each, prefix) for each in graph.endpoints),
+        unresolved=tuple(_with_relative(each, prefix) for each in graph.unresolved),
+        wiring=tuple(_with_relative(each, prefix) for each in graph.wiring),
+    )
 
 
-def _relative_endpoint(endpoint: Endpoint, prefix: str) -> Endpoint:
-    return replace(endpoint, evidence=_relative_to(endpoint.evidence, prefix))
-
-
-def _relative_note(note: UnresolvedItem, prefix: str) -> UnresolvedItem:
-    return replace(note, evidence=_relative_to(note.evidence, prefix))
+def _with_relative(part: _Part, prefix: str) -> _Part:
+    return replace(part, evidence=_relative_to(part.evidence, prefix))
 
 
 def _relative_to(evidence: tuple[Evidence, ...], prefix: str) -> tuple[Evidence, ...]:

@@ -35,7 +35,7 @@ class SourceOptions:
     env_all: bool = False
     jobs: int | None = None
     use_cache: bool = True
-    start_method: str = "spawn"
+    start_method: str | None = None
     execute: bool = False
     python: str | None = None
 

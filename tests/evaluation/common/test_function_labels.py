@@ -5,7 +5,7 @@ import json
 import pytest
 
 from evaluation.common.function_labels import Label, main, read_labels, score
-from rtron.functions.classifier.result import Classification
+from rtron.functions.classifier.result import Classification, DecisionSource
 from rtron.vocabulary import FunctionType as T
 
 
@@ -18,9 +18,10 @@ def label(repo, primary, functions=(), accepted=()):
     )
 
 
-def found(repo, *functions):
-    primary = functions[0] if functions else None
-    return Classification(repo=repo, functions=functions, primary=primary)
+def found(repo, *functions, decided_by=DecisionSource.NAME):
+    return Classification(
+        repo=repo, functions=functions, primary=functions[0], decided_by=decided_by
+    )
 
 
 LABELS = [
@@ -37,8 +38,8 @@ FOUND = {
         found("right", T.MOBILE),
         found("either", T.SUPPORT),
         found("wrong", T.SENSORS),
-        found("unknown"),
-        found("other"),
+        found("unknown", T.EXTENSION, decided_by=DecisionSource.NONE),
+        found("other", T.EXTENSION, decided_by=DecisionSource.NONE),
     )
 }
 
@@ -49,8 +50,9 @@ def test_the_score():
     assert whole.automation == pytest.approx(2 / 3)
     assert whole.precision == pytest.approx(2 / 3)
     assert whole.decided == pytest.approx(3 / 5)
-    assert whole.agreement == pytest.approx((1 + 0.5) / 5)
-    assert whole.f1 == pytest.approx(2 * 1 / (2 * 1 + 1 + 5))
+    assert whole.accuracy == pytest.approx(3 / 5)
+    assert whole.agreement == pytest.approx((1 + 0.5 + 1) / 5)
+    assert whole.f1 == pytest.approx(2 * 2 / (2 * 2 + 2 + 4))
 
 
 def test_the_faults():
@@ -58,28 +60,31 @@ def test_the_faults():
         "PART  right: Mobile (Mobile), extra none, missed Teleoperation",
         "PART  either: Support (Sensors/Support), extra none, missed Sensors",
         "WRONG wrong: Sensors (Mapping), extra Sensors, missed Mapping",
-        "WRONG unknown: cannot tell (Recognition), extra none, missed Recognition",
-        "WRONG other: cannot tell (Extension), extra none, missed Extension",
+        "WRONG unknown: Extension (Recognition), extra Extension, missed Recognition",
     ]
 
 
 def test_nothing_has_no_share():
     nothing = score([], {})
     assert (nothing.automation, nothing.precision, nothing.f1) == (0, 0, 0)
-    assert (nothing.decided, nothing.agreement) == (0, 0)
+    assert (nothing.decided, nothing.accuracy, nothing.agreement) == (0, 0, 0)
 
 
 def test_what_the_command_wrote_is_scored(tmp_path, capsys):
     labels, classes = tmp_path / "labels.jsonl", tmp_path / "classes.jsonl"
     either = {"primary": ["Sensors", "Support"], "functions": ["Sensors"], "also_accepted": []}
     labels.write_text(json.dumps({"repo": "either", **either}))
-    classified = [{"repo": "either", "functions": ["Sensors"]}, {"repo": "zzz", "functions": []}]
+    sensors = {"functions": ["Sensors"], "probabilities": {"Sensors": 0.9}, "decided_by": "name"}
+    classified = [{"repo": repo, **sensors} for repo in ("either", "zzz")]
     classes.write_text("\n".join(map(json.dumps, classified)))
     main([str(labels), str(classes)])
     rows = capsys.readouterr().out.splitlines()
-    assert [row.split()[0] for row in rows] == ["develop", "check", "all"]
+    assert [row.split()[0] for row in rows[:4]] == ["develop", "check", "all", "first"]
+    assert rows[3].startswith("first functions: 1 answers, Brier 0.1600")
+    assert rows[5].split() == ["0.90", "to", "0.95", "1", "0.900", "0.500"]
     assert rows[2].split(maxsplit=1)[1] == (
-        "1 repositories, decided 1.000, correct 1.000, agreement 0.500, F1 1.000"
+        "1 repositories, decided 1.000, correct of these 1.000, of all 1.000, "
+        "agreement 0.500, F1 1.000"
     )
 
 

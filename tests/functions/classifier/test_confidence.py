@@ -60,8 +60,9 @@ def test_all_pieces_count_though_the_name_decides():
     assert fits.confidence > contradicts.confidence
 
 
-def test_nothing_decided_is_nothing_sure():
-    assert classify(repository("zzz")).confidence is None
+def test_what_nothing_decided_is_less_sure_than_what_anything_did():
+    undecided = classify(repository("zzz"))
+    assert undecided.confidence < classify(repository("zzz_filters")).confidence
 
 
 def test_code_decides_where_names_and_manifests_do_not():

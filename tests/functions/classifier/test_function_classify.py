@@ -73,7 +73,7 @@ def test_a_weak_name_is_believed_if_the_manifest_does_not_outweigh_it():
 
 def test_a_weak_name_and_a_manifest_that_tell_alike_decide_nothing():
     alike = classify(repository("turtlebot_foo", ("turtlebot_foo", "Serialization.")))
-    assert (alike.primary, alike.decided_by) == (None, DecisionSource.NONE)
+    assert alike.decided_by is DecisionSource.NONE
     assert {found.type for found in alike.evidence} == {T.MOBILE, T.EXTENSION}
 
 
@@ -90,14 +90,45 @@ def test_the_readme_is_asked_last():
     assert (found.primary, found.decided_by) == (T.PATH_PLANNING, DecisionSource.README)
 
 
-def test_what_nothing_tells_is_not_guessed():
+def test_what_nothing_tells_is_most_likely_an_extension_and_this_is_unsure():
     found = classify(repository("foo", ("foo", ""), readme="# foo\nHello."))
-    assert (found.functions, found.primary, found.decided_by) == ((), None, DecisionSource.NONE)
+    assert (found.functions, found.decided_by) == ((T.EXTENSION,), DecisionSource.NONE)
+    assert found.primary is T.EXTENSION
+    assert found.evidence == ()
+    assert 0.3 < found.confidence < 0.65
+
+
+def test_a_library_is_of_what_all_pieces_tell_about_as_strongly():
+    library = ("foo", "A library with utility functions.")
+    alone = classify(repository("foo", library))
+    assert (alone.primary, alone.decided_by) == (T.EXTENSION, DecisionSource.MANIFEST)
+    of_speech = classify(repository("foo", library, readme="Speech recognition for robots."))
+    assert (of_speech.primary, of_speech.decided_by) == (T.RECOGNITION, DecisionSource.README)
+    assert {evidence.type for evidence in of_speech.evidence} == {T.RECOGNITION}
+
+
+def test_a_name_that_clearly_is_of_a_library_is_believed():
+    readme = "Speech recognition for robots."
+    assert classify(repository("foo_msgs", readme=readme)).primary is T.EXTENSION
+    assert classify(repository("foo_vendor", readme=readme)).primary is T.EXTENSION
+
+
+def test_what_is_told_weakly_is_no_reason_that_a_library_is_none():
+    library = ("foo", "A library with utility functions.")
+    assert classify(repository("foo", library, readme="It has a sensor.")).primary is T.EXTENSION
+
+
+def test_the_controllers_of_an_arm_are_part_of_its_driver():
+    packages = [("foo_arm_driver", ""), ("foo_arm_description", ""), ("foo_arm_controllers", "")]
+    found = classify(repository("foo_arm", *packages))
+    assert (found.primary, T.PATH_TRACKING in found.functions) == (T.MANIPULATOR, False)
+    packages = [("foo_base_driver", ""), ("foo_description", ""), ("foo_controllers", "")]
+    assert T.PATH_TRACKING in classify(repository("foo_base_driver", *packages)).functions
 
 
 def test_two_that_are_told_alike_decide_nothing():
     alike = repository("foo", ("foo", "Calibration and localization."))
-    assert classify(alike).primary is None
+    assert classify(alike).decided_by is DecisionSource.NONE
     assert {found.type for found in classify(alike).evidence} == {T.PREPROCESSING, T.LOCALIZATION}
 
 
@@ -121,7 +152,7 @@ def test_a_late_sentence_of_a_readme_counts_little():
     early = "Hello.\n\nThis is it.\n\nPlans paths for arms."
     late = "Hello.\n\nThis is it.\n\nMore.\n\nPlans paths for arms."
     assert classify(repository("foo", readme=early)).primary is T.PATH_PLANNING
-    assert classify(repository("foo", readme=late)).primary is None
+    assert classify(repository("foo", readme=late)).decided_by is DecisionSource.NONE
     assert classify(repository("foo", readme=late)).evidence
 
 
@@ -211,7 +242,7 @@ def test_packages_named_after_a_robot_do_not_tell_what_the_stack_is():
     named = [(f"turtlebot_{word}", "") for word in ("this", "that", "more")]
     found = classify(repository("foo", *named, ("turtlebot_navigation", ""), ("foo_planner", "")))
     assert (found.primary, found.decided_by) == (T.PATH_PLANNING, DecisionSource.MANIFEST)
-    assert classify(repository("foo", *named)).primary is None
+    assert classify(repository("foo", *named)).decided_by is DecisionSource.NONE
 
 
 def test_two_hints_in_a_package_make_no_function_of_the_stack():
@@ -291,8 +322,9 @@ def test_a_package_alone():
 
 
 @pytest.mark.parametrize("text", ["", "\x00", "é" * 5000, "( " * 5000, "日本語。"])
-def test_text_without_meaning_has_no_function(text):
-    assert classify(repository(text, (text, text), readme=text)).functions == ()
+def test_text_without_meaning_decides_nothing(text):
+    found = classify(repository(text, (text, text), readme=text))
+    assert (found.decided_by, found.evidence) == (DecisionSource.NONE, ())
 
 
 def test_text_of_any_length_is_taken():

@@ -91,7 +91,7 @@ def test_a_repository_counts_once_for_each_function():
         [
             classification(DecisionSource.NAME, SLAM, MAP),
             classification(DecisionSource.README, MAP),
-            classification(DecisionSource.NONE),
+            classification(DecisionSource.NONE, FunctionType.EXTENSION),
         ]
     )
     others = {type: ClassificationCounts() for type in FunctionType}

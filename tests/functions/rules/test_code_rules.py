@@ -10,6 +10,7 @@ from rtron.vocabulary import FunctionType
 
 T = FunctionType
 KINDS = {"depends", "exports", "uses", "publishes", "subscribes", "launches"}
+KINDS |= {"plugs", "includes", "imports", "ships", "builds"}
 
 
 def types(*facts, of_repository=False):
@@ -24,6 +25,16 @@ def types(*facts, of_repository=False):
         (["exports nav2_core"], T.PATH_PLANNING),
         (["exports controller_interface"], T.PATH_TRACKING),
         (["exports nav2_costmap_2d"], T.MAPPING),
+        (["plugs rviz_common::Panel"], T.VISUALIZATION),
+        (["plugs kinematics::KinematicsBase"], T.PATH_PLANNING),
+        (["plugs controller_interface::ControllerInterface"], T.PATH_TRACKING),
+        (["plugs rosbag2_storage::MessageDefinitionSource"], T.EXTENSION),
+        (["ships models", "ships settings"], T.VISUALIZATION),
+        (["imports speech_recognition"], T.RECOGNITION),
+        (["imports smbus2"], T.SENSORS),
+        (["imports py_trees"], T.GOAL_PLANNER),
+        (["includes modbus.h"], T.SUPPORT),
+        (["builds elsewhere"], T.EXTENSION),
         (["depends smach_ros"], T.GOAL_PLANNER),
         (["depends camera_info_manager"], T.SENSORS),
         (["depends rosbridge_library"], T.SUPPORT),
@@ -56,6 +67,12 @@ def test_one_of_each_line_is_needed():
 def test_what_a_package_must_be_without():
     assert types("depends joy") == {T.TELEOPERATION}
     assert T.TELEOPERATION not in types("depends joy", "depends gazebo_ros")
+
+
+def test_an_alternative_may_be_of_another_kind():
+    (rule,) = (rule for rule in load_code_rules() if rule.id == "code-reads-joystick")
+    imported = ["imports pygame", "imports evdev", "imports inputs", "imports pynput"]
+    assert rule.has == (("includes linux/joystick.h", *imported),)
 
 
 def test_a_match_names_the_facts():

@@ -14,8 +14,8 @@ from report_cases import CMD_VEL, CONTENDED, GRAPH, REPORT, SIGN, hears, report_
 from example_budget import examples
 from rtron.planning import propose_plan
 from rtron.reports.app.html import graph_to_html
-from rtron.reports.sanitize import sanitize
 from rtron.risks import discover_risks
+from rtron.sanitize import sanitize
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import (
     SECOND,
@@ -82,7 +82,12 @@ def test_the_page_holds_the_graph():
     assert data["topics"][first["topic"]]["name"] == CMD_VEL
     assert (first["publishes"], first["implicit"]) == (True, False)
     assert [e["implicit"] for e in data["endpoints"]].count(True) == 1
-    assert data["unresolved"][0]["evidence"] == ["src/odd.cpp:12"]
+    (group,) = data["unresolved"]
+    assert (group["title"], group["remedy"]) == (
+        "Not followed in the source",
+        "look at these places yourself",
+    )
+    assert group["notes"][0]["evidence"] == ["src/odd.cpp:12"]
     assert data["notRun"] == [["rsr_image", "the graph holds no message types"]]
 
 

@@ -179,7 +179,10 @@ def test_a_node_shows_where_its_endpoints_were_read(opened):
 def test_what_stayed_unresolved_is_listed(opened):
     page = opened(GRAPH, report_of())
     click(page, "#unresolved-list summary")
+    click(page, "#unresolved summary")
     assert page.find_element(By.ID, "unresolved").text.splitlines() == [
+        "Not followed in the source 1",
+        "look at these places yourself",
         "a publisher of /odd",
         "its name comes from a service call",
         "src/odd.cpp:12",
@@ -387,6 +390,25 @@ def test_the_graph_opens_readable(screen, opened, width, height):
     assert min(page.execute_script(LABEL_SIZES)) >= 11
     assert len(page.execute_script(LABEL_SIZES)) >= 5
     assert page.execute_script("return document.documentElement.scrollWidth") <= width
+
+
+def test_on_a_phone_a_findings_node_is_in_the_middle_above_its_details(screen, opened, tmp_path):
+    screen(390, 844)
+    graph, path = read_graph(FIXTURES / "autorace.json"), tmp_path / "addressed.html"
+    report, finding = discover_risks(graph), replace(HIGH, nodes=(), topics=("/cmd_vel",))
+    page = opened(graph, report, None, [finding])
+    path.write_text(graph_to_html(graph, report, None, [finding], {}), encoding="utf-8")
+    page.get(f"{path.as_uri()}#finding:{finding.id}")
+    WebDriverWait(page, 10).until(lambda page: page.execute_script(LABEL_SIZES))
+    top, bottom, lit = page.execute_script("""
+        const rect = (element) => element.getBoundingClientRect();
+        const top = (selector) => rect(document.querySelector(selector)).top;
+        const lit = [...document.querySelectorAll(".box.lit")].map(rect);
+        const middles = lit.map((each) => (each.top + each.bottom) / 2);
+        return [top("#picture"), top("#detail"), middles];
+    """)
+    assert lit
+    assert abs((min(lit) + max(lit)) / 2 - (top + bottom) / 2) < (bottom - top) / 8
 
 
 def test_the_head_counts_findings_by_severity(opened):

@@ -53,7 +53,9 @@ Rules not run
   rsr_image: the graph holds no message types
 
 Not resolved (1)
-  a publisher of /odd: its name comes from a service call (src/odd.cpp:12)
+  Not followed in the source (1)
+    -> look at these places yourself
+    a publisher of /odd: its name comes from a service call (src/odd.cpp:12)
 
 Next
   rtron plan graph.json -o rtron.yaml  propose what to put in between
@@ -124,7 +126,7 @@ def test_a_long_list_of_unresolved_is_cut_and_counted(printed):
     items = tuple(UnresolvedItem(what="x", why=f"why {i}") for i in range(MOST_CAUSES + 2))
     text = printed(scan_of(InteractionGraph(app="", unresolved=items), report_of()))
     assert f"Not resolved ({MOST_CAUSES + 2})" in text
-    assert "and 2 more causes" in text
+    assert "and 2 more, which --format graph lists" in text
 
 
 def test_the_papers_risks_are_for_auditors(printed):

@@ -7,20 +7,25 @@ import pytest
 import rtron.sources
 from rtron.reports.app.unresolved_list import MOST_CAUSES, nodes_read, unresolved_list
 from rtron.reports.text_layout import Report
+from rtron.sources.code.reachability import UNREACHED
 from rtron.vocabulary import Evidence, InteractionGraph, Node, UnresolvedItem
 
 NO_SOURCE = "no source of it is here, and no model"
 NO_PACKAGE = "its package is not here: give the folder of its source too"
 CALL = "its name comes from a service call"
+REST = "  Not followed in the source"
 
 GROUPED = """\
 
 Not resolved (7)
-  4 times: no source of it is here, and no model: node /a (p/a); node /b (p/b);
-  node /c (p/c) and 1 more (a.launch:1)
+  Source that is not here (4)
     -> give the folder of its source, or write a model: `rtron model draft`
-  2 times: its name comes from a service call: a publisher of /odd (odd.cpp:12)
-  a file: why not (c.yaml)
+    node /a (p/a); node /b (p/b); node /c (p/c) and 1 more: no source of it is
+    here, and no model (a.launch:1)
+  Not followed in the source (3)
+    -> look at these places yourself
+    a publisher of /odd: its name comes from a service call (odd.cpp:12)
+    a file: why not (c.yaml)
 """
 
 
@@ -41,44 +46,69 @@ def test_items_are_grouped_by_their_cause(text_of):
     assert text_of(call + one + call + missing) == GROUPED
 
 
-@pytest.mark.parametrize(
-    ("why", "remedy"),
-    [
-        (NO_SOURCE, "-> give the folder of its source, or write a model: `rtron model draft`"),
-        (NO_PACKAGE, "-> or write a model: `rtron model draft`"),
-    ],
-)
-def test_a_cause_that_hides_nodes_comes_first_with_its_remedy(text_of, why, remedy):
-    rows = text_of(items("x", "y", "z", why=CALL) + items("node /n", why=why)).splitlines()
-    assert rows[2:] == [
-        f"  node /n: {why}",
-        f"    {remedy}",
-        f"  3 times: {CALL}: x; y; z",
+def test_what_somebody_can_give_comes_first_each_kind_with_its_remedy(text_of):
+    notes = [
+        *items("x", why=CALL),
+        *items("f()", why="may join nodes, but nothing that is seen calls it"),
+        *items("join()", why="its code is not here, and it gets the node /n"),
+        *items("environment variable HOME", why="is not given"),
+        *items("node /n (p/n)", why=NO_PACKAGE),
+        UnresolvedItem(what="node /m (q/m)", why="none of this name", missing="q/m"),
     ]
+    rows = text_of(notes, width=200).splitlines()
+    titles = [row for row in rows if row.endswith("(1)")]
+    assert titles == [
+        "  The app names what is not there (1)",
+        "  Source that is not here (1)",
+        "  Values that are not given (1)",
+        "  Code that is not here and may add endpoints (1)",
+        "  Functions that nothing which is seen calls (1)",
+        f"{REST} (1)",
+    ]
+    assert [rows[rows.index(title) + 1][:7] for title in titles] == ["    -> "] * len(titles)
+
+
+def test_what_follows_from_a_missing_part_of_a_robot_description_is_counted(text_of):
+    def of(what, why, file="robot.urdf.xacro"):
+        return UnresolvedItem(what=what, why=why, evidence=(Evidence(file=file, line=1),))
+
+    missing = of("include $(find base)/base.xacro", "package 'base' is not found")
+    follows = of("<xacro:wheel>", "there is no macro of this name")
+    others = [of("<box> size: ${w}", "`w`: property 'w' is not defined"), follows]
+    elsewhere = of("<xacro:wheel>", follows.why, "world.sdf")
+    rows = text_of([missing, *others, elsewhere], width=200).splitlines()
+    assert rows[2] == "  Source that is not here (1)"
+    assert rows[5].startswith(REST)
+    assert rows[8:] == [
+        "  In robot descriptions, because files that they include are not here (2)",
+        "    -> nothing to do here: give these files",
+    ]
+    assert f"{REST} (2)" in text_of(others).splitlines()
 
 
 def test_these_causes_are_spelled_as_the_sources_spell_them():
     path = Path(rtron.sources.__file__).parent / "static" / "common" / "node_part.py"
     source = path.read_text(encoding="utf-8")
     assert all(f'"{why}"' in source for why in (NO_SOURCE, NO_PACKAGE))
+    assert UNREACHED == "may join nodes, but nothing that is seen calls it"
 
 
-def test_other_causes_are_in_order_of_frequency_and_have_no_remedy(text_of):
+def test_causes_are_in_order_of_frequency(text_of):
     text = text_of(items("x", why="rare") + items("x", "y", why="frequent"))
-    assert text.splitlines()[2:] == ["  2 times: frequent: x; y", "  x: rare"]
+    assert text.splitlines()[4:] == ["    x; y: frequent", "    x: rare"]
 
 
 @pytest.mark.parametrize("more", [0, 1, 3])
-def test_more_than_ten_causes_are_counted(text_of, more):
+def test_more_causes_of_a_kind_are_counted(text_of, more):
     causes = [f"why {i}" for i in range(MOST_CAUSES + more)]
     text = text_of([each for why in causes for each in items("x", why=why)])
     rows = text.splitlines()
     assert rows[1] == f"Not resolved ({MOST_CAUSES + more})"
-    assert [row for row in rows if row.startswith("  x: ")] == [
-        f"  x: {why}" for why in causes[:MOST_CAUSES]
+    assert [row for row in rows if row.startswith("    x: ")] == [
+        f"    x: {why}" for why in causes[:MOST_CAUSES]
     ]
-    end = f"  and {more} more causes, which --format graph lists"
-    assert rows[2 + MOST_CAUSES :] == ([end] if more else [])
+    end = f"    and {more} more, which --format graph lists"
+    assert rows[4 + MOST_CAUSES :] == ([end] if more else [])
 
 
 def test_nothing_unresolved_is_nothing_shown(text_of):

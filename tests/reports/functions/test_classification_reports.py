@@ -28,7 +28,12 @@ CLASSIFIED = Classification(
     ),
     packages={"costmap": (MAPPING,)},
 )
-UNKNOWN = Classification(repo="zzz")
+UNKNOWN = Classification(
+    repo="zzz",
+    functions=(FunctionType.EXTENSION,),
+    primary=FunctionType.EXTENSION,
+    probabilities={FunctionType.EXTENSION: 0.45},
+)
 
 
 def matched(text, package="", piece=InformationSource.NAME, **keys):
@@ -74,13 +79,16 @@ def test_the_evidence_of_a_repository(printed):
 def test_that_nothing_tells_is_said(printed):
     text = printed(evidence_text(SourceRepository(name="zzz"), UNKNOWN, ()))
     told = "no rule tells what this is: no name, no description, no code, no README"
-    assert text == f"zzz  0 packages\n{told}\n"
+    first = "Extension, as most such repositories are, 45 % sure"
+    assert text == f"zzz  0 packages\n{told}\n{first}\n"
 
 
 def test_of_a_repository_that_nothing_decides_no_rule_has_decided(printed):
-    weak = replace(CLASSIFIED, functions=(), primary=None, decided_by=DecisionSource.NONE)
+    weak = replace(CLASSIFIED, decided_by=DecisionSource.NONE)
     text = printed(evidence_text(SourceRepository(name="nav"), weak, MATCHED))
-    assert "cannot tell: what matches is too weak, or speaks for several functions alike" in text
+    assert (
+        "no rule decides: what matches is too weak, or speaks for several functions alike" in text
+    )
     assert "decided" not in text
 
 
@@ -113,10 +121,10 @@ def test_a_classification_as_json():
     }
     assert classification_to_json(UNKNOWN) == {
         "repo": "zzz",
-        "functions": [],
-        "primary": None,
-        "confidence": None,
-        "probabilities": {},
+        "functions": ["Extension"],
+        "primary": "Extension",
+        "confidence": 0.45,
+        "probabilities": {"Extension": 0.45},
         "decided_by": "none",
         "evidence": [],
     }
@@ -126,7 +134,7 @@ def test_the_tables_at_80_columns(printed):
     text = printed(tables_text(build_tables([CLASSIFIED, CLASSIFIED, UNKNOWN])))
     rows = [row.rstrip() for row in text.splitlines()]
     assert rows[0] == "3 repositories, 2 decided (66.7 %)"
-    assert rows[1] == "93.7 % of the first functions are expected to be right"
+    assert rows[1] == "77.5 % of the first functions are expected to be right"
     assert "                         repos      %     paper      %" in rows
     assert "  Perception                 2   40.0       200   17.6" in rows
     assert "    Mapping                  2   40.0        31    2.7" in rows

@@ -103,6 +103,14 @@ def test_a_program_that_the_defaults_leave_out_counts_and_is_noted(tmp_path, cma
     assert found.executable("p", "none") is None
 
 
+def test_what_stands_behind_a_return_under_no_condition_is_never_built(tmp_path):
+    cmake = "add_executable(m n.cpp)\nreturn()\nadd_executable(n n.cpp)\n"
+    path = package(tmp_path / "p", {"CMakeLists.txt": cmake, "n.cpp": ""})
+    found = workspace(tmp_path)
+    assert found.executable("p", "n") is None
+    assert found.executable("p", "m").sources == (path / "n.cpp",)
+
+
 def test_a_component_that_the_defaults_leave_out_is_noted(tmp_path):
     cmake = (
         "option(X)\nif(X)\nadd_library(l n.cpp)\n"

@@ -1,5 +1,8 @@
 """A workspace's files tell its distribution; what only sounds like one does not."""
 
+import os
+import subprocess
+
 import pytest
 
 from rtron.sources.workspace.distro_guess import guess_distro
@@ -31,6 +34,31 @@ def on_branch(folder, name):
 def test_a_branch_counts_that_is_named_after_a_distribution(tmp_path, branch, name):
     on_branch(tmp_path, branch)
     assert guessed(tmp_path) == name
+
+
+def git(folder, *arguments):
+    who = {"GIT_AUTHOR_NAME": "a", "GIT_AUTHOR_EMAIL": "a@b", "GIT_CONFIG_GLOBAL": os.devnull}
+    who |= {"GIT_COMMITTER_NAME": "a", "GIT_COMMITTER_EMAIL": "a@b", "GIT_CONFIG_NOSYSTEM": "1"}
+    subprocess.run(["git", *arguments], cwd=folder, env=os.environ | who, check=True)
+
+
+def test_a_worktree_has_a_branch_of_its_own(tmp_path):
+    main, other = tmp_path / "main", tmp_path / "other"
+    main.mkdir()
+    git(main, "init", "--quiet", "--initial-branch=humble")
+    git(main, "commit", "--quiet", "--allow-empty", "--message=a")
+    git(main, "worktree", "add", "--quiet", "-b", "jazzy", str(other))
+    (other / "src").mkdir()
+    assert (guessed(main), guessed(other)) == ("humble", "jazzy")
+    assert guess_distro([other / "src"], 2).file == "other/.git"
+
+
+@pytest.mark.parametrize(
+    "text", ["gitdir: nowhere", "gitdir: .", "gitdir: .git\n", "", "\0", "jazzy"]
+)
+def test_a_git_file_that_leads_nowhere_tells_nothing(tmp_path, text):
+    (tmp_path / ".git").write_text(text)
+    assert guessed(tmp_path) is None
 
 
 def test_a_branch_tells_more_surely_than_a_list_of_repositories(tmp_path):

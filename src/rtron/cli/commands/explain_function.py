@@ -12,7 +12,7 @@ from rtron.cli.support.outcome import Outcome
 from rtron.cli.support.skipped_report import print_to_stderr, report_skipped
 from rtron.errors import InputError, RTronError
 from rtron.folders import is_folder
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 if TYPE_CHECKING:
     from rtron.functions.repository import SourceRepository

@@ -7,7 +7,7 @@ import typer
 
 from rtron.cli.support.options import Output
 from rtron.cli.support.outcome import STDOUT, Outcome
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

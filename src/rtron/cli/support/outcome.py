@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from rtron.errors import InputError, RTronError
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 if TYPE_CHECKING:
     from rtron.sources.static.common.scan_options import Progress as ProgressCallback

@@ -3,7 +3,7 @@
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

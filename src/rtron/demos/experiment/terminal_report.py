@@ -12,7 +12,7 @@ from rtron.demos.experiment.demonstration import DemoRequest
 from rtron.demos.experiment.study import Study
 from rtron.demos.metrics.case_run import CaseRun
 from rtron.demos.metrics.table import COLUMN_TITLES, cells, columns
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 from rtron.vocabulary import Risk
 
 _INDENT = (0, 0, 0, 2)

@@ -10,7 +10,7 @@ from rtron.demos.cases import Case
 from rtron.demos.metrics.case_run import CaseRun
 from rtron.demos.metrics.table import COLUMN_TITLES, cells, columns
 from rtron.reports.inline_page import policy
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1f2430; background: #fff;

@@ -104,9 +104,10 @@ def _min_share(type: FunctionType, primary: FunctionType) -> float:
     """Return the share of its packages that a stack needs to have a type.
 
     The robot that a stack is only for, its tools and a GUI beside it are no functions of it, nor
-    is what one of many libraries is for.
+    is what one of many libraries is for. The controllers of an arm belong to its driver.
     """
-    if type in _ROBOTS or type is FunctionType.EXTENSION:
+    is_of_arm = (primary, type) == (FunctionType.MANIPULATOR, FunctionType.PATH_TRACKING)
+    if type in _ROBOTS or type is FunctionType.EXTENSION or is_of_arm:
         return _LARGE_SHARE
     is_beside = type is FunctionType.VISUALIZATION and DOMAIN_BY_TYPE[primary] is not Domain.DRIVERS
     return _SMALL_SHARE if is_beside or primary is FunctionType.EXTENSION else 0.0

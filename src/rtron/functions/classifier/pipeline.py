@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rtron.functions.classifier.confidence import function_probabilities
@@ -21,12 +22,12 @@ from rtron.functions.classifier.scores import FunctionScores, score_package_code
 from rtron.functions.text.descriptions import description_tokens
 from rtron.functions.text.names import name_tokens
 from rtron.functions.text.prose import readme_tokens
+from rtron.vocabulary import FunctionType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from rtron.functions.repository import SourcePackage, SourceRepository
-    from rtron.vocabulary import FunctionType
 
 _LATER_SENTENCE_WEIGHT = 0.6
 _README_LEADING_SENTENCES = 3
@@ -35,6 +36,10 @@ _PACKAGE_CODE_WEIGHT = 0.5
 _MIN_PROBABILITY = 0.5
 _LEAD_MARGIN = 0.3
 _CERTAIN_NAME_WEIGHT = 4.3
+_SPECIFIC_WEIGHT = 4.0
+_NEAR_SHARE = 0.8
+_UNDECIDED = FunctionType.EXTENSION
+"""What a repository most likely is if no rule tells enough: libraries and tools name no robot."""
 
 
 def classify(repository: SourceRepository) -> Classification:
@@ -42,24 +47,18 @@ def classify(repository: SourceRepository) -> Classification:
 
     A name that tells weakly is believed if the manifests do not outweigh it. A repository of
     several packages has those functions too that its packages have. How sure each function is
-    depends on all pieces.
+    depends on all pieces. One that nothing decides most likely is an Extension, and this unsure.
     """
     words = package_words(repository)
     by_source = source_scores(repository, words)
     packages = {p.name: words[p.name] + _code_hints(p) for p in repository.packages}
-    total, previous_leader, decided_by = FunctionScores(), None, DecisionSource.NONE
-    for source, scores in by_source.items():
-        total += scores
-        leader = _leading_type(total)
-        if leader is not previous_leader:
-            previous_leader, decided_by = leader, DecisionSource(source)
-        if leader and (
-            source is not InformationSource.NAME or total.weights[leader] >= _CERTAIN_NAME_WEIGHT
-        ):
-            candidates = repository_functions(leader, total, functional_packages(packages))
-            probabilities = function_probabilities(candidates, by_source)
-            return _classification(repository, probabilities, decided_by, total, packages)
-    return _classification(repository, {}, DecisionSource.NONE, total, packages)
+    decision = _decide(by_source)
+    candidates: tuple[FunctionType, ...] = (decision.function,)
+    if decision.source is not DecisionSource.NONE:
+        functional = functional_packages(packages)
+        candidates = repository_functions(decision.function, decision.scores, functional)
+    probabilities = function_probabilities(candidates, by_source)
+    return _classification(repository, probabilities, decision, packages)
 
 
 def classify_name(package_name: str, description: str = "") -> tuple[FunctionType, ...]:
@@ -134,21 +133,66 @@ def _leading_type(scores: FunctionScores) -> FunctionType | None:
     return ranked[0] if scores.weights[ranked[0]] - second >= _LEAD_MARGIN else None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Decision:
+    """The first function, the piece that decided, and what the pieces asked tell together."""
+
+    function: FunctionType
+    source: DecisionSource
+    scores: FunctionScores
+
+
+def _decide(by_source: Mapping[InformationSource, FunctionScores]) -> _Decision:
+    total, previous_leader, decided_by = FunctionScores(), None, DecisionSource.NONE
+    for source, scores in by_source.items():
+        total += scores
+        leader = _leading_type(total)
+        if leader is not previous_leader:
+            previous_leader, decided_by = leader, DecisionSource(source)
+        is_name = source is InformationSource.NAME
+        if leader and not (is_name and total.weights[leader] < _CERTAIN_NAME_WEIGHT):
+            decision = _Decision(function=leader, source=decided_by, scores=total)
+            return _specific(decision, by_source) or decision
+    return _Decision(function=_UNDECIDED, source=DecisionSource.NONE, scores=total)
+
+
+def _specific(
+    decision: _Decision, by_source: Mapping[InformationSource, FunctionScores]
+) -> _Decision | None:
+    """Return what else all pieces tell about as strongly of an Extension, None if nothing.
+
+    Libraries, messages and tools are of something: only a name that says so clearly outweighs it.
+    """
+    name = by_source[InformationSource.NAME].weights.get(FunctionType.EXTENSION, 0.0)
+    if decision.function is not FunctionType.EXTENSION or name >= _CERTAIN_NAME_WEIGHT:
+        return None
+    total = sum(by_source.values(), FunctionScores())
+    others = dict(total.weights)
+    enough = max(_SPECIFIC_WEIGHT, _NEAR_SHARE * others.pop(FunctionType.EXTENSION))
+    function = _leading_type(FunctionScores(others))
+    if function is None or others[function] < enough:
+        return None
+    source = max(by_source, key=lambda each: by_source[each].weights.get(function, 0.0))
+    return _Decision(function=function, source=DecisionSource(source), scores=total)
+
+
 def _classification(
     repository: SourceRepository,
     probabilities: Mapping[FunctionType, float],
-    decided_by: DecisionSource,
-    scores: FunctionScores,
+    decision: _Decision,
     packages: Mapping[str, FunctionScores],
 ) -> Classification:
     functions = tuple(_likely_functions(probabilities))
+    is_decided = decision.source is not DecisionSource.NONE
+    scores = decision.scores
+    evidence = _evidence(functions, scores, packages) if is_decided else scores.evidence
     return Classification(
         repo=repository.name,
         functions=functions,
-        primary=functions[0] if functions else None,
+        primary=functions[0],
         probabilities=probabilities,
-        decided_by=decided_by,
-        evidence=tuple(dict.fromkeys(_evidence(functions, scores, packages))),
+        decided_by=decision.source,
+        evidence=tuple(dict.fromkeys(evidence)),
         packages={name: package_score.ranked() for name, package_score in packages.items()},
     )
 
@@ -165,11 +209,8 @@ def _evidence(
     scores: FunctionScores,
     packages: Mapping[str, FunctionScores],
 ) -> Iterator[RuleEvidence]:
-    """Yield what tells the functions, of a repository that has none whatever speaks of any.
-
-    Packages are asked for the functions that nothing else tells.
-    """
-    yield from (each for each in scores.evidence if each.type in functions or not functions)
+    """Yield what tells the functions; packages are asked for those that nothing else tells."""
+    yield from (each for each in scores.evidence if each.type in functions)
     known_types = {each.type for each in scores.evidence}
     for package_score in packages.values():
         missing = (each for each in package_score.evidence if each.type not in known_types)

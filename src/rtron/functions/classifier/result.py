@@ -16,7 +16,7 @@ class InformationSource(StringEnum):
 
 
 class DecisionSource(StringEnum):
-    """The piece that decided, or none: nothing told."""
+    """The piece that decided, or none: no rule told enough."""
 
     NAME = "name"
     MANIFEST = "manifest"
@@ -41,7 +41,7 @@ class RuleEvidence:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Classification:
-    """A repository's functions, the first one first; none of them where nothing tells.
+    """A repository's functions, the first one first: where nothing decided, the likeliest one.
 
     `probabilities`, 0 to 1 and calibrated on labels by hand, tell how sure each function is; those
     of further candidates, too unlikely to be among `functions`, follow.

@@ -58,7 +58,7 @@ class ClassificationCounts:
 class PaperTables:
     """How many repositories there are, how many are decided, and the tally of every type.
 
-    `expected_right` is the share of the decided ones that is right as first, by how sure each is.
+    `expected_right` is the share of all of them that is right as first, by how sure each is.
     """
 
     repositories: int
@@ -101,8 +101,6 @@ def sum_function_nodes(types: Mapping[FunctionType, ClassificationCounts]) -> Cl
 
 
 def _counted_types(classification: Classification) -> Iterator[tuple[FunctionType, DecisionSource]]:
-    if not classification.functions:
-        yield FunctionType.EXTENSION, DecisionSource.NONE
     for type in classification.functions:
         yield type, _decision_source(classification, type)
 

@@ -5,7 +5,7 @@ publishers and subscribers (roscpp, rospy, rclcpp, rclpy) and launch files (rosl
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -23,8 +23,21 @@ MAX_FACTS = 5000
 _CPP = frozenset({".cpp", ".cc", ".cxx", ".c", ".h", ".hpp", ".hh", ".hxx"})
 _TESTS = re.compile(r"(?:^|/)tests?/")
 
+_SHIPPED = {
+    **dict.fromkeys(_CPP | {".py"}, "code"),
+    **dict.fromkeys((".msg", ".srv", ".action", ".idl"), "interfaces"),
+    **dict.fromkeys((".urdf", ".xacro", ".dae", ".stl", ".obj"), "models"),
+    **dict.fromkeys((".world", ".sdf"), "worlds"),
+    **dict.fromkeys((".yaml", ".rviz"), "settings"),
+}
+
 _CPP_COMMENT = re.compile(r"//[^\n]*")
 _CPP_INCLUDE = re.compile(r'#\s*include\s*[<"](\w+)/(?:([A-Z]\w*)\.h|msg/(\w+)\.hpp)[>"]')
+_CPP_HEADER = re.compile(r'#\s*include\s*[<"]([\w./-]{1,100})[>"]')
+_CPP_PLUGIN = re.compile(
+    r"\bPLUGINLIB_(?:EXPORT_CLASS\s*\(|DECLARE_CLASS\s*\((?:[^,()]+,){2})[^,()]+,\s*:{0,2}([\w:]+)"
+)
+_CPP_SIMULATED = re.compile(r"\b(?:GZ_REGISTER|GAZEBO_REGISTER|GZ_ADD|IGNITION_ADD)_\w*PLUGIN\b")
 _CPP_TYPE = r"\s*<\s*(?::{0,2}(\w+)::(?:msg::)?)?(\w+)"
 _CPP_PUBLISHES = re.compile(r"\b(?:advertise|create_publisher|Publisher)" + _CPP_TYPE)
 _CPP_SUBSCRIBES = re.compile(
@@ -38,6 +51,7 @@ _PY_COMMENT = re.compile(r"#[^\n]*")
 _PY_IMPORT = re.compile(
     r"^[ \t]*from[ \t]+(\w+)\.msg[ \t]+import[ \t]+(\([^()]{0,2000}\)|[^\n]+)", re.MULTILINE
 )
+_PY_MODULE = re.compile(r"^[ \t]*(?:import|from)[ \t]+(\w+)", re.MULTILINE)
 _PY_NAME = (
     r"\(\s*(?:[^,()]{1,200},\s*)?(?:data_class\s*=\s*|msg_type\s*=\s*)?(?:\w+\.){0,3}(\w+)\s*[,)]"
 )
@@ -46,6 +60,9 @@ _PY_SUBSCRIBES = re.compile(r"\b(?:Subscriber|create_subscription)" + _PY_NAME)
 
 _CMAKE_PACKAGES = re.compile(r"\bfind_package\s*\(([^()]{1,4000})\)", re.IGNORECASE)
 _CMAKE_PLUGINS = re.compile(r"\bpluginlib_export_plugin_description_file\s*\(\s*(\w+)")
+_CMAKE_VENDOR = re.compile(
+    r"\b(?:ExternalProject_Add|ament_vendor|FetchContent_Declare)\s*\(", re.IGNORECASE
+)
 _CMAKE_WORDS = frozenset({"REQUIRED", "COMPONENTS", "QUIET", "CONFIG", "MODULE", "EXACT", "catkin"})
 _LAUNCHED = re.compile(r"\b(?:pkg|package)\s*=\s*[\"'](\w+)[\"']")
 
@@ -63,12 +80,22 @@ def read_code(repository: SourceRepository) -> SourceRepository:
 def _with_code(package: SourcePackage) -> SourcePackage:
     if package.folder is None:
         return package
-    return replace(package, code=frozenset(islice(_package_facts(package.folder), MAX_FACTS)))
+    facts = _each_once(_package_facts(package.folder))
+    return replace(package, code=frozenset(islice(facts, MAX_FACTS)))
+
+
+def _each_once(facts: Iterable[str]) -> Iterator[str]:
+    seen: set[str] = set()
+    for fact in facts:
+        if fact not in seen:
+            seen.add(fact)
+            yield fact
 
 
 def _package_facts(folder: Path) -> Iterator[str]:
     yield from _exports(folder)
     files = list_files(folder, ())
+    yield from (f"ships {kind}" for kind in _shipped_kinds(folder, files))
     for name in islice(filter(_is_code, files.names), MAX_FILES):
         yield from _file_facts(name, _read_text(files, folder / name))
 
@@ -79,6 +106,16 @@ def _exports(folder: Path) -> Iterator[str]:
     except InputError:
         return  # whoever read the package has told so
     yield from (f"exports {export.tag}" for export in manifest.exports)
+
+
+def _shipped_kinds(folder: Path, files: PackageFiles) -> frozenset[str]:
+    """Return the kinds of files that a package has; what only builds or launches is no code."""
+    by_kind = (
+        (_SHIPPED.get(Path(name).suffix.lower()), name)
+        for name in files.names
+        if ".launch." not in name and Path(name).name != "setup.py" and not _TESTS.search(name)
+    )
+    return frozenset(kind for kind, name in by_kind if kind and files.is_file(folder / name))
 
 
 def _is_code(name: str) -> bool:
@@ -111,6 +148,9 @@ def _cpp_facts(text: str) -> Iterator[str]:
         name or _type_name(header): package for package, name, header in _CPP_INCLUDE.findall(text)
     }
     yield from (f"uses {package}/{name}" for name, package in included.items())
+    yield from (f"includes {header}" for header in _CPP_HEADER.findall(text))
+    yield from (f"plugs {base}" for base in _CPP_PLUGIN.findall(text))
+    yield from ("plugs gazebo" for _ in _CPP_SIMULATED.findall(text))
     for package, name in _CPP_PUBLISHES.findall(text):
         yield from _cpp_type("publishes", package, name, included)
     for package, name, of_callback, named in _CPP_SUBSCRIBES.findall(text):
@@ -128,6 +168,7 @@ def _cpp_type(kind: str, package: str, name: str, included: Mapping[str, str]) -
 def _python_facts(text: str) -> Iterator[str]:
     types = dict(_python_types(text))
     yield from (f"uses {type}" for type in types.values())
+    yield from (f"imports {module}" for module in _PY_MODULE.findall(text))
     for kind, pattern in (("publishes", _PY_PUBLISHES), ("subscribes", _PY_SUBSCRIBES)):
         yield from (f"{kind} {types[name]}" for name in pattern.findall(text) if name in types)
 
@@ -145,6 +186,7 @@ def _cmake_facts(text: str) -> Iterator[str]:
     for arguments in _CMAKE_PACKAGES.findall(text):
         words: Mapping[str, None] = dict.fromkeys(arguments.split())
         yield from (f"depends {word.lower()}" for word in words if word not in _CMAKE_WORDS)
+    yield from ("builds elsewhere" for _ in _CMAKE_VENDOR.findall(text))
     yield from (f"exports {tag}" for tag in _CMAKE_PLUGINS.findall(text))
 
 

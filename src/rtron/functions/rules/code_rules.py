@@ -88,6 +88,13 @@ def _find(facts: Facts, pattern: str) -> str:
 
 
 def _alternatives(line: str) -> tuple[str, ...]:
-    """Return the patterns of a line: `depends joy | wiimote` are two."""
-    kind, _, names = line.partition(" ")
-    return tuple(f"{kind} {name.strip()}" for name in names.split("|"))
+    """Return the patterns of a line: `depends joy | wiimote` are two of a kind, and so on.
+
+    An alternative of its own kind names it: `depends joy | imports pygame`.
+    """
+    patterns, kind = [], ""
+    for alternative in line.split("|"):
+        named, _, name = alternative.strip().rpartition(" ")
+        kind = named or kind
+        patterns.append(f"{kind} {name}")
+    return tuple(patterns)

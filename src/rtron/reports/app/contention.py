@@ -13,8 +13,8 @@ from rtron.reports.app.risk_list import (
     severity_mark,
     worst_first,
 )
-from rtron.reports.sanitize import sanitize
 from rtron.reports.text_layout import TextPage, heading, line
+from rtron.sanitize import sanitize
 from rtron.vocabulary import InteractionGraph, Risk, RiskKind, RiskReport, RiskRole, Trust
 
 MOST_ROWS = 12

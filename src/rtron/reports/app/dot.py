@@ -8,7 +8,7 @@ nodes orange. What the client library adds by itself (`/rosout`, `/clock`) is le
 from collections.abc import Iterator, Mapping
 
 from rtron.reports.app.risk_marks import Edge, RiskMarks, risk_marks
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 from rtron.vocabulary import Direction, InteractionGraph, RiskReport
 
 _PLAIN_NODE = 'shape=ellipse, fillcolor="gray85"'

@@ -15,7 +15,13 @@ from rtron.reports.inline_page import inline_json, page_text, policy
 from rtron.vocabulary import Finding, InteractionGraph, Plan, RiskReport
 
 _LAYOUT = ("graph/dagre.LICENSE.txt", "graph/dagre.min.js")
-_GRAPH = ("graph/model.js", "graph/layout.js", "graph/draw.js", "graph/viewport.js")
+_GRAPH = (
+    "graph/isolate.js",
+    "graph/model.js",
+    "graph/layout.js",
+    "graph/draw.js",
+    "graph/viewport.js",
+)
 _SCRIPTS = (*_GRAPH, "filters.js", "panels.js", "main.js")
 _MODULE_SYNTAX = re.compile(r"^import .*\n|^export ", re.MULTILINE)
 

@@ -3,11 +3,12 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
+from rtron.reports.app.note_groups import NoteGroup, group_notes
 from rtron.reports.app.page_coordination import plan_data
 from rtron.reports.app.page_ids import PageIds, page_ids
 from rtron.reports.app.risk_list import KIND_TITLE, location, worst_first
 from rtron.reports.app.risk_marks import RiskMarks, risk_marks
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 from rtron.vocabulary import (
     Direction,
     Endpoint,
@@ -46,7 +47,7 @@ def page_data(
         "actions": [_side(names, a.node, a.name, a.type, a.role.value) for a in graph.actions],
         "risks": [_risk(risk, names) for risk in sorted(report.risks, key=worst_first)],
         "findings": [_finding(finding, names, source_lines) for finding in findings],
-        "unresolved": [_unresolved(item) for item in graph.unresolved],
+        "unresolved": [_note_group(group) for group in group_notes(graph.unresolved)],
         "notRun": [list(item) for item in report.not_run.items()],
         "coordination": plan_data(plan, names) if plan else [],
     }
@@ -147,6 +148,11 @@ def _finding(finding: Finding, names: PageIds, source_lines: SourceLines) -> dic
         "evidence": _locations(finding.evidence),
         "lines": [source_lines.get(place, "") for place in finding.evidence],
     }
+
+
+def _note_group(group: NoteGroup) -> dict[str, Any]:
+    notes = [_unresolved(note) for note in group.notes]
+    return {"title": group.kind.title, "remedy": group.kind.remedy, "notes": notes}
 
 
 def _unresolved(item: UnresolvedItem) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from rtron.reports.app.sarif_locations import (
     physical_location,
 )
 from rtron.reports.app.sarif_rules import finding_descriptors, rule_descriptors, rule_index
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 from rtron.vocabulary import (
     Direction,
     Evidence,

@@ -6,7 +6,7 @@ from posixpath import normpath
 from typing import Any
 from urllib.parse import quote
 
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 from rtron.vocabulary import Evidence
 
 BASE = "SRCROOT"

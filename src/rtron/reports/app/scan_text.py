@@ -9,10 +9,9 @@ from rich.text import Text
 
 from rtron.reports.app.contention import contention
 from rtron.reports.app.finding_list import finding_list, findings_verdict, triage_notes
-from rtron.reports.app.missing_inputs import missing_inputs
 from rtron.reports.app.node_functions import node_functions
 from rtron.reports.app.risk_list import MILDEST_LAST, SEVERITY_STYLE, risk_list
-from rtron.reports.app.unresolved_list import nodes_read, unresolved_list
+from rtron.reports.app.unresolved_list import missing_inputs, nodes_read, unresolved_list
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 from rtron.vocabulary import (
     CoordinationCount,

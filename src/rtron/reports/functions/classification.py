@@ -21,7 +21,7 @@ _PIECE_NAMES = {
 }
 _PACKAGE = "package "
 _NOTHING = "no rule tells what this is: no name, no description, no code, no README"
-_WEAK = "cannot tell: what matches is too weak, or speaks for several functions alike"
+_WEAK = "no rule decides: what matches is too weak, or speaks for several functions alike"
 _MAX_ROWS = 20
 _MAX_WORDS = 4
 Key: TypeAlias = tuple[str, InformationSource, str]
@@ -41,7 +41,8 @@ def _lines(
     page: TextPage,
 ) -> Iterator[Text]:
     yield from _header(repository, classification, page)
-    deciding = classification.evidence if classification.functions else ()
+    is_decided = classification.decided_by is not DecisionSource.NONE
+    deciding = classification.evidence if is_decided else ()
     decided = {(each.package, each.source, each.rule) for each in deciding}
     for origin, group in groupby(matched, _origin):
         yield from heading(origin or f"repository {repository.name}")
@@ -66,10 +67,11 @@ def _header(
     yield line((repository.name, "bold"), f"  {', '.join(read)}")
     if classification.decided_by is DecisionSource.NONE:
         yield from paragraph(_WEAK if classification.evidence else _NOTHING, page, style="yellow")
-        return
-    decided = _PIECE_NAMES[InformationSource(classification.decided_by)]
+        how = "as most such repositories are"
+    else:
+        how = f"decided by the {_PIECE_NAMES[InformationSource(classification.decided_by)]}"
     primary = (str(classification.primary), "bold green")
-    yield line(primary, f", decided by the {decided}, {_percent(classification.confidence)} sure")
+    yield line(primary, f", {how}, {_percent(classification.confidence)} sure")
     others = {f: p for f, p in classification.probabilities.items() if f != classification.primary}
     for word, is_given in (("and", True), ("perhaps", False)):
         named = [

@@ -25,8 +25,8 @@ from rtron.reports.functions.labels import (
     notes,
     stage_of,
 )
-from rtron.reports.sanitize import sanitize
 from rtron.reports.text_layout import counted
+from rtron.sanitize import sanitize
 from rtron.vocabulary import FunctionType
 
 _FONT = "Helvetica,Arial,sans-serif"

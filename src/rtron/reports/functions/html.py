@@ -11,8 +11,8 @@ from rtron.functions.interactions.abstract_graph import AbstractGraph
 from rtron.reports.functions.labels import evidence_text, notes
 from rtron.reports.functions.svg import functions_to_svg
 from rtron.reports.inline_page import page_text, policy
-from rtron.reports.sanitize import sanitize
 from rtron.reports.text_layout import counted
+from rtron.sanitize import sanitize
 
 
 def functions_to_html(graph: AbstractGraph) -> str:

@@ -10,8 +10,8 @@ from rtron.functions.interactions.abstract_graph import (
     FunctionNode,
 )
 from rtron.functions.interactions.main_flow import main_flow
-from rtron.reports.sanitize import sanitize
 from rtron.reports.text_layout import counted
+from rtron.sanitize import sanitize
 from rtron.vocabulary import Domain, FunctionType
 
 MAX_TYPES = 3

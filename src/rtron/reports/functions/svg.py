@@ -11,7 +11,7 @@ from rtron.functions.interactions.abstract_graph import AbstractGraph, DirectInt
 from rtron.functions.interactions.main_flow import main_flow
 from rtron.reports.functions.dot import change_ids, function_ids, functions_to_dot, label_id
 from rtron.reports.functions.labels import evidence_text, notes, stage_of
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 _TITLE = "The interaction graph of robot functions"
 _SECONDS = 60

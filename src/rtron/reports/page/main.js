@@ -6,7 +6,13 @@ import { Viewport } from "./graph/viewport.js";
 
 const svg = byId("picture"), world = byId("world");
 const view = new Viewport(svg, world, press, (box, dx, dy) => dragBox(layout, box, dx, dy));
-view.covered = () => byId("legend").offsetHeight;
+view.covered = () => Math.max(byId("legend").offsetHeight, sheetHeight());
+
+// How much of the picture the details lie over: on a phone they come from below.
+function sheetHeight() {
+  const picture = svg.getBoundingClientRect(), sheet = byId("detail").getBoundingClientRect();
+  return sheet.width && sheet.left < picture.right - 1 ? Math.max(picture.bottom - sheet.top, 0) : 0;
+}
 let layout = { boxes: [], edges: [] };
 
 function redraw() {

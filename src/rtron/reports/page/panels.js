@@ -73,9 +73,11 @@ function fillCoordination() {
 }
 
 function fillUnresolved() {
-  byId("unresolved-count").textContent = MODEL.unresolved.length;
+  byId("unresolved-count").textContent = MODEL.unresolved.reduce((sum, group) => sum + group.notes.length, 0);
   byId("unresolved-list").hidden = !MODEL.unresolved.length;
-  byId("unresolved").append(...MODEL.unresolved.map((u) => tag("div", { class: "unresolved" }, tag("b", {}, u.what), tag("p", {}, u.why), locations(u.evidence))));
+  byId("unresolved").append(...MODEL.unresolved.map((group) => tag("details", { class: "kinds" },
+    tag("summary", {}, `${group.title} `, tag("b", {}, group.notes.length)), tag("p", { class: "note" }, group.remedy),
+    ...group.notes.map((u) => tag("div", { class: "unresolved" }, tag("b", {}, u.what), tag("p", {}, u.why), locations(u.evidence))))));
 }
 
 function fillFacets() {

@@ -20,6 +20,7 @@ const columns = [
   ["not known", (app) => app.unresolved, "number spare"],
   ["seconds", (app) => app.seconds.toFixed(1), "number spare"],
   ["category", (app) => app.error ? `not scanned: ${app.error}` : app.categories.join(" / "), "types"],
+  ["functions", (app) => Object.keys(app.functions ?? {}).join(", "), "types spare"],
 ];
 
 // What a link's address asks for, by name.

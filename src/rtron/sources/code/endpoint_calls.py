@@ -1,5 +1,7 @@
 """The calls of the client libraries that make an endpoint, by their plain names."""
 
+import re
+
 ENDPOINT_METHODS = frozenset(
     [
         *("advertise", "advertiseCamera", "advertiseService", "subscribe", "subscribeCamera"),
@@ -13,3 +15,5 @@ ENDPOINT_METHODS = frozenset(
 ENDPOINT_CALLS = ENDPOINT_METHODS | {
     *("Publisher", "Subscriber", "SimpleActionClient", "SimpleActionServer"),
 }
+ENDPOINT_CALL = re.compile(rf"\b(?:{'|'.join(sorted(ENDPOINT_METHODS))})\b(?=\s*[<(])")
+"""One of the methods where C++ calls it."""

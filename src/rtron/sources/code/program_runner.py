@@ -1,6 +1,7 @@
 """Runs one node's program on the abstract machine, and returns what the node declares."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TypeAlias
@@ -33,6 +34,7 @@ from rtron.sources.code.interpreter.execution.statements import EXECUTORS
 from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 from rtron.sources.code.ir import SourceProblem
+from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
 from rtron.sources.code.library_models.common.other_ros import (
     OTHER_CPP_CLASSES,
     OTHER_CPP_FUNCTIONS,
@@ -56,6 +58,7 @@ from rtron.sources.code.library_models.rclcpp.registry import (
     RCLCPP_FUNCTIONS,
 )
 from rtron.sources.code.library_models.rclpy.registry import rclpy_library
+from rtron.sources.code.library_models.roscpp.nodelets import start_nodelet
 from rtron.sources.code.library_models.roscpp.registry import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
 from rtron.sources.code.library_models.rospy.registry import ROSPY
 from rtron.sources.code.reachability import (
@@ -157,6 +160,19 @@ def run_hardware(
     return _run_cpp_program(sources, site, files, start, missing, other_components)
 
 
+def run_plugin(
+    sources: tuple[Path, ...],
+    cls: str,
+    site: NodeSite,
+    files: SourceProvider,
+    other_components: tuple[str, ...] = (),
+) -> NodeInterface:
+    """Return what a plugin declares that a node loads: made, then started as its base says."""
+    start = _class_start(cls, _load_plugin)
+    missing = (f"plugin {cls}", _MISSING_CLASS_REASON)
+    return _run_cpp_program(sources, site, files, start, missing, other_components)
+
+
 def _class_start(
     cls: str, run: Callable[[CppRuntime, ClassValue], object]
 ) -> Callable[[CppRuntime], _Start | None]:
@@ -186,9 +202,26 @@ def _run_cpp_program(
         else:
             _run_part(machine, Path(found[0]), runtime.initialise_globals)
             _run_all(machine, Path(found[0]), found[1])
+            _run_embedded_python(machine, files)
         return machine
 
     return _run_to_fixpoint(run, other_components)
+
+
+def _run_embedded_python(machine: AbstractMachine, files: SourceProvider) -> None:
+    """Run what a C++ program calls of Python, which does not get the arguments of the process."""
+    given = machine.recorder.site
+    named = replace(given, has_launch_name=False, has_launch_namespace=False, loading=None)
+    site = replace(named, args=(), settings=(), parameters_complete=True)
+    for (module, name), place in machine.python_calls.items():
+        script = files.python_module(module, Path(place.file))
+        if script is None:
+            why = "the module of Python is not here: what it joins is missing"
+            machine.recorder.add_unresolved(f"{module}.{name}", why, place)
+            continue
+        found = run_python(script, site, files, name)
+        nodes = tuple(replace(made, uses_global_arguments=False) for made in found.nodes)
+        machine.recorder.include(replace(found, nodes=nodes))
 
 
 def _make_component(site: NodeSite, runtime: CppRuntime, cls: ClassValue) -> None:
@@ -202,10 +235,8 @@ def _argument_count(words: ListValue) -> Value:
 
 
 def _load_nodelet(runtime: CppRuntime, cls: ClassValue) -> None:
-    frame = StackFrame(file=cls.definition.file)
-    made = runtime.instantiate(cls, Arguments(frame=frame))
-    method = runtime.attribute(made, "onInit", ())
-    dispatch(runtime.machine, method or Unknown("onInit"), Arguments(frame=frame))
+    at = Arguments(frame=StackFrame(file=cls.definition.file))
+    start_nodelet(runtime.machine, runtime.instantiate(cls, at), at)
 
 
 def _load_hardware(site: NodeSite, runtime: CppRuntime, cls: ClassValue) -> None:
@@ -215,6 +246,11 @@ def _load_hardware(site: NodeSite, runtime: CppRuntime, cls: ClassValue) -> None
         method = runtime.attribute(made, callback, ())
         given = Arguments(values=(hardware_info(site),), frame=frame)
         dispatch(runtime.machine, method or Unknown(callback), given)
+
+
+def _load_plugin(runtime: CppRuntime, cls: ClassValue) -> None:
+    at = Arguments(line=cls.definition.line, frame=StackFrame(file=cls.definition.file))
+    start_plugin(runtime.machine, runtime.instantiate(cls, at), at)
 
 
 def _run_to_fixpoint(

@@ -75,6 +75,8 @@ _CONTAINER_METHODS = frozenset(
     ]
 )
 """Called of containers and pointers, most often: that a class has one says nothing."""
+UNREACHED = "may join nodes, but nothing that is seen calls it"
+_EARLY_EXIT = "makes endpoints, but ends before the first of them by what is known here"
 MAX_RUNS = 400
 MAX_PLACES = 200
 MAX_STEPS = 100_000
@@ -282,7 +284,8 @@ def _reachable_functions(
 def _call_operators(machine: AbstractMachine, words: frozenset[str]) -> Iterator[Function]:
     """Yield what objects of the named classes do when they are called, in C++."""
     for function in machine.runtime.functions_named("operator()"):
-        if function.name.split("::")[-2:-1] and function.name.split("::")[-2] in words:
+        owner = function.name.rpartition("::")[0]
+        if owner and owner.rpartition("::")[2] in words:
             yield function
 
 
@@ -341,8 +344,18 @@ def note_unreached(machine: AbstractMachine, functions: Iterable[tuple[str, Func
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""
         lines = dict.fromkeys(function.line for _, function in found[:MAX_PLACES])
         places = [Evidence(file=file, line=line) for line in lines]
-        why = "joins nodes, but nothing that is seen calls it"
-        machine.recorder.add_unresolved(f"{found[0][0]}{more}", why, *places)
+        machine.recorder.add_unresolved(f"{found[0][0]}{more}", UNREACHED, *places)
+    for function in (function for name, function in candidates if name == "main"):
+        _note_early_end(machine, function, makers)
+
+
+def _note_early_end(machine: AbstractMachine, function: Function, makers: frozenset[str]) -> None:
+    """Note a `main` that would declare something, if nothing is declared, or noted in its file."""
+    if machine.runtime.related_names(function) & makers and machine.recorder.is_empty(
+        function.file
+    ):
+        place = Evidence(file=function.file, line=function.line)
+        machine.recorder.add_unresolved("main()", _EARLY_EXIT, place)
 
 
 def _wrappers(functions: Iterable[Function]) -> frozenset[str]:

@@ -4,12 +4,17 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from rtron.errors import InputError
 from rtron.messages.common.definition_registry import standard_names
 from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.code.frontends.cpp import lower_cpp
+from rtron.sources.code.frontends.parameter_library import (
+    DESCRIPTION_SUFFIXES,
+    described_libraries,
+    generated_code,
+)
 from rtron.sources.code.frontends.python import lower_python
 from rtron.sources.code.interpreter.execution.source_provider import PluginSource
 from rtron.sources.code.ir import SourceLanguage, SourceProblem, Unit
@@ -87,6 +92,7 @@ class WorkspaceSources:
     _sources: dict[str, Mapping[str, tuple[Path, ...]]] = field(default_factory=dict)
     _texts: SourceTexts = field(default_factory=SourceTexts)
     _folders: tuple[Path, ...] = ()
+    _described: dict[str, Mapping[str, Path]] = field(default_factory=dict)
     _units: dict[tuple[Path, SourceLanguage, tuple[str, ...]], Unit] = field(default_factory=dict)
 
     def with_macros(self, definitions: tuple[str, ...]) -> "WorkspaceSources":
@@ -107,10 +113,19 @@ class WorkspaceSources:
         return self._units[key]
 
     def header(self, include: str, includer: Path) -> Path | None:
-        """Return the file that `#include` means."""
-        return self.workspace.header(include.strip('<>"'), includer)
+        """Return the file that `#include` means; of a generated one, what it is made of."""
+        text = include.strip('<>"')
+        found = self.workspace.header(text, includer)
+        folder = PurePath(text).parent.name
+        return found or self._described_parameters(folder, PurePath(text).stem, includer)
 
     def python_module(self, dotted: str, importer: Path) -> Path | None:
+        """Return the file of a module; of a generated one, what it is made of."""
+        package, name = dotted.partition(".")[0], dotted.rpartition(".")[2]
+        found = self._module_file(dotted, importer)
+        return found or self._described_parameters(package, name, importer)
+
+    def _module_file(self, dotted: str, importer: Path) -> Path | None:
         """Return the file of a module; a relative one is looked up beside the importing file.
 
         So is one that is found nowhere else: Python 2, and with it ROS 1 until Melodic, looks there
@@ -124,6 +139,17 @@ class WorkspaceSources:
             dotted = f".{dotted}"
         found = _relative_module_file(dotted, importer)
         return found if found and self.workspace.package_of(found) else None
+
+    def _described_parameters(self, package: str, name: str, includer: Path) -> Path | None:
+        """Return the description that a file of a package, or of the own one, is generated of."""
+        owner = package if package in self.workspace.packages else None
+        owner = owner or self.workspace.package_of(includer)
+        if owner is None:
+            return None
+        if owner not in self._described:
+            self._described[owner] = described_libraries(self.workspace.packages[owner])
+        path = self._described[owner].get(name)
+        return path if path and self.is_in_package(path) else None
 
     def has_message_type(self, package: str, name: str) -> bool | None:
         """Tell whether a package, of the workspace or a standard one, defines a message type."""
@@ -148,7 +174,8 @@ class WorkspaceSources:
         return is_inside(path, self._folders)
 
     def read_text(self, path: Path) -> str | None:
-        """Return a data file that lies in a package, links followed."""
+        """Return a data file that lies in a package, links followed; an installed one's source."""
+        path = self.workspace.installed_source(path)
         if not self.is_in_package(path) or not path.is_file():
             return None
         try:
@@ -162,6 +189,10 @@ class WorkspaceSources:
         if found is None or found.program is None:
             return None
         return PluginSource(found.plugin_class.type, found.program.sources)
+
+    def is_plugin(self, name: str) -> bool:
+        """Tell whether a class of this name or type is registered, for whatever base."""
+        return self.workspace.is_plugin(name)
 
     def plugin_names(self, base: str) -> tuple[str, ...]:
         """Return the names of all plugins of a base class, but for those of packages for tests."""
@@ -199,6 +230,8 @@ class WorkspaceSources:
 
 
 def _lower(path: Path, text: bytes, language: SourceLanguage, definitions: tuple[str, ...]) -> Unit:
+    if path.suffix in DESCRIPTION_SUFFIXES:
+        text = generated_code(text, path, language)
     if language is SourceLanguage.PYTHON:
         return lower_python(str(path), text)
     pairs = (definition.partition("=") for definition in definitions)

@@ -2,7 +2,6 @@
 
 from rtron.sources.workspace.catalog import (
     Workspace,
-    indexed_workspace,
     read_workspace,
     share_workspaces,
     shared_workspace,
@@ -20,7 +19,6 @@ __all__ = [
     "ProgramLanguage",
     "TargetKind",
     "Workspace",
-    "indexed_workspace",
     "program_digest",
     "read_workspace",
     "share_workspaces",

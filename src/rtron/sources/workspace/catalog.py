@@ -8,6 +8,7 @@ from itertools import chain
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.folders import path_exists
 from rtron.sources.launch.common.packages import PackageIndex, find_packages, package_trust
 from rtron.sources.workspace.cmake.evaluator import evaluate_package
 from rtron.sources.workspace.manifest import Manifest, PluginExport, read_manifest
@@ -188,6 +189,10 @@ class Workspace:
         program = self.library(declared.library, declared.package)
         return Plugin(plugin_class=declared, program=program)
 
+    def is_plugin(self, name: str) -> bool:
+        """Tell whether a class of this name or type is registered, for whatever base."""
+        return any(name in {found.name, found.type} for found in self._plugin_classes)
+
     def plugins(self, base: str) -> tuple[PluginClass, ...]:
         """Return all plugins of a base class, or of the package that they are exported for."""
         return tuple(found for found in self._plugin_classes if base in {found.tag, found.base})
@@ -224,6 +229,15 @@ class Workspace:
             found = (self._names_by_path.get(parent) for parent in path.parents)
             self._package_by_folder[folder] = next(filter(None, found), None)
         return self._package_by_folder[folder]
+
+    def installed_source(self, path: Path) -> Path:
+        """Return what a build installs at a path: the one file of its package with that name.
+
+        What lies there itself counts before.
+        """
+        package = None if path_exists(path) else self.package_of(path)
+        named = self.files(package).files_named(path.name) if package else ()
+        return named[0] if len(named) == 1 else path
 
     def unresolved(self) -> tuple[UnresolvedItem, ...]:
         """Return what could not be resolved in the packages and descriptions read so far."""
@@ -354,11 +368,3 @@ def share_workspaces(*workspaces: tuple[Workspace, str | None]) -> None:
 def shared_workspace(folders: tuple[Path, ...], package_path: str | None) -> Workspace | None:
     """Return the workspace that is shared of some folders, if there is one."""
     return _SHARED.get((folders, package_path))
-
-
-def indexed_workspace(packages: PackageIndex, folders: tuple[Path, ...]) -> Workspace:
-    """Return the workspace of packages that are known: the one that is shared, else a new one."""
-    for shared in _SHARED.values():
-        if (shared.packages, shared.folders) == (packages, folders):
-            return shared
-    return Workspace(packages, folders)

@@ -18,7 +18,8 @@ _DISTRIBUTIONS: Mapping[int, tuple[str, ...]] = {
     ),
 }
 """The distributions of each ROS by release (docs.ros.org: Distributions), rolling before them."""
-_BRANCH = (".git/HEAD",)
+_BRANCH = (".git/HEAD", ".git")
+"""A worktree and a submodule have a file `.git`, which says where their HEAD is."""
 _REPOSITORIES = ("*.repos", ".rosinstall", "*.rosinstall")
 _CI = (
     *(".github/workflows/*.yml", ".github/workflows/*.yaml", ".gitlab-ci.yml", ".travis.yml"),
@@ -30,6 +31,7 @@ _SOURCES = (_BRANCH, _REPOSITORIES, _CI, _MANIFESTS)
 _MAX_BYTES = 1 << 20
 _MAX_FILES = 200
 _WORD = re.compile("[a-z]+")
+_GIT_FOLDER = re.compile(r"gitdir: ([^\0\n]+)\n?")
 _BRANCH_NAME = re.compile(r"refs/heads/(?:ros2?/)?([a-z]+)(?:-devel)?\s*$")
 """`humble-devel` and `ros2/jazzy` are of a distribution, `fix/rolling-window` is not."""
 _CONDITION = re.compile(r"\$ROS_DISTRO\W+([a-z]+)")
@@ -78,16 +80,23 @@ def _files(tops: Iterable[Path], patterns: Sequence[str]) -> Iterator[Path]:
 
 def _names(file: Path, known: Sequence[str]) -> set[str]:
     try:
-        text = read_regular_file(file, _MAX_BYTES).decode("utf-8", errors="replace")
+        text = _text(file)
     except InputError:
         return set()
     return set(_pattern(file).findall(text)) & set(known)
 
 
+def _text(file: Path) -> str:
+    """Return the text of a file, for a `.git` that of the HEAD which it leads to."""
+    text = read_regular_file(file, _MAX_BYTES).decode("utf-8", errors="replace")
+    folder = _GIT_FOLDER.fullmatch(text) if file.name == ".git" else None
+    return _text(file.parent / folder[1] / "HEAD") if folder else text
+
+
 def _pattern(file: Path) -> re.Pattern[str]:
     if file.name == "package.xml":
         return _CONDITION
-    return _BRANCH_NAME if file.name == "HEAD" else _WORD
+    return _BRANCH_NAME if file.name in {"HEAD", ".git"} else _WORD
 
 
 def _shown(file: Path, tops: Sequence[Path]) -> str:

@@ -5,7 +5,7 @@ import json
 from io import StringIO
 from typing import Any
 
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 from rtron.survey.app_survey import AppResult, AppSurvey
 from rtron.survey.survey_run import Survey
 from rtron.vocabulary import RiskKind

@@ -11,8 +11,8 @@ from typing import Any
 
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.reports.inline_page import inline_json, page_text, policy
-from rtron.reports.sanitize import sanitize
 from rtron.reports.text_layout import counted
+from rtron.sanitize import sanitize
 from rtron.survey.app_survey import AppResult, AppSurvey, FunctionLink
 from rtron.survey.paper import RISKS_OF_COMPLEX_APPS
 from rtron.survey.reports import page_sections as sections

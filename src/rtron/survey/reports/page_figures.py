@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from urllib.parse import quote, urlencode
 
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 _LEVELS = 8
 

@@ -52,7 +52,7 @@ def risk_section(counts: Counts) -> str:
     """Return how many apps have risks of each kind, how many of them, and the app with most."""
     heads = ["Kind", "Paper"]
     heads += chain.from_iterable(
-        (f"ROS {ros}, {counts[ros].apps} apps", "risks", "an app (median)", "most") for ros in _ROS
+        (f"ROS {ros}, {counts[ros].apps} apps", "risks", "an app (mean)", "most") for ros in _ROS
     )
     rows = []
     for index, kind in enumerate(RiskKind):
@@ -70,7 +70,7 @@ _PAPER_RISKS = {RiskKind.RSR: f"{RSR_RISKS} in {RSR_APPS} apps that were looked 
 def _risk_cells(risk: RiskCount, apps: int, ros: int) -> Iterator[str]:
     yield share_cell(risk.apps, apps, f"ros{ros}", risk=risk.kind, ros=ros)
     yield number_cell(risk.risks)
-    yield number_cell(f"{risk.per_app:g}")
+    yield number_cell(f"{risk.per_app:.2f}")
     link = apps_link(risk.most, app=risk.worst_app) if risk.most else "0"
     yield f'<td class="number">{link}</td>'
 
@@ -177,11 +177,12 @@ def generation_section(counts: Counts) -> str:
         row(text(title), _pair_cells(*(counts[ros].median_of(field) for ros in _ROS)))
         for field, title in fields.items()
     ]
-    for kind in RiskKind:
-        shares = [_apps_with_risk(counts[ros], kind) for ros in _ROS]
-        rows.append(
-            row(f"apps with {apps_link(kind, risk=kind)}", _share_cells(counts, shares, risk=kind))
-        )
+    for index, kind in enumerate(RiskKind):
+        of_kind = [counts[ros].risks[index] for ros in _ROS]
+        shares = _share_cells(counts, [each.apps for each in of_kind], risk=kind)
+        rows.append(row(f"apps with {apps_link(kind, risk=kind)}", shares))
+        means = _pair_cells(*(round(each.per_app, 2) for each in of_kind))
+        rows.append(row(f"{text(kind)} an app (mean)", means))
     return table(["", "ROS 1", "ROS 2", "change"], rows)
 
 
@@ -204,15 +205,11 @@ def change_section(counts: Counts) -> str:
     return table(["Interaction", "ROS 1", "ROS 2", "change"], rows)
 
 
-def _apps_with_risk(counts: SurveyCounts, kind: RiskKind) -> int:
-    return next(each.apps for each in counts.risks if each.kind is kind)
-
-
 def _pair_cells(before: float, after: float) -> list[str]:
     return [
         number_cell(f"{before:g}"),
         number_cell(f"{after:g}"),
-        number_cell(f"{after - before:+g}"),
+        number_cell(f"{round(after - before, 2):+g}"),
     ]
 
 

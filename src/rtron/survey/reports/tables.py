@@ -50,10 +50,10 @@ def _app_row(result: AppResult) -> Sequence[str]:
 
 
 def _risk_rows(counts: SurveyCounts) -> Iterator[tuple[str, ...]]:
-    yield "kind", "apps with it", "risks", "median", "in the worst app"
+    yield "kind", "apps with it", "risks", "an app", "in the worst app"
     for risk in counts.risks:
         share = f"{risk.apps} ({risk.apps / counts.apps:.1%})" if counts.apps else "0"
-        yield str(risk.kind), share, str(risk.risks), f"{risk.per_app:g}", str(risk.most)
+        yield str(risk.kind), share, str(risk.risks), f"{risk.per_app:.2f}", str(risk.most)
 
 
 def _link_rows(counts: SurveyCounts) -> Iterator[tuple[str, ...]]:

@@ -301,8 +301,36 @@ def downcasts(w: Writer):
     ]
 
 
+def copied_objects(w: Writer):
+    e, name = w.endpoint(), w.unused("B")
+    made = w.names(e, 4)
+    w.top += [
+        f"struct {name} {{ std::string name; int count; }};",
+        f'struct C{name} {{ C{name}() {{ name = "{made[3]}"; }} std::string name; }};',
+        f"class Holds{name} {{",
+        f"  {name} first_, second_;",
+        f"  C{name} third_;",
+        "public:",
+        f"  Holds{name}(const {name} & given, C{name} other)",
+        "  : first_(given), second_{given}, third_(other) {}",
+        f"  void go({w.handle}h) {{ {e.make('first_.name')}; {e.make('third_.name')};",
+        f"    {e.make(chr(34) + made[1] + chr(34) + ' + second_.name.substr(0, 0)')}; }}",
+        "};",
+    ]
+    w.body += [
+        f'{name} a{name}{{"{made[0]}", 1}};',
+        f"C{name} c{name};",
+        f'c{name}.name = "{made[2]}";',
+        f"Holds{name} h{name}(a{name}, c{name});",
+        f'a{name}.name = "dead{w.id}n";',
+        f"h{name}.go(h);",
+        f"C{name} d{name};",
+        f"{e.make(f'd{name}.name')};",
+    ]
+
+
 CLASSES = [
     *(virtual_methods, objects_by_pointer, crtp, constructors, lists_for_constructors, operators),
     *(free_operators, friends, static_objects, registered_factories, static_locals),
-    *(pointers_to_members, local_classes, moved_objects, downcasts),
+    *(pointers_to_members, local_classes, moved_objects, downcasts, copied_objects),
 ]

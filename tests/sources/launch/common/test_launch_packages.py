@@ -45,16 +45,21 @@ def test_a_broken_manifest_names_by_the_folder(tmp_path):
     assert own([tmp_path]) == {"broken": package}
 
 
-def test_ignored_and_hidden_folders_are_not_searched(tmp_path):
+MARKERS = ("AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE")
+
+
+@pytest.mark.parametrize("marker", MARKERS)
+def test_ignored_and_hidden_folders_are_not_searched(tmp_path, marker):
     for folder in ("ignored", "stop", ".hidden"):
         make(tmp_path / folder / "package")
-    (tmp_path / "ignored" / "CATKIN_IGNORE").touch()
+    (tmp_path / "ignored" / marker).touch()
     (tmp_path / "stop" / "rospack_nosubdirs").touch()
     assert own([tmp_path]) == {}
 
 
-def test_an_ignored_package_is_none(tmp_path):
-    (make(tmp_path / "package") / "CATKIN_IGNORE").touch()
+@pytest.mark.parametrize("marker", MARKERS)
+def test_an_ignored_package_is_none(tmp_path, marker):
+    (make(tmp_path / "package") / marker).touch()
     assert own([tmp_path]) == {}
 
 

@@ -31,8 +31,9 @@ def listed(tmp_path):
 def test_an_argument_is_listed_as_required_where_it_has_no_default(listed):
     lines = """a = DeclareLaunchArgument("a", default_value="1")
 b = launch.actions.DeclareLaunchArgument(name="b", description="which")
-c = DeclareLaunchArgument("c", default_value=None)"""
-    assert listed(lines) == (("b", "c"), ("a",))
+c = DeclareLaunchArgument("c", default_value=None)
+d = DeclareBooleanLaunchArgument("d", default_value=False)"""
+    assert listed(lines) == (("b", "c"), ("a", "d"))
 
 
 @pytest.mark.parametrize(

@@ -165,16 +165,18 @@ declares:
 
 
 def test_a_part_has_its_own_handles_and_is_implicit(evaluated):
-    text = "- {uses: inner, namespace: /other, private: ~sub, with: {topic: \"'a'\"}}\n"
+    text = "- {uses: inner, namespace: /other, private: ~sub, with: {topic: \"'a'\"}, line: 9}\n"
     found = evaluated(text, PART)
     assert told(found) == {
         ("publish", "/other/a", "p/T"),
         ("service", "/robot/driver/sub/set", "p/S"),
     }
     assert all(d.implicit for d in found.declarations)
-    assert {e.file for d in found.declarations for e in d.evidence} == {
-        "github.com/me/part@2.0 part.cpp"
-    }
+    user, part = "github.com/me/my@1.0 src/node.cpp", "github.com/me/part@2.0 part.cpp"
+    assert [[(e.file, e.line) for e in d.evidence] for d in found.declarations] == [
+        [(user, 9), (part, 3)],
+        [(user, 9), (part, 4)],
+    ]
 
 
 def test_a_remap_of_a_handles_namespace_moves_what_is_below(evaluated):
@@ -193,8 +195,8 @@ def test_a_plugin_without_a_model_and_models_without_end_are_unresolved(evaluate
     text = "- {uses: \"plugin:{param('~planner', 'a/B')}\"}\n- {uses: \"node:my/node\"}\n"
     found = evaluated(text)
     assert {(u.what, u.why) for u in found.unresolved} >= {
-        ("plugin:a/B", "no model of it"),
-        ("node:my/node", "models use each other too deep"),
+        ("plugin:a/B", "no model of it: what it gives /robot/driver is missing"),
+        ("node:my/node", "models use each other too deep: what it gives /robot/driver is missing"),
     }
 
 

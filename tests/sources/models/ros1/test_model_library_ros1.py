@@ -42,6 +42,7 @@ NODES = [
     "gazebo_ros/gzserver",
     "gazebo_ros/spawn_model",
     "gmapping/slam_gmapping",
+    "grid_map_visualization/grid_map_visualization",
     "gscam/gscam",
     "hector_mapping/hector_mapping",
     "hls_lfcd_lds_driver/hlds_laser_publisher",
@@ -64,6 +65,8 @@ NODES = [
     "map_server/map_server",
     "mavros/gcs_bridge",
     "mavros/mavros_node",
+    "mbf_costmap_nav/mbf_costmap_nav",
+    "mbf_simple_nav/mbf_simple_nav",
     "mouse_teleop/mouse_teleop",
     "mouse_teleop/mouse_teleop.py",
     "move_base/move_base",
@@ -78,6 +81,7 @@ NODES = [
     "octomap_server/color_octomap_server_node",
     "octomap_server/octomap_server_node",
     "pcl_ros/pcd_to_pointcloud",
+    "pid/controller",
     "raspicam_node/raspicam_node",
     "rf2o_laser_odometry/rf2o_laser_odometry_node",
     "robot_localization/ekf_localization_node",
@@ -117,6 +121,7 @@ NODES = [
     "rtabmap_sync/stereo_sync",
     "rtabmap_viz/rtabmap_viz",
     "rviz/rviz",
+    "sbg_driver/sbg_device",
     "sick_safetyscanners/sick_safetyscanners_node",
     "sick_scan_xd/sick_generic_caller",
     "sick_tim/sick_tim310",
@@ -293,6 +298,22 @@ def test_costmap_layers_of_before_hydro():
     assert layers == {"static_layer", "obstacle_layer", "inflation_layer"}
 
 
+def test_move_base_flex_with_its_plugins():
+    values = {
+        "/nav/planners": [{"name": "Global", "type": "global_planner/GlobalPlanner"}],
+        "/nav/controllers": [{"name": "Teb", "type": "teb_local_planner/TebLocalPlannerROS"}],
+        "/nav/Teb/odom_topic": "/odom/filtered",
+    }
+    found = node_interface(
+        MODELS.node("mbf_costmap_nav", "mbf_costmap_nav"), site(name="/nav", values=values)
+    )
+    assert {"/cmd_vel", "/nav/Global/plan", "/nav/Teb/local_plan"} <= names(found, "publish")
+    assert {"/nav/Teb/via_points", "/odom/filtered"} <= names(found, "subscribe")
+    assert "/nav/local_costmap/costmap" in names(found, "publish")
+    assert ("action_client", "/nav/exe_path", "mbf_msgs/ExePathAction") in told(found)
+    assert ("action_server", "/nav/get_path", "mbf_msgs/GetPathAction") in told(found)
+
+
 def test_with_plugins_a_layer_reads_only_its_own_parameters():
     plugins = [{"name": "obstacles", "type": "costmap_2d::ObstacleLayer"}]
     values = {
@@ -386,6 +407,7 @@ def test_topic_tools(executable, args, subscribed, published):
 def test_rosserial_and_rosbridge_say_what_they_cannot_know():
     for name in ("rosserial_python/serial_node.py", "rosbridge_server/rosbridge_websocket"):
         assert node_interface(MODELS.node(*name.split("/")), site()).unresolved
+        assert MODELS.node(*name.split("/")).unread
 
 
 def test_image_transport_of_a_subscriber():
@@ -511,6 +533,10 @@ def test_rviz_as_its_configuration_says(tmp_path):
         ("subscribe", "/camera/image"),
         ("publish", "/goal"),
         ("publish", "/initialpose"),
+        ("service", "/rviz/reload_shaders"),
+        ("service", "/rviz/load_config"),
+        ("service", "/rviz/load_config_discarding_changes"),
+        ("service", "/rviz/save_config"),
     }
 
 
@@ -612,3 +638,34 @@ def test_a_plugin_broadcasts_the_frames_of_its_element(filename, values, expecte
     plugin = PluginElement(filename=filename, values=values)
     found = plugin_at(MODELS.gazebo_plugin(filename), site(name="/gazebo"), plugin)
     assert frames(found) == expected
+
+
+def test_a_pid_controller_is_wired_by_its_parameters():
+    values = {"/x/topic_from_controller": "/force/x", "/x/setpoint_topic": "x/setpoint"}
+    found = node_interface(MODELS.node("pid", "controller"), site(name="/x", values=values))
+    assert {"/force/x", "/pid_debug"} <= names(found, "publish")
+    assert names(found, "subscribe") == {"/state", "/x/setpoint", "/pid_enable"}
+
+
+def test_an_inertial_sensor_publishes_the_logs_that_are_on():
+    logs = {"log_imu_data": 8, "log_ekf_quat": 8, "log_mag": 0}
+    values = {f"/sbg/output/{name}": value for name, value in logs.items()}
+    model = MODELS.node("sbg_driver", "sbg_device")
+    standard = {"/sbg/output/ros_standard": True, "/sbg/output/use_enu": True}
+    topics = {
+        name: names(node_interface(model, site(name="/sbg", values=given)), "publish")
+        for name, given in {"own": values, "standard": {**values, **standard}}.items()
+    }
+    assert topics["own"] == {"/sbg/imu_data", "/sbg/ekf_quat", "/tf", "/tf_static"}
+    assert topics["standard"] - topics["own"] == {"/imu/data", "/imu/temp"}
+
+
+def test_a_grid_map_is_shown_by_what_its_list_says():
+    shown = [{"name": "cloud", "type": "point_cloud"}, {"name": "edge", "type": "map_region"}]
+    values = {"/show/grid_map_visualizations": shown, "/show/grid_map_topic": "/map/grid"}
+    model = MODELS.node("grid_map_visualization", "grid_map_visualization")
+    assert told(node_interface(model, site(name="/show", values=values))) == {
+        ("publish", "/show/cloud", "sensor_msgs/PointCloud2"),
+        ("publish", "/show/edge", "visualization_msgs/Marker"),
+        ("subscribe", "/map/grid", "grid_map_msgs/GridMap"),
+    }

@@ -137,6 +137,13 @@ def test_plugins_of_a_second_package_are_uncertain():
     assert by_name["/mavros/setpoint_position/local"] == "model"
 
 
+def test_a_plugin_of_a_second_package_that_a_list_names_is_there():
+    found = drone({"plugin_whitelist": ["vision_pose_estimate", "vision_*"]})
+    by_name = {d.name: d.resolution.value for d in found.declarations}
+    assert by_name["/mavros/vision_pose/pose"] == "model"
+    assert by_name["/mavros/vision_speed/speed_twist_cov"] == "symbolic"
+
+
 @pytest.mark.parametrize(
     ("values", "present", "absent"),
     [

@@ -370,6 +370,32 @@ def test_a_costmap_is_a_node_of_its_own_with_its_own_parameters():
 
 
 @pytest.mark.parametrize(
+    ("distribution", "scan", "map"),
+    [
+        ("jazzy", "/r/local_costmap/scan", "/r/local_costmap/walls"),
+        ("kilted", "/r/scan", "/r/walls"),
+    ],
+)
+def test_relative_topics_of_layers_are_of_the_costmap_until_jazzy(distribution, scan, map):
+    layers = {
+        "plugins": ["obstacles", "walls", "static_layer"],
+        "obstacles.plugin": "nav2_costmap_2d::ObstacleLayer",
+        "obstacles.observation_sources": "scan",
+        "walls.plugin": "nav2_costmap_2d::StaticLayer",
+        "walls.map_topic": "walls",
+        "static_layer.plugin": "nav2_costmap_2d::StaticLayer",
+    }
+    found = modelled(
+        "nav2_controller/controller_server",
+        name="/r/controller_server",
+        settings={"/r/local_costmap/local_costmap": layers},
+        environ=[("ROS_DISTRO", distribution)],
+    )
+    heard = {d.name for d in found.declarations if d.kind.value == "subscribe"}
+    assert {scan, map, "/r/map"} <= heard
+
+
+@pytest.mark.parametrize(
     ("distribution", "settings", "type"),
     [
         ("humble", {}, "Twist"),
@@ -450,6 +476,50 @@ def test_an_unknown_parameter_leaves_a_symbolic_name():
     assert [d.resolution.value for d in heard] == ["symbolic"]
 
 
+TREE = """<root main_tree_to_execute="Main"><BehaviorTree ID="Main"><Sequence>
+  <ComputePathToPose goal="{goal}"/><Action ID="Dock" x="1"/><GoalUpdated/>
+  <FollowPath server_name="follow_it"/><ClearEntireCostmap service_name="local/clear"/>
+  <PlannerSelector topic_name="plan_with"/><IsBatteryLow/>
+</Sequence></BehaviorTree></root>"""
+POSE_CLIENT = "/robot/driver_navigate_to_pose_rclcpp_node"
+
+
+def of_tree(path):
+    given = {"/**": {"default_nav_to_pose_bt_xml": str(path), "navigators": ["navigate_to_pose"]}}
+    found = modelled("nav2_bt_navigator/bt_navigator", settings=given)
+    client = [d for d in found.declarations if d.node == POSE_CLIENT and not d.implicit]
+    joined = {(d.kind.value, d.name, d.type.rpartition("/")[2]) for d in client}
+    return joined - {("publish", "/robot/behavior_tree_log", "BehaviorTreeLog")}, found.unresolved
+
+
+def test_the_nodes_of_a_tree_of_nav2(tmp_path):
+    (tmp_path / "tree.xml").write_text(TREE)
+    joined, notes = of_tree(tmp_path / "tree.xml")
+    assert joined == {
+        ("action_client", "/robot/compute_path_to_pose", "ComputePathToPose"),
+        ("action_client", "/robot/follow_it", "FollowPath"),
+        ("service_client", "/robot/local/clear", "ClearEntireCostmap"),
+        ("subscribe", "/robot/plan_with", "String"),
+        ("subscribe", "/battery_status", "BatteryState"),
+    }
+    assert [note.what for note in notes] == ["tree node Dock of /robot/driver"]
+
+
+@pytest.mark.parametrize("path", ["", "/opt/navigate_to_pose_w_replanning_and_recovery.xml"])
+def test_the_tree_that_nav2_brings(path):
+    joined, notes = of_tree(path)
+    assert ("action_client", "/robot/backup", "BackUp") in joined
+    assert not notes
+
+
+@pytest.mark.parametrize(("name", "text"), [("gone.xml", None), ("odd.xml", "<root")])
+def test_a_tree_that_cannot_be_read_is_noted(tmp_path, name, text):
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    joined, (note,) = of_tree(tmp_path / name)
+    assert (joined, note.what) == (set(), f"tree node {name} of /robot/driver")
+
+
 RVIZ = """Visualization Manager:
   Displays:
   - Class: rviz_common/Group
@@ -469,6 +539,7 @@ RVIZ = """Visualization Manager:
   - {Class: rviz_default_plugins/DepthCloud, Depth Map Topic: /depth/image,
      Color Image Topic: /color/image}
   - {Class: rviz_default_plugins/InteractiveMarkers, Interactive Markers Namespace: /arm/}
+  - {Class: rviz_default_plugins/Marker, Topic: {Value: /way}}
   Tools:
   - {Class: rviz_default_plugins/SetGoal, Topic: {Value: /goal}}
   - {Class: rviz_default_plugins/MoveCamera}
@@ -490,6 +561,9 @@ def test_an_rviz_shows_and_sends_what_its_file_says(tmp_path):
         ("subscribe", "/depth/image", "sensor_msgs/msg/Image"),
         ("subscribe", "/depth/camera_info", "sensor_msgs/msg/CameraInfo"),
         ("subscribe", "/color/image", "sensor_msgs/msg/Image"),
+        ("subscribe", "/way", "visualization_msgs/msg/Marker"),
+        ("subscribe", "/way_array", "visualization_msgs/msg/MarkerArray"),
+        ("service", "/robot/driver/reset_time", "std_srvs/srv/Empty"),
         ("subscribe", "/arm/update", "visualization_msgs/msg/InteractiveMarkerUpdate"),
         ("publish", "/arm/feedback", "visualization_msgs/msg/InteractiveMarkerFeedback"),
         (
@@ -537,6 +611,7 @@ def test_what_clients_over_the_network_open_is_noted():
         ("publish", "/r/connected_clients", "rosbridge_msgs/msg/ConnectedClients"),
     }
     assert "topics_glob [/odom]" in bridge.unresolved[0].why
+    assert MODELS.node("rosbridge_server", "rosbridge_websocket").unread
     video = modelled("web_video_server/web_video_server")
     assert [note.what for note in video.unresolved] == ["the images of web_video_server"]
     asked = modelled("rosapi/rosapi_node", name="/r/rosapi_node", named=False)

@@ -141,6 +141,14 @@ def test_plugins_of_a_second_package_are_uncertain():
     assert by_name["/mavros/setpoint_position/local"] == "model"
 
 
+def test_a_plugin_of_a_second_package_that_a_list_names_is_there():
+    settings = {"/mavros": {"plugin_allowlist": ["vision_pose", "vision_*"]}}
+    found = modelled("mavros/mavros_node", name="/mavros_node", named=False, settings=settings)
+    by_name = {d.name: d.resolution.value for d in found.declarations}
+    assert by_name["/mavros/vision_pose/pose"] == "model"
+    assert by_name["/mavros/vision_speed/speed_twist"] == "symbolic"
+
+
 @pytest.mark.parametrize(
     ("settings", "present", "absent"),
     [

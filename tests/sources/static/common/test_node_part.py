@@ -1,14 +1,18 @@
 """Why nothing is read of a node: its package, or its program, is not here, or not understood."""
 
+from dataclasses import replace
+
 import pytest
 
-from rtron.sources.declaration import NodeSite
+from rtron.sources.code.interpreter.execution.abstract_machine import TOO_LARGE
+from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.models import ROS2_LIBRARY, load_models
 from rtron.sources.static.common.app_node import AppNode
-from rtron.sources.static.common.node_part import node_parts
+from rtron.sources.static.common.node_part import NodePart, node_parts
+from rtron.sources.static.common.task import InterpretationTask, TaskKind
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Evidence
+from rtron.vocabulary import Evidence, Resolution, UnresolvedItem
 
 EXPORT = "<export><nodelet plugin='${prefix}/n.xml'/></export>"
 CMAKE = """add_executable(driver a.cpp)
@@ -56,7 +60,10 @@ WHYS = {
     ("own", "x"): ("choose from away, driver, generated, lost, tool", "own/x"),
     ("own", "lost"): ("none of the sources of this program: generated or missing", ""),
     ("own", "generated"): ("none of the sources of this program: generated or missing", ""),
-    ("own", "odd"): ("name its program in a way that is not understood", ""),
+    ("own", "odd"): (
+        "name its program in a way that is not understood, or behind a return() under no condition",
+        "",
+    ),
     ("own", "away"): ("the module own.away of this program is not", ""),
     ("own", "tool"): ("what this program is written in is not read", ""),
     ("other", "x"): ("no source of it is here, and no model", ""),
@@ -98,3 +105,31 @@ def test_a_component_of_a_library_that_its_package_does_not_make(packages):
 def test_a_nodelet_that_is_not_there(packages, name, why):
     item = note(packages, "nodelet", "nodelet", ros=1, args=("load", name, "manager"))
     assert item.why.endswith(why)
+
+
+SENT = Declaration(kind=DeclarationKind.PUBLISH, name="/a")
+OPEN = replace(SENT, name="/{a}", resolution=Resolution.SYMBOLIC)
+
+
+@pytest.mark.parametrize(
+    ("declared", "notes", "is_cut"),
+    [
+        ((), (), False),
+        ((SENT,), (), False),
+        ((SENT, OPEN), ("what it is called on is not known",), False),
+        ((SENT,), (TOO_LARGE,), True),
+        ((OPEN,), (), True),
+        ((OPEN, replace(SENT, kind=DeclarationKind.SERVICE)), (), True),
+        ((replace(SENT, kind=DeclarationKind.SERVICE),), ("jumps are not followed",), False),
+        ((replace(SENT, implicit=True),), ("not done within 60 s",), True),
+    ],
+)
+def test_a_source_that_tells_not_all_is_cut(declared, notes, is_cut):
+    site = NodeSite(name="/n", ros=2)
+    task = InterpretationTask(kind=TaskKind.CPP, sources=(), site=site)
+    node = AppNode(site=site, package="p", type="x", evidence=Evidence(file="a", line=1))
+    unresolved = tuple(UnresolvedItem(what="x", why=why) for why in notes)
+    interface = NodeInterface(declarations=declared, unresolved=unresolved)
+    part = NodePart(node=node, owner="/n", task=task, interface=interface)
+    assert part.is_cut is is_cut
+    assert not replace(part, task=None).is_cut

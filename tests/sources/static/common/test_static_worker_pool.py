@@ -1,5 +1,10 @@
 import os
 import signal
+import subprocess
+import sys
+import threading
+
+import pytest
 
 from rtron.sources.declaration import NodeSite
 from rtron.sources.static.common.task import InterpretationTask, TaskKind
@@ -62,3 +67,31 @@ def test_the_files_that_count_are_told(folder):
     ((_, result),) = pool.run_tasks([task])
     pool.close()
     assert {path.rpartition("/")[2] for path, _ in result.files} >= {"driver.cpp", "names.h"}
+
+
+STARTED = """
+import sys
+from pathlib import Path
+from rtron.sources.static.common.worker_pool import WorkerPool
+from rtron.sources.workspace import read_workspace
+pool = WorkerPool(read_workspace([Path(sys.argv[1])], {}), 1, 60)
+print(pool._start_executor(1)._mp_context.get_start_method())
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere no process forks")
+def test_a_process_without_threads_forks(folder):
+    command = [sys.executable, "-c", STARTED, str(folder)]
+    assert subprocess.run(command, capture_output=True, check=True).stdout == b"fork\n"
+
+
+def test_a_process_with_threads_does_not_fork(folder):
+    pool, done = WorkerPool(read_workspace([folder], {}), 1, 60), threading.Event()
+    other = threading.Thread(target=done.wait)
+    other.start()
+    try:
+        assert pool._start_executor(1)._mp_context.get_start_method() == "spawn"
+    finally:
+        done.set()
+        other.join()
+        pool.close()

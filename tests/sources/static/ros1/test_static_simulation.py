@@ -114,3 +114,29 @@ def test_parameters_of_a_controller_file_need_not_be_loaded(scanned):
         '<node pkg="controller_manager" type="spawner" name="load" args="{folder}/arm.yaml"/>',
     )
     assert "/arm/command" in subscribed(graph)
+
+
+def test_a_launch_file_that_rosbridge_brings(scanned):
+    bridge = "$(find rosbridge_server)/launch/rosbridge_websocket.launch"
+    graph = scanned(f'<include file="{bridge}"><arg name="port" value="9091"/></include>')
+    assert {"/rosbridge_websocket", "/rosapi"} <= {node.name for node in graph.nodes}
+    assert "/rosapi/get_param" in {service.name for service in graph.services}
+
+
+CAMERA = "$(find realsense2_camera)/launch/rs_camera.launch"
+
+
+def test_a_launch_file_that_realsense_brings(scanned):
+    graph = scanned(
+        f'<include file="{CAMERA}"><arg name="enable_gyro" value="true"/>'
+        '<arg name="camera" value="eye"/></include>'
+    )
+    topics = {end.topic for end in graph.endpoints if end.node == "/eye/realsense2_camera_manager"}
+    assert {"/eye/color/image_raw", "/eye/gyro/sample", "/eye/gyro/imu_info"} <= topics
+    assert "/eye/accel/sample" not in topics
+
+
+def test_another_launch_file_of_a_package_that_is_known_in_part(scanned):
+    (note,) = scanned(f'<include file="{CAMERA.replace("rs_camera", "rs_other")}"/>').unresolved
+    assert note.why == "package 'realsense2_camera' is not found"
+    assert not note.missing

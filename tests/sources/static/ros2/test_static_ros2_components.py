@@ -121,6 +121,11 @@ def test_a_node_made_with_a_copy_of_the_options_takes_no_arguments_of_the_contai
     assert ("/copy", "/out") in published(loaded())
 
 
+def test_a_component_and_its_nodes_run_in_the_process_of_the_container(loaded):
+    processes = {node.name: node.process for node in loaded().nodes}
+    assert processes == {"/far/box": "", "/here/one": "/far/box", "/copy": "/far/box"}
+
+
 def test_a_component_that_is_not_named_names_and_places_itself(loaded):
     assert ("/written/cell", "/written/out") in published(loaded(named=""))
 

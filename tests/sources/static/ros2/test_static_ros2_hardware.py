@@ -34,7 +34,7 @@ class Arm : public hardware_interface::SystemInterface { public:
 URDF = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
   <link name="base"><visual><geometry><box size="1 1 1"/></geometry></visual>{more}</link>
   <ros2_control name="My Arm" type="system"><hardware><plugin>{plugin}</plugin>
-    <param name="topic">told</param><param name="more">/more</param></hardware></ros2_control>
+    <param name="topic">{told}</param><param name="more">/more</param></hardware></ros2_control>
 </robot>"""
 PUBLISHED = """<node pkg="robot_state_publisher" exec="robot_state_publisher">
   <param name="robot_description" value="$(command 'xacro $(find-pkg-share own)/arm.urdf')"/>
@@ -53,11 +53,11 @@ def launched(tmp_path):
     for name, text in files.items():
         (tmp_path / name).write_text(text)
 
-    def scan(nodes, plugin="own/Arm", more="", **environ):
-        (tmp_path / "arm.urdf").write_text(URDF.format(plugin=plugin, more=more))
+    def scan(nodes, plugin="own/Arm", more="", told="told", cache=None):
+        (tmp_path / "arm.urdf").write_text(URDF.format(plugin=plugin, more=more, told=told))
         launch = tmp_path / "app.launch.xml"
         launch.write_text(f"<launch>{nodes}</launch>")
-        return scan_ros2_app([tmp_path], [(launch, {})], environ, ScanOptions(workers=1))
+        return scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1, cache=cache))
 
     return scan
 
@@ -111,3 +111,13 @@ def test_a_description_that_is_not_known_is_noted(launched):
     nodes = OWN.replace("arm.urdf", "none.urdf")
     whats = [note.what for note in launched(nodes).unresolved]
     assert "hardware of /controller_manager" in whats
+
+
+def test_a_kept_result_is_of_its_own_description(launched, tmp_path_factory):
+    cache = tmp_path_factory.mktemp("kept")
+    cache.chmod(0o700)
+    topics = [
+        {topic for _, topic in sent(launched(PUBLISHED.format(remap=""), told=told, cache=cache))}
+        for told in ("first", "second")
+    ]
+    assert topics == [{f"/{told}", "/more", "/my_arm/read"} for told in ("first", "second")]

@@ -35,6 +35,21 @@ def ends(graph, node):
     return {*shown, *(f"{a.role.value} {a.name} {a.type}" for a in graph.actions if a.node == node)}
 
 
+BRIDGE = """<launch>
+  <include file="$(find-pkg-share rosbridge_server)/launch/rosbridge_websocket_launch.xml">
+    <arg name="port" value="9091"/>
+  </include>
+</launch>"""
+
+
+def test_a_launch_file_that_rosbridge_brings(launched):
+    graph = launched({"app.launch.xml": BRIDGE})
+    assert {"/rosbridge_websocket", "/rosapi"} <= {node.name for node in graph.nodes}
+    (port,) = [each.value for each in graph.parameters if each.name == "port"]
+    assert port == 9091
+    assert not [note for note in graph.unresolved if note.what.startswith("include")]
+
+
 MUX = """<launch>
   <push-ros-namespace namespace="r1"/>
   <node pkg="twist_mux" exec="twist_mux">
@@ -206,17 +221,49 @@ rclpy.spin(node)
 CMAKE = "install(PROGRAMS twist_mux DESTINATION lib/${PROJECT_NAME})"
 
 
-def test_source_counts_before_a_model(launched, tmp_path):
+@pytest.fixture
+def rebuilt(launched, tmp_path):
+    """Return the graph of a launch of twist_mux with a source of its own."""
     package = tmp_path / "robot" / "twist_mux"
     package.mkdir()
     (tmp_path / "robot" / "package.xml").unlink()
     (package / "package.xml").write_text("<package><name>twist_mux</name></package>")
     (package / "CMakeLists.txt").write_text(f"project(twist_mux)\n{CMAKE}\n")
-    (package / "twist_mux").write_text("#!/usr/bin/env python3\n" + SOURCE)
-    graph = launched(
-        {"app.launch.xml": '<launch><node pkg="twist_mux" exec="twist_mux"/></launch>'}
-    )
-    assert ends(graph, "/mux") == {"> /changed std_msgs/msg/String"}
+
+    def scan(source):
+        (package / "twist_mux").write_text("#!/usr/bin/env python3\n" + source)
+        launch = '<launch><node pkg="twist_mux" exec="twist_mux"/></launch>'
+        return launched({"app.launch.xml": launch})
+
+    return scan
+
+
+def test_source_counts_before_a_model(rebuilt):
+    assert ends(rebuilt(SOURCE), "/mux") == {"> /changed std_msgs/msg/String"}
+
+
+UNDECIDED = """if asked():
+    node.create_publisher(String, "maybe", 1)
+    node.create_publisher(String, "cmd_vel_out", 1)
+rclpy.spin(node)
+"""
+
+
+def test_a_model_decides_what_the_source_leaves_open(rebuilt):
+    """What the model does not name is not made then, and noted with its place."""
+    graph = rebuilt(SOURCE.replace("rclpy.spin(node)\n", UNDECIDED))
+    topics = {e.topic for e in graph.endpoints if not e.implicit and e.node == "/mux"}
+    assert topics == {"/changed", "/cmd_vel_out"}
+    (note,) = [each for each in graph.unresolved if "leaves open" in each.why]
+    assert note.what == "publish /maybe"
+    assert note.evidence[0].file.endswith("/twist_mux")
+
+
+def test_a_model_counts_too_where_the_source_gives_no_name(rebuilt):
+    graph = rebuilt(SOURCE.replace('"changed"', "asked()"))
+    assert {e.topic for e in graph.endpoints if not e.implicit} == {"/cmd_vel_out"}
+    (note,) = [each for each in graph.unresolved if "followed in part only" in each.why]
+    assert note.what == "node /twist_mux (twist_mux/twist_mux)"
 
 
 ASKING = """import rclpy

@@ -33,15 +33,16 @@ def test_an_executable_of_a_component_is_its_library(tmp_path):
 
 def test_auto_targets_take_the_files_of_a_folder_and_link_the_libraries(tmp_path):
     cmake = """ament_auto_add_library(lib SHARED DIRECTORY src)
+    ament_auto_add_library(other b.cpp)
     ament_auto_add_executable(exe a.cpp)"""
-    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "inner").mkdir(parents=True)
     (tmp_path / "src" / "one.cpp").write_text("")
-    (tmp_path / "src" / "two.cc").write_text("")
+    (tmp_path / "src" / "inner" / "two.cc").write_text("")
     contents = evaluate_cmake(tmp_path, cmake)
     found = sources(contents)
-    assert sorted(found["lib"]) == ["src/one.cpp", "src/two.cc"]
+    assert sorted(found["lib"]) == ["src/inner/two.cc", "src/one.cpp"]
     assert found["exe"] == ["a.cpp"]
-    assert [target.links for target in contents.targets] == [(), ("lib",)]
+    assert [target.links for target in contents.targets] == [(), ("lib",), ("lib", "other")]
 
 
 def test_dependencies_of_ament_are_links(tmp_path):

@@ -38,6 +38,8 @@ SOURCES_OF_X = [
      "add_executable(x ${S})"), "a b"),
     (("set(V 1.9)\nif(V VERSION_LESS 1.10)\nset(S a.cpp)\nelse()\nset(S b.cpp)\nendif()\n"
      "add_executable(x ${S})"), "a"),
+    ("macro(m n s)\nadd_library(${n} ${ARGV2} ${s})\nendmacro()\nm(x a.cpp)\nm(y a.cpp SHARED)",
+     "a"),
     ("macro(m n)\nset(S ${n} ${ARGN})\nendmacro()\nm(a.cpp b.cpp)\nadd_executable(x ${S})", "a b"),
     ("function(f n)\nset(S ${n})\nendfunction()\nset(S b.cpp)\nf(a.cpp)\nadd_executable(x ${S})",
      "b"),

@@ -1,4 +1,5 @@
 // The layout as SVG, with the paper's colours for risks, and what a choice highlights.
+import { isolated } from "./isolate.js";
 import { edgePath, PAD, PILL, ROW, shorten } from "./layout.js";
 import { sameChoice } from "./model.js";
 
@@ -9,8 +10,8 @@ export function shape(name, attributes = {}, ...children) {
   element.append(...children);
   return element;
 }
-const tooltip = (text) => shape("title", {}, text);
-const textAt = (text, attributes) => shape("text", { "dominant-baseline": "central", ...attributes }, text);
+const tooltip = (text) => shape("title", {}, isolated(text));
+const textAt = (text, attributes) => shape("text", { "dominant-baseline": "central", ...attributes }, isolated(text));
 const frame = (b, radius) => shape("rect", { class: "frame", x: -b.w / 2, y: -b.h / 2, width: b.w, height: b.h, rx: radius });
 
 // Arrow heads and the stripes of MSR events, for the <defs> of the picture.
@@ -31,7 +32,7 @@ export function draw(layout, world, { label, pressableEdges = false, tabindex = 
 
 function pressable(element, choice, label) {
   element.setAttribute("role", "button");
-  element.setAttribute("aria-label", label);
+  element.setAttribute("aria-label", isolated(label));
   element.choice = choice;
   return element;
 }

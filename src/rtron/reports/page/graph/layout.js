@@ -1,7 +1,9 @@
 // From endpoints to boxes and edges with positions, by dagre. Topics with the same neighbours share a box.
 import { isGRCN, isMonitor, push } from "./model.js";
 
-export const ROW = 21, PAD = 6, PILL = 46;
+export const ROW = 21;
+export const PAD = 6;
+export const PILL = 46;
 const FONT = '12px system-ui, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif', MAX_LENGTH = 40, MAX_ROWS = 8, FOLDED_ROWS = 5, ASPECT = 1.5, MANY_BOXES = 300, LANE_HEIGHT = 76;
 const context = document.createElement("canvas").getContext("2d");
 const textWidth = (text, weight = 400) => { context.font = `${weight} ${FONT}`; return context.measureText(text).width; };

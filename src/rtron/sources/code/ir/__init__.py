@@ -62,6 +62,8 @@ from rtron.sources.code.ir.statements import (
 from rtron.sources.code.ir.types import (
     TypeRef,
     adapter_alias,
+    alias_parameter,
+    substituted,
 )
 
 __all__ = [
@@ -71,5 +73,5 @@ __all__ = [
     "Evaluate", "Expansion", "Expr", "ForEach", "Function", "Global", "If", "Import", "Index",
     "Jump", "Lambda", "Logic", "MappingExpr", "Name", "New", "Opaque", "Param", "Raise", "Return",
     "SequenceExpr", "SourceLanguage", "SourceProblem", "Star", "Stmt", "Try", "TypeRef", "Unary",
-    "Unit", "While", "With", "Yield", "adapter_alias",
+    "Unit", "While", "With", "Yield", "adapter_alias", "alias_parameter", "substituted",
 ]  # fmt: skip

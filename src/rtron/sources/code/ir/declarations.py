@@ -105,7 +105,7 @@ class Unit:
     PLUGINLIB_EXPORT_CLASS and the like (class, base); `enums` the enumerators with their values,
     qualified both with and without the enum's name; `endpoint_macros` the macros with parameters
     that hold a call which makes an endpoint, `unexpanded` what reads like a macro of another file,
-    with their lines.
+    with their lines; `labels` the names of each `switch`, no two of which have the same value.
     """
 
     file: str
@@ -120,4 +120,5 @@ class Unit:
     enums: tuple[tuple[str, int | None], ...] = ()
     endpoint_macros: tuple[str, ...] = ()
     unexpanded: tuple[tuple[str, int], ...] = ()
+    labels: tuple[frozenset[str], ...] = ()
     problems: tuple[SourceProblem, ...] = field(default=())

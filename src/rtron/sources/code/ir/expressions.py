@@ -53,13 +53,14 @@ class Call:
     """A call; `keywords` holds Python's named arguments, a name of "**" spreads a mapping.
 
     A spread positional argument is a Star. `Foo(x)` in C++ is a Call of a Name as well: whether
-    Foo is a class is known to the interpreter only.
+    Foo is a class is known to the interpreter only. `addresses` are the positions of `&x`.
     """
 
     function: "Expr"
     args: tuple["Expr", ...] = ()
     keywords: tuple[tuple[str, "Expr"], ...] = ()
     line: int = 0
+    addresses: tuple[int, ...] = ()
 
 
 @record(frozen=True, slots=True)

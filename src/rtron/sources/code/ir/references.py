@@ -31,6 +31,7 @@ _ADDING_METHODS = frozenset(
 
 
 _BINDING_CALLS = frozenset({"bind", "thread", "async", "invoke", "call_once", "function"})
+_NAMING_NODES = (Call, Declare, New, TypeRef)
 _EFFECTFUL_NODES = (Assign, AssignExpr, Break, Call, Continue, Delete, New, Return, Yield)
 _HARMLESS_CALLS = frozenset(
     {"c_str", "str", "what", "to_string", "get_logger", "get_name", "string"}
@@ -63,7 +64,17 @@ def cache_by_identity(find: Callable[[_T], _Names]) -> Callable[[_T], _Names]:
 def called_names(function: Function) -> frozenset[str]:
     """Return the last parts of the names of all that a function calls, makes or hands on."""
     bodies = (function.body or (), tuple(args for _, args in function.initialisers))
-    return frozenset(word for body in bodies for word in _called_or_made_names(body))
+    nodes = [node for node in ir_nodes(bodies) if isinstance(node, _NAMING_NODES)]
+    words = frozenset(word for node in nodes for word in _called_or_made_names(node))
+    return words | _handed_on_names(function, nodes)
+
+
+def _handed_on_names(function: Function, nodes: list[Any]) -> frozenset[str]:
+    """Return what a function of C++ gives variables at first: functions, not its own variables."""
+    declared = [node for node in nodes if isinstance(node, Declare)]
+    own = {param.name for param in function.params} | {node.name for node in declared}
+    given = {node.value.id for node in declared if isinstance(node.value, Name)}
+    return frozenset(name.rpartition("::")[2] for name in given - own)
 
 
 @cache_by_identity
@@ -134,18 +145,13 @@ def _node_fields(kind: type) -> tuple[str, ...]:
 
 
 def _called_or_made_names(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
-    for current in ir_nodes(node):
-        if isinstance(current, Call):
-            yield from _callee_names(current.function)
-            yield from _passed_functions(current)
-        elif isinstance(current, Declare) and isinstance(current.value, Name):
-            yield current.value.id.rpartition("::")[2]
-        elif isinstance(current, New):
-            yield current.type.name.rpartition("::")[2]
-            yield current.type.name
-        elif isinstance(current, TypeRef):
-            yield current.name.rpartition("::")[2]
-            yield current.name
+    if isinstance(node, Call):
+        yield from _callee_names(node.function)
+        yield from _passed_functions(node)
+    elif isinstance(node, (New, TypeRef)):
+        name = node.type.name if isinstance(node, New) else node.name
+        yield name.rpartition("::")[2]
+        yield name
 
 
 def _passed_functions(call: Call) -> Iterator[str]:

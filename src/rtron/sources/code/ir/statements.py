@@ -79,7 +79,8 @@ class While:
 class ForEach:
     """`for target in iterable`, `for (auto& target : iterable)`; a target of C++ is a Name.
 
-    `orelse` runs unless the loop is left by `break` (Python).
+    `orelse` runs unless the loop is left by `break` (Python). `reference` says that the body may
+    write to the items themselves.
     """
 
     target: Expr
@@ -87,6 +88,7 @@ class ForEach:
     body: tuple["Stmt", ...]
     line: int = 0
     orelse: tuple["Stmt", ...] = ()
+    reference: bool = False
 
 
 @record(frozen=True, slots=True)

@@ -1,5 +1,7 @@
 """The types of the intermediate representation, as a file writes them."""
 
+from collections.abc import Mapping
+
 from rtron.sources.code.record import record
 
 
@@ -20,3 +22,15 @@ class TypeRef:
 def adapter_alias(custom: str) -> str:
     """Return the alias that stands for the message which a type of the program is sent as."""
     return f"rclcpp::ImplicitTypeAdapter<{custom.removeprefix('::')}>"
+
+
+def alias_parameter(position: int) -> str:
+    """Return the name that stands in an alias template for its parameter at a position."""
+    return f"<{position}>"
+
+
+def substituted(type: TypeRef, bindings: Mapping[str, TypeRef]) -> TypeRef:
+    """Return a type with each name in it replaced that is bound, in its arguments as well."""
+    args = tuple(substituted(arg, bindings) for arg in type.args)
+    bound = bindings.get(type.name)
+    return TypeRef(type.name, args) if bound is None else TypeRef(bound.name, bound.args or args)

@@ -15,7 +15,8 @@ PackageIndex: TypeAlias = Mapping[str, Path]
 MAX_FOLDERS = 200_000
 
 _DEBIAN_SHARE = Path("/usr/share")
-_IGNORE_MARKER = "CATKIN_IGNORE"
+_IGNORE_MARKERS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
+"""What lies in folders that neither catkin nor colcon builds (catkin_pkg, colcon-core)."""
 _STOP_MARKER = "rospack_nosubdirs"
 
 
@@ -63,9 +64,10 @@ def _packages_below(top: Path) -> Iterator[Path]:
             raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top), help=help)
         real = os.path.realpath(folder)
         is_package = "package.xml" in files or "manifest.xml" in files
-        if is_package and _IGNORE_MARKER not in files and real not in visited:
+        is_left_out = real in visited or not _IGNORE_MARKERS.isdisjoint(files)
+        if is_package and not is_left_out:
             yield Path(folder)
-        if is_package or real in visited or not {_IGNORE_MARKER, _STOP_MARKER}.isdisjoint(files):
+        if is_package or is_left_out or _STOP_MARKER in files:
             subfolders.clear()
         visited.add(real)
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))

@@ -12,6 +12,7 @@ from rtron.sources.launch.common.errors import (
 )
 from rtron.sources.launch.ros1.loader_context import LoaderContext
 from rtron.sources.launch.ros1.tag import Tag
+from rtron.sources.models.packages import known_package_of
 from rtron.vocabulary import Evidence, UnresolvedItem
 
 _NAMING_ATTRIBUTES = ("file", "name", "test-name", "from", "ns")
@@ -54,8 +55,12 @@ class UnresolvedNotes:
         try:
             yield
         except InputError as error:
+            missing = missing_file(error)
+            if missing and known_package_of(missing):
+                self.add(tag, f"package '{known_package_of(missing)}' is not found")
+                return
             self.add_error(tag, error)
-            self.unresolved[-1] = replace(self.unresolved[-1], missing=missing_file(error))
+            self.unresolved[-1] = replace(self.unresolved[-1], missing=missing)
         except MissingArgumentError as error:
             self.add(tag, f"the included file needs argument '{error.name}'")
 

@@ -12,25 +12,26 @@ from rtron.sources.launch.ros2.substitutions.template import (
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.sources.models.packages import known_packages
 
-_IN_PACKAGE = re.compile(r"\{find-pkg-share (\w+)\}/+launch/+(\w+\.launch)(?:\.(?:py|xml|yaml))?")
+_IN_PACKAGE = re.compile(r"\{find-pkg-share (\w+)\}/+launch/+(\w+[._]launch)(?:\.(?:py|xml|yaml))?")
 
 
 def bundled_launch_file(path_text: str) -> str:
     """Return the file that stands for one of a package that is not here; another as it is."""
     match = _IN_PACKAGE.fullmatch(display_text(path_text)) if has_placeholder(path_text) else None
-    path = _bundled_path(match[1], f"{match[2]}.xml") if match else None
-    return str(path) if path and path.is_file() else path_text
+    folder = _bundled_folder(match[1]) if match else None
+    found = (folder / f"{match[2]}.{form}" for form in ("xml", "py")) if match and folder else ()
+    return next((str(path) for path in found if path.is_file()), path_text)
 
 
 def has_bundled_launch_files(package: str) -> bool:
     """Tell whether something stands for a package's launch files."""
-    folder = _bundled_path(package, "")
-    return folder is not None and any(folder.glob("*.launch.xml"))
+    folder = _bundled_folder(package)
+    return folder is not None and any(folder.glob("*launch.[xp]*"))
 
 
-def _bundled_path(package: str, name: str) -> Path | None:
+def _bundled_folder(package: str) -> Path | None:
     folder = known_packages().get(package)
-    return folder / "launch" / name if folder else None
+    return folder / "launch" if folder else None
 
 
 _CONTAINER = {

@@ -21,6 +21,7 @@ CONTEXT_TAGS = NAMESPACE_TAGS | {
     "unset_env",
     "append_env",
     "reset_env",
+    "rep_env",
 }
 """What changes the scope for all that comes after it."""
 
@@ -80,6 +81,8 @@ class ContextActions:
             context.configurations.pop(self.evaluator.text(site, "name") or "", None)
         elif site.tag == "reset_env":
             context.reset_environment(self.evaluator.environ)
+        elif site.tag == "rep_env":
+            self._replace_environment(site)
         else:
             self._environment_variable(site)
 
@@ -98,6 +101,12 @@ class ContextActions:
         variable = LaunchVariable(NAMESPACE)
         value = None if namespace == UNKNOWN_NAME else namespace
         site.context.set_value(variable, value, site.context.dependencies_of(variable))
+
+    def _replace_environment(self, site: ElementSite) -> None:
+        variables = list(self.evaluator.configurations(site.children("env")))
+        site.context.reset_environment({})
+        for (name, _), value, dependencies in variables:
+            site.context.set_value(LaunchVariable(name, is_environment=True), value, dependencies)
 
     def _environment_variable(self, site: ElementSite) -> None:
         context = site.context

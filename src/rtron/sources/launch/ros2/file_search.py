@@ -18,7 +18,7 @@ from rtron.sources.launch.ros2.limits import MAX_NAMES
 from rtron.sources.launch.ros2.xml_yaml.parser import parse_elements
 from rtron.sources.static.common.worker import deep_recursion
 
-_DECLARE_ACTION = "DeclareLaunchArgument"
+_DECLARE_ACTIONS = ("DeclareLaunchArgument", "DeclareBooleanLaunchArgument")
 _ArgumentDefault: TypeAlias = tuple[str, bool]
 """An argument, and whether it has a default."""
 _LoopNames: TypeAlias = Mapping[str, tuple[str, ...]]
@@ -72,7 +72,7 @@ def _python_arguments(path: Path) -> Iterator[_ArgumentDefault]:
     pending: list[tuple[ast.AST, _LoopNames]] = [(tree, {})]
     while pending:
         node, words = pending.pop()
-        if isinstance(node, ast.Call) and _name(node.func) == _DECLARE_ACTION:
+        if isinstance(node, ast.Call) and _name(node.func) in _DECLARE_ACTIONS:
             yield from _call_arguments(node, words)
         looped = dict(_loop_variables(node))
         inner = {**words, **looped} if looped else words

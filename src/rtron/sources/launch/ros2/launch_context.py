@@ -111,9 +111,10 @@ class LaunchContext:
         )
 
     def reset_environment(self, environ: Mapping[str, str]) -> None:
-        """Set the environment as it was at the start, as `reset_env` does."""
+        """Set the environment as it was at the start, as `reset_env` does, or to another one."""
         self._reset_count += 1
         self.environ = dict(environ)
+        self.unknown = {source for source in self.unknown if not source.is_environment}
 
     def change_mark(self) -> ChangeMark:
         """Return what has changed so far, for `add_dependencies`."""

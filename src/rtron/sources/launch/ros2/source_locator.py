@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.folders import path_exists
 from rtron.sources.workspace import Workspace
 
 
@@ -15,9 +14,5 @@ class SourceLocator:
 
     def __call__(self, path: str) -> str:
         """Return a file's source: itself, or the one file of its package with its name."""
-        requested = Path(path)
-        if path_exists(requested):
-            return path
-        package = self.workspace.package_of(requested)
-        matches = self.workspace.files(package).files_named(requested.name) if package else ()
-        return str(matches[0]) if len(matches) == 1 else path
+        found = self.workspace.installed_source(Path(path))
+        return path if found == Path(path) else str(found)

@@ -170,7 +170,10 @@ class StartCollector(LaunchCollector):
         return name, special_remap(words, "__ns") or (namespace and display_text(namespace))
 
     def _arguments(self, site: ElementSite) -> tuple[str, ...]:
-        words = self._attribute_words(site, "args")
+        """Return the words of a node's command line; of an installed file, its source."""
+        locate = self.evaluator.files.locate_source
+        given = self._attribute_words(site, "args")
+        words = tuple(locate(word) if word.startswith("/") else word for word in given)
         ros = self._attribute_words(site, "ros_args")
         return (*words, "--ros-args", *ros) if ros else words
 

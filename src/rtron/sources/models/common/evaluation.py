@@ -9,6 +9,7 @@ from rtron.sources.declaration import (
     Declaration,
     DeclarationKind,
     FrameBroadcast,
+    LoadedPlugin,
     NodeInterface,
     NodeSite,
 )
@@ -33,6 +34,7 @@ MAX_ITEMS = 1000
 MAX_DECLARATIONS = 10_000
 
 _EVALUATION_ERRORS = (UnresolvableError, ValueError)
+_PLUGIN_KINDS = ("costmap_layer", "plugin")
 _INHERITED_VARIABLES = ("node", "args", *PluginElement(filename="").variables())
 
 
@@ -84,6 +86,7 @@ def _evaluate_in(model: Model, scope: ModelScope, models: ModelCatalog) -> NodeI
         declarations=declarations,
         unresolved=tuple(dict.fromkeys(walk.unresolved)),
         frames=tuple(walk.frames),
+        plugins=tuple(walk.plugins),
     )
 
 
@@ -100,9 +103,13 @@ def _merge(declarations: Iterable[Declaration]) -> tuple[Declaration, ...]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _UseContext:
-    """How a model came to be used: how deep, implicitly, under an unknown condition."""
+    """How a model came to be used: how deep, implicitly, under an unknown condition.
+
+    `users` are the places in other models that lead to it, outermost first.
+    """
 
     model: Model | None = None
+    users: tuple[Evidence, ...] = ()
     depth: int = 0
     implicit: bool = False
     uncertain: bool = False
@@ -114,6 +121,7 @@ class _ModelWalk:
     unresolved: list[UnresolvedItem] = field(default_factory=list)
     nodes: dict[str, None] = field(default_factory=dict)
     frames: dict[FrameBroadcast, None] = field(default_factory=dict)
+    plugins: dict[LoadedPlugin, None] = field(default_factory=dict)
 
     def walk_model(
         self, model: Model, scope: ModelScope, use: _UseContext
@@ -223,13 +231,27 @@ class _ModelWalk:
         model = self.models.find(name)
         if model is None or use.depth == MAX_DEPTH:
             why = "no model of it" if model is None else "models use each other too deep"
+            why = f"{why}: what it gives {scope.site.name} is missing"
             self._note_unresolved(name, why, _evidence_of(entry, use))
+            if model is None and not use.uncertain:
+                self._add_plugin(name, _used_scope(entry, scope, expressions))
             return
         inner = _used_scope(entry, scope, expressions)
         implicit = use.implicit or entry.implicit
+        users = _evidence_of(entry, use)
         yield from self.walk_model(
-            model, inner, replace(use, depth=use.depth + 1, implicit=implicit)
+            model, inner, replace(use, depth=use.depth + 1, implicit=implicit, users=users)
         )
+
+    def _add_plugin(self, name: str, scope: ModelScope) -> None:
+        """Remember a plugin without a model, as the node calls it: its source may be here."""
+        kind, _, class_name = name.partition(":")
+        called = scope.variables.get("name") or scope.variables.get("layer")
+        if not scope.is_ros2:
+            called = scope.private.removeprefix(f"{scope.site.name}/")
+        if kind in _PLUGIN_KINDS and isinstance(called, str) and not has_placeholder(name + called):
+            loaded = LoadedPlugin(class_name=class_name, name=called, node=scope.private)
+            self.plugins[loaded] = None
 
     def _note_unresolved(self, what: str, why: str, evidence: tuple[Evidence, ...]) -> None:
         if len(self.unresolved) < MAX_ITEMS:
@@ -291,7 +313,7 @@ def _declaration(
 
 
 def _evidence_of(entry: ModelEntry, use: _UseContext) -> tuple[Evidence, ...]:
-    return _evidence(use.model, entry.at, entry.line) if use.model else ()
+    return (*use.users, *_evidence(use.model, entry.at, entry.line)) if use.model else ()
 
 
 def _evidence(model: Model, location: str = "", line: int = 0) -> tuple[Evidence, ...]:

@@ -10,7 +10,7 @@ from itertools import takewhile
 
 from rtron.sources.models.common import arguments
 from rtron.sources.models.common.model_scope import ModelScope
-from rtron.sources.models.common.node_files import read_lua_setting, read_yaml_file
+from rtron.sources.models.common.node_files import read_lua_setting, read_yaml_file, tree_nodes
 from rtron.sources.models.common.robot_joints import joints
 from rtron.sources.models.common.rviz import rviz_publications, rviz_subscriptions
 from rtron.sources.models.common.rviz2 import (
@@ -59,13 +59,14 @@ def children(scope: ModelScope, prefix: str) -> list[str]:
 
 
 def _launch_parameters(scope: ModelScope) -> Iterator[tuple[str, ParameterValue]]:
-    """Yield what is given, the last of a name counts; overrides are the first node's alone."""
-    yield from (
-        (s.name, s.value)
-        for s in scope.site.node_settings
-        if pattern_matches(s.node, scope.private)
-    )
-    if scope.private == scope.site.name:
+    """Yield what is given, the last of a name counts; overrides are the first node's alone.
+
+    Other nodes of the process take its own arguments, in a container as well (nav2's costmaps).
+    """
+    is_first = scope.private == scope.site.name
+    settings = scope.site.node_settings if is_first else scope.site.settings
+    yield from ((s.name, s.value) for s in settings if pattern_matches(s.node, scope.private))
+    if is_first:
         yield from scope.site.overrides
 
 
@@ -248,5 +249,6 @@ _PURE_FUNCTIONS: Mapping[str, Function] = {
     "rviz2_panels": rviz2_panels,
     "rviz2_publications": rviz2_publications,
     "rviz2_subscriptions": rviz2_subscriptions,
+    "tree_nodes": tree_nodes,
     "yaml_file": read_yaml_file,
 }

@@ -6,6 +6,10 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_bounded
+from rtron.sources.code.library_models.rclcpp.behavior_tree_xml import (
+    BUILT_IN_NODES,
+    read_tree_nodes,
+)
 from rtron.sources.models.common.values import Placeholder, Value, has_placeholder, placeholder
 from rtron.sources.models.common.yaml_model import MAX_BYTES, compose_yaml, construct_value
 
@@ -69,3 +73,22 @@ def _lua_value(name: str, text: str) -> Value:
     if not _LUA_NUMBER.fullmatch(text):
         return placeholder(name)
     return int(text) if text.isdecimal() else float(text)
+
+
+def tree_nodes(path: Value, usual_file: str, usual: list[Value]) -> list[Value]:
+    """Return the nodes of a file's main tree, each with its ports and its `id`.
+
+    Without a file, and for one called `usual_file` that is not here, they are the usual ones. A
+    tree that cannot be read is one node whose `id` is the file's name.
+    """
+    file = Path(str(path or usual_file))
+    if has_placeholder(path):
+        return [{"id": str(path)}]
+    if file.name == usual_file and not file.is_file():
+        return usual
+    try:
+        text = read_bounded(file, MAX_BYTES).decode("utf-8", "replace")
+        found = list(read_tree_nodes(text, str(file)))
+    except InputError:
+        return [{"id": file.name}]
+    return [{**dict(one.ports), "id": one.id} for one in found if one.id not in BUILT_IN_NODES]

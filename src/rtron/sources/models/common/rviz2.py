@@ -28,6 +28,7 @@ _CAMERA_INFO_DISPLAYS = {("Camera", "Topic"), ("DepthCloud", "Depth Map Topic")}
 """Displays that also subscribe to `camera_info` next to the topic of this key."""
 
 _ROS1_PREFIX, _ROS2_PREFIX = "rviz/", "rviz_default_plugins/"
+_MARKER_DISPLAY = "rviz_default_plugins/Marker"
 _OTHER_TYPES = {"nav2_rviz_plugins/ParticleCloud": "nav2_msgs/msg/ParticleCloud"}
 
 
@@ -77,6 +78,9 @@ def _display_topics(display: Mapping[str, Any]) -> Iterator[dict[str, str]]:
         if not isinstance(name, str) or not name or (key == _DESCRIPTION and is_file):
             continue
         yield {"topic": name, "type": _TYPES.get(key, _type(kind)), "qos": _qos(topic)}
+        if kind == _MARKER_DISPLAY:
+            array = "visualization_msgs/msg/MarkerArray"
+            yield {"topic": f"{name}_array", "type": array, "qos": _qos(topic)}
         if (kind.removeprefix(_ROS2_PREFIX), key) in _CAMERA_INFO_DISPLAYS:
             info = f"{name.rpartition('/')[0]}/camera_info"
             yield {"topic": info, "type": "sensor_msgs/msg/CameraInfo", "qos": "5 best_effort"}

@@ -102,7 +102,7 @@ class InterfaceCache:
                     site.loading,
                 )
             ),
-            repr(site.remap_rules),
+            repr((site.remap_rules, site.hardware, site.plugin, site.manager)),
             self._parameters_hash(site.parameters),
         )
         return hash_texts(parts) + _ENDING

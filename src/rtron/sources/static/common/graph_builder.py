@@ -3,10 +3,12 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
+from rtron.sources.code.reachability import UNREACHED
 from rtron.vocabulary import (
     Action,
     Direction,
     Endpoint,
+    Evidence,
     InteractionGraph,
     Node,
     NodeParameter,
@@ -64,7 +66,7 @@ class GraphBuilder:
             actions=tuple(self.actions),
             clients=tuple(self.clients),
             parameters=tuple(self.parameters.values()),
-            unresolved=tuple(self.unresolved),
+            unresolved=tuple(_merge_notes(self.unresolved)),
             wiring=tuple(self.wiring),
         )
 
@@ -84,3 +86,25 @@ def _topics(endpoints: Iterable[Endpoint]) -> Iterator[Topic]:
         types.setdefault(endpoint.topic, {})[endpoint.type] = None
     for name, names_of_types in types.items():
         yield Topic(name=name, types=tuple(filter(None, names_of_types)))
+
+
+def _merge_notes(notes: Iterable[UnresolvedItem]) -> Iterator[UnresolvedItem]:
+    """Yield one note for what is said several times of a file, with all places.
+
+    Of functions that nothing calls one note stands for a file, whichever programs have it.
+    """
+    merged: dict[tuple[str, ...], UnresolvedItem] = {}
+    for note in notes:
+        file = note.evidence[0].file if note.evidence else ""
+        key = (note.why if note.why == UNREACHED else note.what, note.why, note.missing, file)
+        first = merged.get(key, note)
+        merged[key] = _with_places(first, (*first.evidence, *note.evidence))
+    yield from merged.values()
+
+
+def _with_places(note: UnresolvedItem, places: Iterable[Evidence]) -> UnresolvedItem:
+    evidence = tuple(dict.fromkeys(places))
+    what, more = note.what.partition(" and ")[0], len(evidence) - 1
+    if note.why != UNREACHED or not more:
+        return replace(note, evidence=evidence)
+    return replace(note, what=f"{what} and {more} more", evidence=evidence)

@@ -2,17 +2,22 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 
-from rtron.sources.declaration import NodeInterface
-from rtron.sources.models import ModelCatalog, load_models, node_interface
+from rtron.sources.declaration import Declaration, NodeInterface
+from rtron.sources.models import Model, ModelCatalog, load_models, node_interface
 from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.cache import InterfaceCache
 from rtron.sources.static.common.node_part import NodePart, node_parts
+from rtron.sources.static.common.plugins import plugin_tasks, with_plugin
 from rtron.sources.static.common.scan_options import Progress
 from rtron.sources.static.common.task import InterpretationTask, TaskResult
 from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Resolution, Trust, UnresolvedItem
+
+_CUT = "its source is here and can be followed in part only; the model of that name counts, too"
+_UNDECIDED = "its source leaves open whether this is made; the model of that name counts, not this"
 
 
 @dataclass(slots=True, kw_only=True)
@@ -33,7 +38,16 @@ class InterfaceResolver:
     def resolve_parts(self, parts: Sequence[NodePart]) -> list[NodePart]:
         """Return parts with their interfaces; one without a task or model stays as it is."""
         results = self._task_results([part.task for part in parts if part.task])
-        return [self._with_interface(part, results) for part in parts]
+        return self._with_plugins([self._with_interface(part, results) for part in parts])
+
+    def _with_plugins(self, parts: Sequence[NodePart]) -> list[NodePart]:
+        """Return the parts of models with what the source of plugins says that they load."""
+        tasks = [list(plugin_tasks(part, self.workspace)) for part in parts]
+        results = self._task_results([task for of_part in tasks for task in of_part])
+        return [
+            reduce(lambda part, task: with_plugin(part, task, results[id(task)]), of_part, part)
+            for part, of_part in zip(parts, tasks, strict=True)
+        ]
 
     def close(self) -> None:
         """End the processes, and leave a cache that is not too large."""
@@ -52,19 +66,59 @@ class InterfaceResolver:
         return results
 
     def _with_interface(self, part: NodePart, results: Mapping[int, TaskResult]) -> NodePart:
-        source_interface = results[id(part.task)].interface if part.task is not None else None
+        if part.task is not None:
+            part = replace(part, interface=results[id(part.task)].interface)
         if part.model is not None:
-            site = part.node.site
-            site = replace(site, remaps=part.node.process_remap_rules) if site.ros > 1 else site
-            model_interface = _with_start_location(
-                node_interface(part.model, site, models=self.models), part
-            )
-            if source_interface is not None:
-                model_interface = _with_source_additions(model_interface, source_interface)
-            elif self.workspace.trust(part.node.package) is Trust.OWN:
-                model_interface = _note_missing_source(part, model_interface)
-            return replace(part, interface=model_interface)
-        return replace(part, interface=source_interface) if source_interface else part
+            return self._with_model_interface(part, part.model)
+        if part.known_model is not None and part.is_cut:
+            what = f"node {part.node.name} ({part.node.program})"
+            note = UnresolvedItem(what=what, why=_CUT, evidence=(part.node.evidence,))
+            part = self._with_model_interface(part, part.known_model)
+            return replace(part, interface=_with_note(part.interface, note))
+        if part.known_model is not None and any(d.undecided for d in part.interface.declarations):
+            modelled = self._model_interface(part, part.known_model)
+            return replace(part, interface=_decided_by_model(part.interface, modelled))
+        return part
+
+    def _model_interface(self, part: NodePart, model: Model) -> NodeInterface:
+        site = part.node.site
+        site = replace(site, remaps=part.node.process_remap_rules) if site.ros > 1 else site
+        return node_interface(model, site, models=self.models)
+
+    def _with_model_interface(self, part: NodePart, model: Model) -> NodePart:
+        """Return the part with what a model says, and what its source says beside it."""
+        interface = _with_start_location(self._model_interface(part, model), part)
+        if part.task is not None:
+            interface = _with_source_additions(interface, part.interface)
+        elif self.workspace.trust(part.node.package) is Trust.OWN:
+            interface = _note_missing_source(part, interface)
+        return replace(part, model=model, interface=interface)
+
+
+def _with_note(interface: NodeInterface, note: UnresolvedItem) -> NodeInterface:
+    return replace(interface, unresolved=(*interface.unresolved, note))
+
+
+def _decided_by_model(interface: NodeInterface, modelled: NodeInterface) -> NodeInterface:
+    """Return an interface without what its source leaves open and its model does not name."""
+    named = {(each.kind, each.name) for each in modelled.declarations}
+    open_kinds = {e.kind for e in modelled.declarations if e.resolution is Resolution.SYMBOLIC}
+    left_out = [
+        each
+        for each in interface.declarations
+        if each.undecided
+        and not each.implicit
+        and (each.kind, each.name) not in named
+        and each.kind not in open_kinds
+    ]
+    if not left_out:
+        return interface
+    more = f" and {len(left_out) - 1} more" if len(left_out) > 1 else ""
+    places = dict.fromkeys(each.evidence[0] for each in left_out if each.evidence)
+    what = f"{left_out[0].kind.value} {left_out[0].name}{more}"
+    note = UnresolvedItem(what=what, why=_UNDECIDED, evidence=tuple(places))
+    remaining = tuple(each for each in interface.declarations if each not in left_out)
+    return _with_note(replace(interface, declarations=remaining), note)
 
 
 def _with_start_location(model_interface: NodeInterface, part: NodePart) -> NodeInterface:
@@ -82,7 +136,8 @@ def _with_source_additions(
     """Return a model's interface and what a changed source says beside it.
 
     A copy of a well-known package in a workspace may have been given another publisher. A name
-    that the source leaves open may be one of the model's: it is noted.
+    that the source leaves open may be one of the model's: it is noted, and what stands under a
+    condition that is not known.
     """
     modelled_names = {(declared.kind, declared.name) for declared in model_interface.declarations}
     additions = [
@@ -90,7 +145,7 @@ def _with_source_additions(
         for d in source_interface.declarations
         if not d.implicit and (d.kind, d.name) not in modelled_names
     ]
-    sure = tuple(d for d in additions if d.resolution is not Resolution.SYMBOLIC)
+    sure = tuple(d for d in additions if not _is_open(d))
     notes = tuple(
         UnresolvedItem(
             what=f"{declared.kind.value} {declared.name}",
@@ -98,7 +153,7 @@ def _with_source_additions(
             evidence=declared.evidence,
         )
         for declared in additions
-        if declared.resolution is Resolution.SYMBOLIC
+        if _is_open(declared)
     )
     return replace(
         model_interface,
@@ -108,10 +163,14 @@ def _with_source_additions(
     )
 
 
+def _is_open(declared: Declaration) -> bool:
+    return declared.undecided or declared.resolution is Resolution.SYMBOLIC
+
+
 def _note_missing_source(part: NodePart, model_interface: NodeInterface) -> NodeInterface:
     """Return a model's interface with a note that the app has a program of that name."""
     node = part.node
     what = f"node {node.name} ({node.package}/{node.type})"
     why = "its program's source is not here; the model of that name counts"
     note = UnresolvedItem(what=what, why=why, evidence=(node.evidence,))
-    return replace(model_interface, unresolved=(*model_interface.unresolved, note))
+    return _with_note(model_interface, note)

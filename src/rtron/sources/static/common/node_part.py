@@ -7,7 +7,8 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 
 from rtron.errors import suggestion
-from rtron.sources.declaration import NodeInterface
+from rtron.sources.code.interpreter.execution.abstract_machine import TOO_LARGE
+from rtron.sources.declaration import DeclarationKind, NodeInterface
 from rtron.sources.models import Model, ModelCatalog
 from rtron.sources.models.common.arguments import positional
 from rtron.sources.models.common.schema import NodeRole
@@ -21,17 +22,21 @@ from rtron.sources.static.common.task import (
 from rtron.sources.workspace import Plugin, Program, ProgramLanguage, Workspace
 from rtron.sources.workspace.catalog import NODELET
 from rtron.sources.workspace.package_files import is_in_build_files
-from rtron.vocabulary import Trust, UnresolvedItem
+from rtron.vocabulary import Resolution, Trust, UnresolvedItem
 from rtron.vocabulary.launch import resolve_name
 
 MISSING_PROGRAM = "its package is here, and makes no program of this name"
 MISSING_CLASS = "its package is here, and registers no class of this name"
 _NOT_HERE = "its package is not here: give the folder of its source too"
 _NO_SOURCE = "no source of it is here, and no model"
-_NOT_UNDERSTOOD = "the build files of its package name its program in a way that is not understood"
+_NOT_UNDERSTOOD = (
+    "the build files of its package name its program in a way that is not understood, or behind a "
+    "return() under no condition"
+)
 _NOT_READ = "its package is here, and what this program is written in is not read"
 _NO_LIBRARY = "its package is here, and registers it in a library that is not made there"
 _NO_FILES = "its package is here, and none of the sources of this program: generated or missing"
+_TOPICS = frozenset({DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE})
 _KINDS = {
     ProgramLanguage.CPP: TaskKind.CPP,
     ProgramLanguage.PYTHON: TaskKind.PYTHON,
@@ -44,12 +49,14 @@ class NodePart:
     """Something of `node` that runs in the process of the node `owner`.
 
     `model` or `task` tells what it declares, or both: then the task tells what its source has
-    beside the model. `interface` is there once that is known.
+    beside the model. `known_model` is there beside a task, too, and counts where that does not
+    tell all. `interface` is there once that is known.
     """
 
     node: AppNode
     owner: str
     model: Model | None = None
+    known_model: Model | None = None
     task: InterpretationTask | None = None
     interface: NodeInterface = field(default_factory=NodeInterface)
 
@@ -63,6 +70,16 @@ class NodePart:
             return False
         is_source_silent = self.task and not (interface.nodes or interface.runtime_starts)
         return bool(interface.unresolved or is_source_silent)
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether its source was run in part only, or gives no name of the topics it joins."""
+        notes = [note.why for note in self.interface.unresolved]
+        explicit = [each for each in self.interface.declarations if not each.implicit]
+        topics = [each for each in explicit if each.kind in _TOPICS]
+        is_named = any(e.resolution is not Resolution.SYMBOLIC for e in topics or explicit)
+        is_open = bool(notes or explicit) and not is_named
+        return self.task is not None and (TOO_LARGE in notes or is_open)
 
     def with_missing_note(self, what: str, why: str, missing: str = "") -> "NodePart":
         """Return the part with a note instead of an interface."""
@@ -125,9 +142,13 @@ def _with_source_or_model(part: NodePart, program: Program | None, model: Model 
     if program is not None and program.language in _KINDS and program.sources:
         kind = _KINDS[program.language]
         part = replace(part, task=_task(kind, program, part))
-    if model is not None and (part.task is None or model.over_source):
-        part = replace(part, model=model)
-    return part
+    return _with_model(part, model)
+
+
+def _with_model(part: NodePart, model: Model | None) -> NodePart:
+    """Return the part with a model that counts over its source, or for want of it."""
+    counts = model is not None and (part.task is None or model.over_source)
+    return replace(part, model=model if counts else None, known_model=model)
 
 
 def _ros2_part(part: NodePart, workspace: Workspace, models: ModelCatalog) -> NodePart:
@@ -136,12 +157,10 @@ def _ros2_part(part: NodePart, workspace: Workspace, models: ModelCatalog) -> No
     is_here = node.package in workspace.packages
     find_task = component_task if node.container else executable_task
     task = find_task(workspace, node.package, node.type, node.site) if is_here else None
-    if task is not None:
-        return replace(part, task=task)
     model = models.component(node.type) or models.node(node.package, node.type)
-    if model is not None:
-        return replace(part, model=model)
-    return _without_program(part, workspace)
+    part = _with_model(replace(part, task=task), model)
+    is_missing = part.task is None and part.model is None
+    return _without_program(part, workspace) if is_missing else part
 
 
 def _nodelet_parts(
@@ -165,12 +184,11 @@ def _nodelet_parts(
 def _nodelet(part: NodePart, name: str, workspace: Workspace, models: ModelCatalog) -> NodePart:
     model, plugin = models.nodelet(name), workspace.nodelet(name)
     if plugin is not None and plugin.program is not None and plugin.program.sources:
-        task = replace(
-            _task(TaskKind.NODELET, plugin.program, part), class_name=plugin.plugin_class.type
-        )
+        task = _task(TaskKind.NODELET, plugin.program, part)
+        site = replace(task.site, manager=part.owner)
+        task = replace(task, class_name=plugin.plugin_class.type, site=site)
         part = replace(part, task=task)
-    if model is not None and (part.task is None or model.over_source):
-        part = replace(part, model=model)
+    part = _with_model(part, model)
     if part.task is not None or part.model is not None:
         return part
     return part.with_missing_note(f"nodelet {name}", _missing_nodelet(name, plugin, workspace))

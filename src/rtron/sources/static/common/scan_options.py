@@ -21,13 +21,13 @@ def default_workers() -> int:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScanOptions:
-    """`seconds` bounds the interpretation of one node; `cache` is a folder, None for no cache.
+    """`seconds` of processor time bound a node's interpretation; `cache` is a folder or None.
 
-    `start_method` is how processes start (`multiprocessing`): a process without threads can fork.
+    `start_method` is how processes start (`multiprocessing`); without one, WorkerPool decides.
     """
 
     workers: int = field(default_factory=default_workers)
     seconds: float = 60.0
-    start_method: str = "spawn"
+    start_method: str | None = None
     cache: Path | None = None
     progress: Progress = ignore_progress

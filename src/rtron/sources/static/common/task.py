@@ -1,5 +1,6 @@
 """One program to be interpreted as one node; a task travels to a worker process and back."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from rtron.sources.code.program_runner import (
     run_cpp,
     run_hardware,
     run_nodelet,
+    run_plugin,
     run_python,
 )
 from rtron.sources.code.shell_script import read_shell_script
@@ -29,14 +31,15 @@ class TaskKind(StringEnum):
     NODELET = "nodelet"
     COMPONENT = "component"
     HARDWARE = "hardware"
+    PLUGIN = "plugin"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InterpretationTask:
     """A program's sources, macros and the node it runs as.
 
-    `class_name` is a nodelet's or component's class, or the function that a Python module is
-    entered by. `other_components` are the other components of its package, which it does not run.
+    `class_name` is a nodelet's, component's or plugin's class, or the function that a Python module
+    is entered by. `other_components` are others of its package, which it does not run.
     """
 
     kind: TaskKind
@@ -106,15 +109,21 @@ def run_task(task: InterpretationTask, files: WorkspaceSources) -> TaskResult:
     return TaskResult(interface=interface, files=hashes)
 
 
+_CLASS_RUNNERS: Mapping[TaskKind, Callable[..., NodeInterface]] = {
+    TaskKind.COMPONENT: run_component,
+    TaskKind.HARDWARE: run_hardware,
+    TaskKind.PLUGIN: run_plugin,
+}
+
+
 def _run(task: InterpretationTask, files: SourceProvider) -> NodeInterface:
     if task.kind is TaskKind.SHELL:
         return read_shell_script(task.sources[0])
     if task.kind is TaskKind.PYTHON:
         return run_python(task.sources[0], task.site, files, task.class_name)
-    if task.kind is TaskKind.COMPONENT:
-        return run_component(task.sources, task.class_name, task.site, files, task.other_components)
-    if task.kind is TaskKind.HARDWARE:
-        return run_hardware(task.sources, task.class_name, task.site, files, task.other_components)
+    if task.kind in _CLASS_RUNNERS:
+        run = _CLASS_RUNNERS[task.kind]
+        return run(task.sources, task.class_name, task.site, files, task.other_components)
     if task.kind is TaskKind.NODELET:
         return run_nodelet(task.sources, task.class_name, task.site, files)
     return run_cpp(task.sources, task.site, files)
@@ -160,6 +169,10 @@ class TrackedFiles:
     def find_plugin(self, name: str, base: str) -> PluginSource | None:
         """Return the class that pluginlib knows by a name or type."""
         return self.files.find_plugin(name, base)
+
+    def is_plugin(self, name: str) -> bool:
+        """Tell whether a class of this name or type is registered, for whatever base."""
+        return self.files.is_plugin(name)
 
     def plugin_names(self, base: str) -> tuple[str, ...]:
         """Return the names of all plugins of a base class."""

@@ -1,5 +1,7 @@
 """Runs tasks over several processes; one that dies costs its own task only."""
 
+import sys
+import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -15,12 +17,16 @@ from rtron.sources.workspace import Workspace
 
 @dataclass(slots=True)
 class WorkerPool:
-    """Processes that work on one workspace, one a core at most, started with the first task."""
+    """Processes that work on one workspace, one a core at most, started with the first task.
+
+    Forked ones have what this one has loaded and read; only a process without other threads can
+    fork, since those might hold a lock. Without a `start_method` that decides.
+    """
 
     workspace: Workspace
     workers: int
     seconds: float
-    start_method: str = "spawn"
+    start_method: str | None = None
     _executor: ProcessPoolExecutor | None = None
 
     def run_tasks(
@@ -67,13 +73,21 @@ class WorkerPool:
 
     def _start_executor(self, workers: int) -> ProcessPoolExecutor:
         if self._executor is None:
+            method = self.start_method or _safe_start_method()
+            fresh = Workspace(self.workspace.packages, self.workspace.folders)
             self._executor = ProcessPoolExecutor(
                 max_workers=max(1, workers),
-                mp_context=get_context(self.start_method),
+                mp_context=get_context(method),
                 initializer=start_worker,
-                initargs=(self.workspace.packages, self.workspace.folders),
+                initargs=(self.workspace if method == "fork" else fresh,),
             )
         return self._executor
+
+
+def _safe_start_method() -> str:
+    """Return how a process starts that needs nothing but what is here (`multiprocessing`)."""
+    can_fork = sys.platform == "linux" and threading.active_count() == 1
+    return "fork" if can_fork else "spawn"
 
 
 def _result_or_none(future: "Future[TaskResult]") -> TaskResult | None:

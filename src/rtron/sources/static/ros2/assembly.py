@@ -105,6 +105,7 @@ class Ros2Assembly(GraphBuilder):
                 origin=node.origin,
                 trust=self.workspace.trust(node.package),
                 unread=part.is_unread,
+                process=_process(name, node),
             )
         elif "{" not in name and may_both_start(first, node):
             self.add_wiring(
@@ -115,6 +116,12 @@ class Ros2Assembly(GraphBuilder):
                     evidence=(first.evidence, node.evidence),
                 )
             )
+
+
+def _process(name: str, started: AppNode) -> str:
+    """Return the node in whose process a node runs, empty if it is its own."""
+    process = started.container or started.name
+    return "" if process == name else process
 
 
 def _remap_rules(created: CreatedNode, part: NodePart) -> RemapRules:

@@ -53,7 +53,8 @@ def add_standard_interface(
         topics = (d for d in _standard_topics(part, node.name) if (d.kind, d.name) != _EVENTS)
         interface = NodeInterface(declarations=(*topics, *services))
         return replace(part, interface=interface)
-    if part.task is None and node.package == _BRIDGE and node.type in _BRIDGES:
+    is_bridge = node.package == _BRIDGE and node.type in _BRIDGES
+    if is_bridge and (part.task is None or part.is_cut):
         return replace(part, interface=_bridge_interface(part, files, generated_files))
     if part.model is not None:
         return replace(part, interface=_model_interface(part, part.model))

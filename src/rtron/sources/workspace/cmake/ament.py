@@ -66,14 +66,14 @@ def link_packages(call: CommandCall) -> None:
 
 
 def add_auto_target(kind: TargetKind, call: CommandCall) -> None:
-    """Carry out `ament_auto_add_library` or `…_executable`, with all files of a DIRECTORY.
+    """Carry out `ament_auto_add_library` or `…_executable`, with all files below a DIRECTORY.
 
-    An executable links the libraries of its package that stand before it (ament_cmake_auto).
+    Either links the libraries of its package that stand before it (ament_cmake_auto).
     """
     libraries = [d.name for d in call.build.targets.values() if d.kind is TargetKind.LIBRARY]
     add_target(kind, replace(call, items=tuple(_expand_directories(call))))
     draft = call.build.targets.get(call.words[0]) if call.words else None
-    if draft is not None and kind is TargetKind.EXECUTABLE:
+    if draft is not None:
         draft.links.update(dict.fromkeys(libraries))
 
 
@@ -83,7 +83,7 @@ def _expand_directories(call: CommandCall) -> Iterator[ExpandedArgument]:
         item = items.pop(0)
         if item.text == "DIRECTORY" and items:
             folder = call.scope.folder / items.pop(0).text
-            found = (call.build.files.glob(f"{folder}/{p}", recursive=False) for p in _COMPILED)
+            found = (call.build.files.glob(f"{folder}/{p}", recursive=True) for p in _COMPILED)
             yield from (replace(item, text=str(path)) for paths in found for path in paths)
         elif item.text != "NO_TARGET_LINK_LIBRARIES":
             yield item

@@ -124,6 +124,7 @@ class CMakeEvaluator:
         self.path = before
 
     def _parse(self, path: Path) -> list[Statement]:
+        """Return a file's statements up to a return() under no condition: no build has the rest."""
         text = read_regular_file(path, MAX_BYTES).decode("utf-8", "replace")
         commands, problems = read_commands(text)
         statements, nesting = nest_blocks(commands)
@@ -131,7 +132,8 @@ class CMakeEvaluator:
             self.build.add_unresolved(
                 path.name, problem.why, Evidence(file=str(path), line=problem.line)
             )
-        return statements
+        returns = [isinstance(each, CMakeCommand) and each.name == "return" for each in statements]
+        return statements[: returns.index(True)] if True in returns else statements
 
     def _until_return(self, statements: Sequence[Statement], scope: VariableScope) -> None:
         before = self.build.left_out_by

@@ -6,6 +6,8 @@ from itertools import zip_longest
 from rtron.sources.workspace.cmake.command_call import VariableScope
 from rtron.sources.workspace.cmake.values import ExpandedArgument, VariableValue, split_list
 
+_NUMBERED = 10
+_MOST_NUMBERED = 32
 _LOOP_WORDS = frozenset({"LISTS", "ITEMS", "ZIP_LISTS"})
 
 
@@ -74,11 +76,15 @@ def _loop_range(numbers: Sequence[int]) -> range:
 def argument_variables(
     names: Sequence[str], given: Sequence[ExpandedArgument]
 ) -> dict[str, VariableValue]:
-    """Return the variables that the arguments of a macro or function become."""
+    """Return the variables that the arguments of a macro or function become.
+
+    `ARGV3` and the like are empty where there are fewer arguments.
+    """
     values = [VariableValue(item.text, item.known) for item in given]
     rest = values[len(names) :]
     return {
-        **{f"ARGV{index}": value for index, value in enumerate(values[:32])},
+        **{f"ARGV{index}": VariableValue("") for index in range(len(values), _NUMBERED)},
+        **{f"ARGV{index}": value for index, value in enumerate(values[:_MOST_NUMBERED])},
         **dict(zip(names, values, strict=False)),
         "ARGC": VariableValue(str(len(values))),
         "ARGV": _joined_value(values),

@@ -14,6 +14,7 @@ __all__ = [
     "IncludeLaunchDescription",
     "OpaqueFunction",
     "RegisterEventHandler",
+    "SetEnvironmentVariable",
     "SetLaunchConfiguration",
     "Shutdown",
     "TimerAction",
@@ -43,6 +44,15 @@ class SetLaunchConfiguration(Action):
     def execute(self, context):
         value = perform(context, self.value)
         context.launch_configurations[perform(context, self.name)] = value
+
+
+class SetEnvironmentVariable(Action):
+    def __init__(self, name, value, **kwargs):
+        super().__init__(**kwargs)
+        self.name, self.value = normalize(name), normalize(value)
+
+    def execute(self, context):
+        context.environment[perform(context, self.name)] = perform(context, self.value)
 
 
 class IncludeLaunchDescription(Action):

@@ -60,3 +60,42 @@ def test_a_switch_that_falls_through_too_far():
     assert [(each.line, each.why) for each in unit.problems] == [
         (2, "falls through more cases than are read")
     ]
+
+
+def left_out(text):
+    """Return what is noted of a file that the preprocessor has left something of."""
+    unit = lower_cpp("f.cpp", text.encode(), {"KNOWN": "1"})
+    return [(problem.line, problem.why) for problem in unit.problems]
+
+
+CALL = 'nh.advertise<M>("x", 1);'
+
+
+@pytest.mark.parametrize(
+    ("text", "missing"),
+    [
+        (f"#ifdef WITH_ARM\nvoid f() {{\n{CALL} }}\n#endif\n", "WITH_ARM"),
+        (f"#if WITH_ARM && KNOWN\nvoid f() {{\n{CALL} }}\n#endif\n", "WITH_ARM"),
+        (f"#if defined(A) || defined(B)\nvoid f() {{\n{CALL} }}\n#else\nint x;\n#endif\n", "A, B"),
+        (f"#ifdef WITH_ARM\n#ifdef KNOWN\n{CALL}\n#endif\n#endif\n", "WITH_ARM"),
+    ],
+)
+def test_a_call_that_a_macro_leaves_out_is_noted(text, missing):
+    why = f"a call of advertise is left out: {missing} is not defined"
+    assert left_out(text) == [(3, why)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"#if 0\nvoid f() {{ {CALL} }}\n#endif\n",
+        f"#ifdef _WIN32\nvoid f() {{ {CALL} }}\n#endif\n",
+        f"#ifndef KNOWN\nvoid f() {{ {CALL} }}\n#endif\n",
+        f"#ifdef KNOWN\nvoid f() {{ {CALL} }}\n#endif\n",
+        f"#ifdef ROS1\nvoid f() {{ {CALL} }}\n#else\nvoid f() {{ {CALL} }}\n#endif\n",
+        "#ifdef WITH_ARM\nvoid f() { other(); }\n#endif\n",
+        f"#ifdef WITH_ARM\n// {CALL}\n#endif\n",
+    ],
+)
+def test_what_no_build_has_or_another_branch_does_is_not_noted(text):
+    assert left_out(text) == []

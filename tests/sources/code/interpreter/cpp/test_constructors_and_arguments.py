@@ -73,3 +73,22 @@ template<typename T> Filter<T>::Filter(ros::NodeHandle nh, ros::NodeHandle own)
 def test_a_constructor_that_delegates_by_any_of_its_names(name):
     interface = cpp('ros::NodeHandle own("~"); filters::Filter<int> f(nh, own);', DELEGATING % name)
     assert (names(interface), interface.unresolved) == (["n/x"], ())
+
+
+@pytest.mark.parametrize("base", ["Base", "Base::Base", "own::Base", "own::Base::Base"])
+def test_a_base_is_called_by_any_of_its_names(base):
+    top = """namespace own { struct Base { Base(ros::NodeHandle nh, std::string name) {
+      nh.advertise<std_msgs::Bool>(name, 1); } };
+    struct Part : public Base { Part(ros::NodeHandle nh) : %s(nh, "x") {} }; }"""
+    assert names(cpp("own::Part part(nh);", top % base)) == ["x"]
+
+
+def test_a_bound_method_that_is_pure_virtual_is_that_of_the_object():
+    top = """struct Server { boost::function<void(std::string)> load;
+      ros::NodeHandle nh;
+      Server() : load(boost::bind(&Server::make, this, _1)) {}
+      virtual void make(std::string name) = 0;
+      void all() { load("x"); } };
+    struct Mine : public Server {
+      void make(std::string name) { nh.advertise<std_msgs::Bool>(name, 1); } };"""
+    assert names(cpp("Mine mine; mine.all();", top)) == ["x"]

@@ -113,3 +113,10 @@ def test_which_of_two_types_decides():
       if constexpr (std::is_same_v<T, int>) { return "int"; } else { return "other"; } }"""
     body = ADVERTISE.format("text<int>()") + ADVERTISE.format("text<bool>()")
     assert names(cpp(body, top)) == ["int", "other"]
+
+
+def test_the_distance_of_letters_is_a_number():
+    body = """std::string name = "can12"; int last = name.back() - '0';
+    nh.advertise<std_msgs::Bool>("bus" + std::to_string(last), 1);
+    if (last != 2) { nh.advertise<std_msgs::Bool>("no", 1); }"""
+    assert names(cpp(body)) == ["bus2"]

@@ -1,6 +1,7 @@
 """Programs that do not end, nest without end or grow: bounded, noted, and the rest still found."""
 
 import pytest
+import ros2_runs
 from ros1_runs import cpp, names, python
 
 from cpu_time import work_units
@@ -319,3 +320,53 @@ struct Driver {
 def test_who_hands_on_what_joins_nodes_is_run_behind_a_wait_that_takes_all_its_steps():
     top = WAITS % ("int a = 1 + 2 + 3;" * 40)
     assert names(cpp("Driver driver; driver.init(); ros::spin();", top)) == ["out"]
+
+
+COMPUTING = """double half(double x) { double a = x; double b = a; return b / 2; }
+  std::string with(std::string name) { std::string a = name; std::string b = a; return b; }
+  void tick() { for (int i = 0; i < 100; i++) { for (int j = 0; j < 30; j++) { half(3); with("n"); }
+    } create_publisher<std_msgs::msg::Bool>("h" + std::to_string(half(4.0)), 1);
+    create_publisher<std_msgs::msg::Bool>(with("own"), 1); }"""
+
+
+def test_what_computes_and_handles_no_text_is_run_for_so_many_steps_by_callbacks():
+    timer = "create_wall_timer(1s, std::bind(&N::tick, this));"
+    found = ros2_runs.cpp(timer, members=COMPUTING)
+    assert ros2_runs.names(found) == ["/ns/h{N::half()}", "/ns/own"]
+    once = ros2_runs.cpp("tick();", members=COMPUTING)
+    assert ros2_runs.names(once) == ["/ns/h2.000000", "/ns/own"]
+
+
+NAMESAKE = """void start() { create_publisher<std_msgs::msg::Bool>("out", 1); }
+  double sum(double start) { double at = start;
+    for (int i = 0; i < 100; i++) { for (int j = 0; j < 30; j++) { at = at + 1; } }
+    return at; }"""
+
+
+def test_a_variable_is_not_the_function_of_its_name_that_joins_nodes():
+    made = 'start(); create_publisher<std_msgs::msg::Bool>("h" + std::to_string(sum(1.0)), 1);'
+    found = ros2_runs.cpp(made, members=NAMESAKE)
+    assert ros2_runs.names(found) == ["/ns/out", "/ns/h{N::sum()}"]
+
+
+HELD_PLUGIN = """
+struct Plugin {
+  ros::NodeHandle nh;
+  ros::Publisher pub;
+  double limit;
+  void start() {
+    for (int i = 0; i < 100; i++)
+      for (int k = 0; k < 20; k++) limit = limit + i * k;
+    pub = nh.advertise<std_msgs::Bool>("far", 1);
+  }
+};
+struct Manager {
+  boost::function<void()> held;
+  void load() { held(); }
+};
+"""
+
+
+def test_what_a_held_function_makes_is_found_however_much_it_computes_before():
+    body = "Plugin p; Manager m; m.held = boost::bind(&Plugin::start, &p); m.load();"
+    assert names(cpp(body, HELD_PLUGIN)) == ["far"]

@@ -128,3 +128,33 @@ def test_python_handler_of_what_may_throw_is_possible_and_noted(body):
     assert "/ns/fallback" in names(found)
     (note,) = [note for note in found.unresolved if note.why == WHY]
     assert note.what == "publish /ns/fallback"
+
+
+FLAG = """bool fixed = false;
+    try {{ {} fixed = true; }} catch (const std::exception & e) {{ {} }}
+    if (!fixed) {{ create_publisher<std_msgs::msg::Bool>("open", 1); }}"""
+
+
+@pytest.mark.parametrize(
+    ("body", "caught", "expected"),
+    [
+        ("who_knows();", "", ["/ns/open"]),
+        ("", "", []),
+        ("who_knows();", "return;", []),
+        ("who_knows();", "fixed = true;", []),
+    ],
+)
+def test_behind_a_handler_a_flag_may_be_as_it_was_before_the_try(body, caught, expected):
+    assert names(cpp(FLAG.format(body, caught))) == expected
+
+
+def test_python_names_may_be_as_they_were_before_the_try():
+    body = """topic = 'own'
+try:
+    topic = 'other'
+    who_knows()
+except ValueError:
+    pass
+self.create_publisher(Bool, topic, 1)
+"""
+    assert names(python(body)) == ["/ns/other", "/ns/own"]

@@ -70,3 +70,8 @@ def test_a_class_that_is_private_to_another():
 def test_what_two_sets_share_is_open_where_an_item_is_not_known():
     interface = python("for name in {'a', unknown()} & {'a', 'b'}:\n    P(name)")
     assert "a" in names(interface)
+
+
+@pytest.mark.parametrize("target", ["name, kinds", "i, (name, kinds)", "[name, _]", "name, *rest"])
+def test_an_unknown_item_of_several_variables_is_named_by_each(target):
+    assert names(python(f"for {target} in unknown():\n    P(name)\n")) == ["{name}"]

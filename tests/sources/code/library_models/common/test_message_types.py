@@ -1,9 +1,14 @@
 """Message types as C++ names them."""
 
 import pytest
+import ros1_runs
+import ros2_runs
 
 from rtron.sources.code.ir import TypeRef
-from rtron.sources.code.library_models.common.message_types import cpp_message_type
+from rtron.sources.code.library_models.common.message_types import (
+    cpp_message_type,
+    message_header,
+)
 
 
 @pytest.mark.parametrize(
@@ -29,3 +34,38 @@ def test_a_type_is_a_message_of_a_package(written, expected):
 def test_a_pointer_to_a_message_without_its_package_is_none(pointer):
     """`using namespace` leaves the package out: Mode is none in `Mode::SharedPtr`."""
     assert cpp_message_type(TypeRef(f"Mode::{pointer}")) == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "header"),
+    [
+        ("String", "m/msg/string.hpp"),
+        ("UInt8MultiArray", "m/msg/u_int8_multi_array.hpp"),
+        ("GPSFix", "m/msg/gps_fix.hpp"),
+        ("Twist2D", "m/msg/twist2_d.hpp"),
+    ],
+)
+def test_the_header_of_a_type_is_in_small_letters(name, header):
+    assert message_header("m", "msg", name) == header
+
+
+@pytest.mark.parametrize(
+    ("top", "call"),
+    [
+        ("bool serve(Start::Request &, Start::Response &) {}", 'advertiseService("s", serve)'),
+        ("bool serve(StartRequest &, StartResponse &) {}", 'advertiseService("s", serve)'),
+        ("", 'serviceClient<Start>("s")'),
+    ],
+)
+def test_a_header_says_of_which_package_a_type_is(top, call):
+    """Neither package defines its types here."""
+    both = "using namespace others;\nusing namespace mine;\n"
+    found = ros1_runs.cpp(f"nh.{call};", f'#include "mine/Start.h"\n{both}{top}')
+    assert [d.type for d in found.declarations if d.name.endswith("s")] == ["mine/Start"]
+
+
+def test_a_header_says_of_which_package_a_type_of_ros2_is():
+    top = "using namespace others::msg;\nusing namespace mine::msg;"
+    body = 'create_publisher<GPSFix>("fix", 1);'
+    found = ros2_runs.cpp(body, top=f'#include "mine/msg/gps_fix.hpp"\n{top}')
+    assert ros2_runs.explicit_declarations(found) == ["publish /ns/fix mine/msg/GPSFix"]

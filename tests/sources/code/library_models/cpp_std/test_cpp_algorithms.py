@@ -66,3 +66,48 @@ def test_what_is_not_known_decides_nothing():
       create_publisher<std_msgs::msg::Bool>("absent", 1); }
     """
     assert names(cpp(body)) == ["/ns/yes", "/ns/no", "/ns/absent"]
+
+
+LETTERS = {
+    "for (auto & c : text) c = toupper(c);": ["/ns/ABC"],
+    "for (auto & c : text) { c = std::toupper(c); }": ["/ns/ABC"],
+    "for (auto c : text) c = toupper(c);": ["/ns/aBc"],
+    "for (auto & c : text) { c = who(c); }": ["/ns/{text}"],
+    "for (auto & c : text) { if (c == 'B') break; c = toupper(c); }": ["/ns/{text}"],
+    "std::transform(text.begin(), text.end(), text.begin(), ::tolower);": ["/ns/abc"],
+    "std::transform(text.begin(), text.end(), text.begin(),"
+    " [](unsigned char c) { return std::toupper(c); });": ["/ns/ABC"],
+    "std::transform(who().begin(), who().end(), text.begin(), ::tolower);": ["/ns/{text}"],
+    "text = boost::to_upper_copy(text);": ["/ns/ABC"],
+    "boost::algorithm::to_lower(text);": ["/ns/abc"],
+    "std::vector<std::string> all = {text, text}; for (auto & one : all) one = one + '1';"
+    " text = all[1];": ["/ns/aBc1"],
+}
+
+
+@pytest.mark.parametrize("body", LETTERS)
+def test_a_text_whose_letters_are_changed_one_by_one(body):
+    made = "create_publisher<std_msgs::msg::Bool>(text, 1);"
+    assert names(cpp(f'std::string text = "aBc"; {body} {made}')) == LETTERS[body]
+
+
+CHANGES = {
+    'boost::replace_all(text, "::", "/");': ["/ns/a/b/c"],
+    'boost::algorithm::replace_first(text, "::", "/");': ["/ns/a/b::c"],
+    'text = boost::replace_all_copy(text, "::", who());': ["/ns/{text}"],
+    'boost::replace_all(text, who(), "/");': ["/ns/{text}"],
+    'boost::erase_all(text, "::");': ["/ns/abc"],
+    'text = "/" + text + " "; boost::trim(text);': ["/a::b::c"],
+    'boost::trim_right_if(text, boost::is_any_of("c:"));': ["/ns/a::b"],
+    'text = boost::trim_left_copy_if(text, boost::is_any_of("a:"));': ["/ns/b::c"],
+    'if (boost::starts_with(text, "a::")) text = "found";': ["/ns/found"],
+    'if (!boost::algorithm::ends_with(text, "d")) text = "found";': ["/ns/found"],
+    'if (boost::contains(text, "::c")) text = "found";': ["/ns/found"],
+}
+
+
+@pytest.mark.parametrize("body", CHANGES)
+def test_a_text_that_boost_changes(body):
+    """boost.org: String Algorithms Library."""
+    made = "create_publisher<std_msgs::msg::Bool>(text, 1);"
+    assert names(cpp(f'std::string text = "a::b::c"; {body} {made}')) == CHANGES[body]

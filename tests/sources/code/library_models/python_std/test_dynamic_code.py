@@ -143,7 +143,8 @@ UNKNOWN_CALLS = {
     "unknown().Publisher('x', Bool)": "what it is called on is not known",
     "from vendor import *\nPublisher('x', Bool)": "what it is called on is not known",
     "import vendor\nvendor.make('x', Bool)": (
-        "is not in the source, and gets what it takes to join nodes"
+        "its code is not here, and it gets a name and a type: it may make an endpoint; "
+        "give the source of vendor too"
     ),
     "import smach_ros\nsmach_ros.IntrospectionServer('x', 1, '/')": "what it joins is not known",
     "rospy.Publisher = unknown()": (

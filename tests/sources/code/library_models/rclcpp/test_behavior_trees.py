@@ -53,6 +53,20 @@ LOADS = """
 AT_ONCE = """
     tree_ = factory_.createTreeFromFile(
       ament_index_cpp::get_package_share_path("trees") / "main.xml", blackboard_);"""
+PATH = 'ament_index_cpp::get_package_share_directory("trees") + "/main.xml"'
+FROM_TEXT = f"""
+    std::ifstream file({PATH});
+    if (!file.good()) {{ create_publisher<std_msgs::msg::Bool>("lost", 1); return; }}
+    auto xml = std::string(
+      std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    tree_ = factory_.createTreeFromText(xml, blackboard_);"""
+FROM_BUFFER = f"""
+    std::ifstream file;
+    file.open({PATH});
+    std::stringstream buffer;
+    buffer << file.rdbuf();
+    factory_.registerBehaviorTreeFromText(buffer.str());
+    tree_ = factory_.createTree("Main", blackboard_);"""
 XML = """<root BTCPP_format="4" main_tree_to_execute="Main">
   <BehaviorTree ID="Other"><Never topic="never"/></BehaviorTree>
   <BehaviorTree ID="Main">
@@ -83,7 +97,7 @@ def test_without_a_launch_every_registered_node_is_made_with_its_ports_defaults(
     assert "/wait_for" in names(engine(tmp_path, **UNLAUNCHED))
 
 
-@pytest.mark.parametrize("loads", [LOADS, AT_ONCE])
+@pytest.mark.parametrize("loads", [LOADS, AT_ONCE, FROM_TEXT, FROM_BUFFER])
 def test_with_a_launch_the_nodes_of_the_tree_are_made_with_its_ports(tmp_path, loads):
     found = engine(tmp_path, loads)
     subscribed = [d.name for d in found.declarations if d.kind.value == "subscribe"]
@@ -94,8 +108,11 @@ def test_with_a_launch_the_nodes_of_the_tree_are_made_with_its_ports(tmp_path, l
         "/ns/inner",
     ]
     assert {"/ns/told", "/ns/second", "/ns/plain"} <= set(names(found))
+    assert "/ns/lost" not in names(found)
     notes = {note.what: note for note in found.unresolved}
-    assert notes["tree node Hidden"].evidence[0].line == 6
+    place = notes["tree node Hidden"].evidence[0]
+    line = Path(place.file).read_text().splitlines()[place.line - 1]
+    assert ("createTree" if "Text" in loads else "<Hidden/>") in line
     assert not {"tree node Sequence", "tree node Never", "behaviour trees"} & set(notes)
 
 
@@ -125,6 +142,11 @@ def test_a_tree_that_is_hostile_is_refused_and_noted(tmp_path, xml, why):
     assert names(found) == []
     (note,) = [note for note in found.unresolved if note.what.startswith("behaviour tree /")]
     assert why in note.why
+
+
+def test_a_tree_that_the_build_installs_elsewhere_is_read(tmp_path):
+    found = engine(tmp_path, AT_ONCE.replace('/ "main.xml"', '/ "trees" / "main.xml"'))
+    assert "/ns/first" in names(found)
 
 
 def test_a_tree_outside_of_the_packages_is_not_read(tmp_path):

@@ -90,5 +90,5 @@ def test_a_plugin_has_its_type_in_a_parameter():
 def test_code_that_is_not_here_and_gets_a_node_is_noted():
     found = run("arm::planning::Group group(shared_from_this(), name);")
     notes = {note.what: note for note in found.unresolved}
-    assert "what it takes to join nodes" in notes["arm::planning::Group()"].why
+    assert "its code is not here, and it gets the node" in notes["arm::planning::Group()"].why
     assert notes["arm::planning::Group()"].evidence[0].line == 6

@@ -137,14 +137,32 @@ def test_what_another_package_defines_is_found_in_its_sources(workspace):
 
 def test_a_plugin_that_is_nowhere_is_noted(workspace):
     found = hosted(workspace, settings=settings(first__plugin="gone::Layer"))
-    assert ("plugin gone::Layer", "its source is not found") in {
-        (note.what, note.why) for note in found.unresolved
-    }
+    why = "/ns/n loads it, and its source is not found: give the folder of its source too"
+    assert ("plugin gone::Layer", why) in {(note.what, note.why) for note in found.unresolved}
+
+
+LOADS = "auto layer = loader_.createSharedInstance(type);"
+TRIES = """std::shared_ptr<core::Layer> layer;
+      try { layer = others_.createSharedInstance(type); }
+      catch (const pluginlib::PluginlibException & e) { %s }"""
+OTHERS = 'pluginlib::ClassLoader<core::Other> others_{"core", "core::Other"};'
+
+
+@pytest.mark.parametrize(("caught", "found"), [(LOADS.removeprefix("auto "), True), ("", False)])
+def test_a_plugin_of_another_base_throws(workspace, tmp_path, caught, found):
+    host = HOST.replace(LOADS, TRIES % caught).replace("  pluginlib::", f"  {OTHERS} pluginlib::")
+    (tmp_path / "host" / "host.cpp").write_text(host)
+    interface = hosted(workspace)
+    assert ("/ns/first/map" in names(interface)) is found
+    assert not [note for note in interface.unresolved if note.what.startswith("plugin")]
 
 
 def test_a_plugin_that_only_a_running_app_names_is_noted(workspace, tmp_path):
     named = HOST.replace('declare_parameter(name + ".plugin", "layers::Static")', "asked()")
     (tmp_path / "host" / "host.cpp").write_text(named)
     note, passed = hosted(workspace).unresolved
-    assert (note.what, note.why) == ("plugin {asked()}", "which one it is, is not known")
-    assert "gets what it takes to join nodes" in passed.why
+    assert (note.what, note.why) == (
+        "plugin {asked()}",
+        "/ns/n loads it, and which one it is, is not known",
+    )
+    assert "its code is not here, and it gets the node /ns/n" in passed.why

@@ -215,3 +215,54 @@ def test_what_is_set_is_declared_where_the_options_say_so(automatic):
     }
     assert ({("own", 1), ("of_all", 2)} <= found) is automatic
     assert "never" not in {name for name, _ in found}
+
+
+DECLARED = """declare_parameter("in.a.topic", "first"); declare_parameter("in.b", "second");
+  declare_parameter("inner", "third");"""
+
+
+@pytest.mark.parametrize(
+    ("prefixes", "depth", "expected"),
+    [
+        ('{"in"}', 0, ["in.a.topic", "in.b"]),
+        ('{"in"}', 10, ["in.a.topic", "in.b"]),
+        ('{"in"}', 1, ["in.b"]),
+        ('{"in.a", "inner"}', 1, ["in.a.topic", "inner"]),
+        ("{}", 1, ["inner", "use_sim_time"]),
+    ],
+)
+def test_a_node_lists_its_parameters(prefixes, depth, expected):
+    """As a real node does (rclcpp: NodeParameters::list_parameters)."""
+    body = f"""{DECLARED}
+    auto list = list_parameters({prefixes}, {depth});
+    for (auto name : list.names) {{ {TOPIC.format("name")} }}"""
+    assert names(cpp(body)) == [f"/ns/{name}" for name in expected]
+
+
+MUX = """auto list = list_parameters({"topics"}, 10);
+  for (const auto & prefix : list.prefixes) {
+    std::string topic;
+    get_parameter(prefix + ".topic", topic);
+    create_subscription<std_msgs::msg::Bool>(topic, 1, [](auto m) {}); }"""
+AUTOMATIC = "rclcpp::NodeOptions().automatically_declare_parameters_from_overrides(true)"
+MUXED = f"""#include <rclcpp/rclcpp.hpp>
+class N : public rclcpp::Node {{ public: N() : Node("written", {AUTOMATIC}) {{ {MUX} }} }};
+int main() {{ rclcpp::spin(std::make_shared<N>()); }}"""
+
+
+def test_what_a_launch_sets_is_listed_where_the_node_declares_it():
+    given = settings(topics__joy__topic="joy_vel", topics__nav__topic="nav_vel", other="x")
+    assert names(run_text(MUXED, settings=given)) == ["/ns/joy_vel", "/ns/nav_vel"]
+    assert names(cpp(MUX, settings=given)) == []
+
+
+def test_without_a_launch_the_list_may_have_more():
+    assert names(run_text(MUXED, **UNLAUNCHED)) == ["/{~{prefix}.topic}"]
+
+
+def test_parameters_below_a_prefix_fill_a_map():
+    body = f"""{DECLARED}
+    std::map<std::string, std::string> found;
+    if (get_parameters("in", found)) {{
+      for (auto [name, topic] : found) {{ {TOPIC.format("name + topic")} }} }}"""
+    assert names(cpp(body)) == ["/ns/a.topicfirst", "/ns/bsecond"]

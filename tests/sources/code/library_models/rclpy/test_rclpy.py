@@ -154,11 +154,22 @@ def test_a_parameter_is_read_in_many_ways(read, given, expected):
     assert found.resolution is Resolution.PARAMETER or not given
 
 
-def test_parameters_below_a_prefix_are_those_of_the_launch():
-    body = """for name, value in self.get_parameters_by_prefix('in').items():
+BELOW_A_PREFIX = """for name, value in {}.get_parameters_by_prefix('in').items():
     self.create_subscription(Bool, value.value, lambda m: None, 1)"""
-    given = settings(in__a="first", in__b="second", out__c="third")
-    assert names(python(body, settings=given)) == ["/ns/first", "/ns/second"]
+GIVEN = settings(in__a="first", in__b="second", out__c="third")
+
+
+def test_parameters_below_a_prefix_are_those_that_are_declared():
+    declared = "self.declare_parameter('in.b', 'unused')\n"
+    found = python(declared + BELOW_A_PREFIX.format("self"), settings=GIVEN)
+    assert names(found) == ["/ns/second"]
+
+
+def test_a_node_that_declares_what_a_launch_sets_has_all_of_it():
+    """Only a node with `automatically_declare_parameters_from_overrides` does, in rclpy too."""
+    made = "other = Node('o', automatically_declare_parameters_from_overrides=True)\n"
+    found = python(made + BELOW_A_PREFIX.format("other"), settings=GIVEN)
+    assert names(found) == ["/ns/first", "/ns/second"]
 
 
 def test_what_callbacks_make_is_found():

@@ -1,6 +1,11 @@
-"""Launch files that are executed by the double of launch: nothing of them is started."""
+"""Launch files that are executed by the double of launch: nothing of them is started.
+
+`RTRON_LAUNCH` has the folders of a real launch and launch_ros, and of what they import (a
+PYTHONPATH), with which these tests run instead, in a Python that has rclpy.
+"""
 
 import json
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -18,6 +23,7 @@ from rtron.sources.workspace import read_workspace
 from rtron.vocabulary import UnknownValue
 
 DOUBLE = Path(__file__).parents[4] / "ros2" / "launch_double"
+LAUNCH = os.environ.get("RTRON_LAUNCH", str(DOUBLE))
 HEAD = """
 import os, subprocess, sys, time
 from launch import LaunchDescription
@@ -46,7 +52,7 @@ class Folder:
 
     def execute(self, actions, before="", seconds=30, environ=None, **arguments):
         self.write(actions, before)
-        found = {"PYTHONPATH": str(DOUBLE), "MARK": str(self.mark), **(environ or {})}
+        found = {"PYTHONPATH": LAUNCH, "MARK": str(self.mark), **(environ or {})}
         execution = Execution(python=sys.executable, seconds=seconds)
         return execution.launch(self.path, arguments, found, self.files)
 
@@ -181,7 +187,8 @@ def test_handlers_of_processes_run_in_their_order(app):
             target_action=first,
             on_exit=lambda event, context: [{NODE.format("'c'")}, TimerAction(period=9.0, actions=[
                 {NODE.format("'d'")}])])),
-        RegisterEventHandler(OnProcessExit(target_action=lambda action: False, on_exit=[])),
+        RegisterEventHandler(OnProcessExit(
+            target_action=lambda action: False, on_exit=[OpaqueFunction(function=print)])),
     """
     executed = app.execute(body, before)
     assert [(start.name, start.awaited_event) for start in executed.starts] == [
@@ -364,7 +371,8 @@ def test_a_forged_result_is_checked(app, change, said):
 def test_a_forged_result_costs_little(app):
     (app.package / "r.xacro").write_text(f"<robot name='{'x' * 60_000}'/>")
     commands = [f"xacro {app.package}/r.xacro"]
-    words = ["\ue0000\ue001" * 20_000, "\ue0000\ue001", "\ue0007\ue001"]
+    mark, other = "rtron_command_0_output", "rtron_command_7_output"
+    words = [mark * 2_900, mark, other]
     text = json.dumps({**EMPTY, "starts": [{**START, "words": words}], "commands": commands})
     before = FORGED.format(text) + "os._exit(0)"
     (start,) = app.execute("", before).starts

@@ -266,6 +266,16 @@ def test_a_file_that_the_build_installs_elsewhere(python, package):
     assert values(app.starts[0]) == {"a": 1}
 
 
+def test_an_argument_that_names_an_installed_file_names_its_source(python, package):
+    source = package / "tools" / "config" / "app.rviz"
+    source.parent.mkdir(parents=True)
+    source.write_text("")
+    shown = "[FindPackageShare('pkg'), '/config/app.rviz']"
+    words = f"['-d', {shown}, '/tmp/other.rviz', 'app.rviz']"
+    app = python(f"Node(package='rviz2', executable='rviz2', arguments={words})")
+    assert app.starts[0].arguments == ("-d", str(source), "/tmp/other.rviz", "app.rviz")
+
+
 NODES = {
     "a node": "Node(package='p', executable='e', arguments=[{}], name='n', namespace='ns')",
     "a process": "ExecuteProcess(cmd=['ros2', 'run', 'p', 'e', {}, '-r', '__node:=n', '-r', "

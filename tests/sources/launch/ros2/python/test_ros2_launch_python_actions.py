@@ -140,6 +140,19 @@ def test_arguments_and_what_they_are_by_default(python):
     assert names(given) == ["/c"]
 
 
+def test_an_argument_that_is_true_or_false_and_a_new_environment(python):
+    """Actions that are there since Lyrical."""
+    app = python(
+        "DeclareBooleanLaunchArgument('on', default_value=True), "
+        "ReplaceEnvironmentVariables({'WHO': EnvironmentVariable('WHO', default_value='a')}), "
+        "Node(executable='e', name=EnvironmentVariable('WHO'), "
+        "condition=IfCondition(LaunchConfiguration('on')))"
+    )
+    assert names(app) == ["/a"]
+    assert app.arguments[0].default == "True"
+    assert app.unresolved == ()
+
+
 def test_an_argument_that_must_be_given_stands_in_braces(python):
     declared = "DeclareLaunchArgument('robot')"
     space = "namespace=['fleet/', LaunchConfiguration('robot')]"

@@ -103,8 +103,21 @@ def test_the_environment_that_the_launch_sets(read):
     assert [n.name for n in read(f"<group>{set_env}</group>{node}", environ).nodes()] == ["/joy"]
     assert [n.name for n in read(f'<unset_env name="WHO"/>{node}', environ).nodes()] == ["/nobody"]
     assert [n.name for n in read(f"{set_env}<reset_env/>{node}", environ).nodes()] == ["/joy"]
-    [unknown] = read(f'<append_env name="WHO" value="x"/>{node}', environ).nodes()
+    append_env = '<append_env name="WHO" value="x"/>'
+    [unknown] = read(append_env + node, environ).nodes()
     assert unknown.anonymous
+    assert [n.name for n in read(f"{append_env}<reset_env/>{node}", environ).nodes()] == ["/joy"]
+
+
+def test_an_environment_that_the_launch_replaces(read):
+    """Lyrical: nothing is left of the one before, and the new values are those of the old one."""
+    node = '<node pkg="t" exec="t" name="$(env WHO nobody)"/>'
+    replaced = '<rep_env><env name="{}" value="$(env WHO)2"/></rep_env>' + node
+    environ = {"WHO": "joy"}
+    assert [n.name for n in read(replaced.format("WHO"), environ).nodes()] == ["/joy2"]
+    assert [n.name for n in read(replaced.format("WHAT"), environ).nodes()] == ["/nobody"]
+    in_group = f"<group>{replaced.format('WHAT')}</group>{node}"
+    assert [n.name for n in read(in_group, environ).nodes()] == ["/nobody", "/joy"]
 
 
 def test_what_decides_a_name_a_file_or_what_starts(read, tmp_path):

@@ -90,6 +90,39 @@ def test_containers_and_components(xml):
     assert (one.conditions, len(two.conditions)) == ((), 1)
 
 
+def test_components_with_a_lifecycle(xml, read):
+    """They have an element of their own since Lyrical."""
+    component = COMPONENT.format("one", "").replace("composable_node", "composable_lifecycle_node")
+    app = xml(
+        f"""<node_container pkg="c" exec="box" name="box">{component}</node_container>
+        <load_composable_node target="/box">{component}</load_composable_node>"""
+    )
+    assert [(part.full_name, part.container) for part in app.starts[1:]] == [("/c/one", "/box")] * 2
+    app = read(
+        """
+launch:
+- load_composable_node:
+    target: /box
+    composable_lifecycle_node:
+    - {pkg: p, plugin: P, name: two}
+""",
+        "yaml",
+    )
+    assert [(part.full_name, part.container) for part in app.starts] == [("/two", "/box")]
+
+
+def test_an_argument_that_is_true_or_false(xml):
+    """It has an element of its own since Lyrical."""
+    node = '<node pkg="p" exec="e" name="n" if="$(var on)"/>'
+    declared = '<bool_arg name="on" default="false" description="whether"/>'
+    assert names(xml(declared + node)) == []
+    app = xml(declared + node, on="TRUE")
+    assert names(app) == ["/n"]
+    assert [(one.name, one.default, one.description) for one in app.arguments] == [
+        ("on", "false", "whether")
+    ]
+
+
 def test_settings_for_all_nodes_in_a_group(xml, package):
     (package / "p.yaml").write_text("/**: {ros__parameters: {file: 1}}")
     app = xml(

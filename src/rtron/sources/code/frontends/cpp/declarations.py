@@ -23,7 +23,16 @@ from rtron.sources.code.frontends.cpp.types import (
     type_of,
 )
 from rtron.sources.code.frontends.cpp.variables import lower_variable, named_declarators
-from rtron.sources.code.ir import Class, Declare, Evaluate, Stmt, TypeRef, adapter_alias
+from rtron.sources.code.ir import (
+    Class,
+    Declare,
+    Evaluate,
+    Stmt,
+    TypeRef,
+    adapter_alias,
+    alias_parameter,
+    substituted,
+)
 
 _CLASSES = ("class_specifier", "struct_specifier", "union_specifier")
 _TYPE_PARAMETERS = {
@@ -187,7 +196,7 @@ def _add_anonymous(context: LoweringContext, node: Node, name: str) -> None:
 def _alias(context: LoweringContext, node: Node, _out: list[Stmt]) -> None:
     name = context.text(node.child_by_field_name("name") or node)
     target = type_of(context, node.child_by_field_name("type"))
-    context.template = ()
+    parameters = context.take_template().names
     if target is None:
         return
     if name == EXPORT_ALIAS:
@@ -196,7 +205,8 @@ def _alias(context: LoweringContext, node: Node, _out: list[Stmt]) -> None:
         custom, message = target.args
         context.aliases.append((adapter_alias(str(custom)), message))
     else:
-        context.aliases.append((context.qualified(name), target))
+        places = {each: TypeRef(alias_parameter(at)) for at, each in enumerate(parameters)}
+        context.aliases.append((context.qualified(name), substituted(target, places)))
 
 
 def _export(context: LoweringContext, target: TypeRef) -> None:

@@ -141,11 +141,38 @@ def _call(context: LoweringContext, node: Node) -> Expr:
         return lower_opaque(context, node)
     context.note_call(function)
     args = lower_arguments(context, node.child_by_field_name("arguments"))
-    if function.type == "template_function" and len(args) == 1:
-        cast = function.child_by_field_name("name")
-        if cast is not None and context.text(cast) in _CASTS:
-            return args[0]
-    return Call(lower_expression(context, function), args, (), line_of(node))
+    if len(args) == 1 and _cast_name(context, node) in _CASTS:
+        return args[0]
+    addresses = _addresses(context, node.child_by_field_name("arguments"))
+    return Call(lower_expression(context, function), args, (), line_of(node), addresses)
+
+
+def _addresses(context: LoweringContext, arguments: Node | None) -> tuple[int, ...]:
+    """Return the positions of the arguments that are `&x`, or a cast of it."""
+    given = arguments.named_children[:_MAX_ITEMS] if arguments else []
+    return tuple(at for at, node in enumerate(given) if _is_address(context, node))
+
+
+def _is_address(context: LoweringContext, node: Node | None) -> bool:
+    if node is None:
+        return False
+    if node.type == "pointer_expression":
+        return node.children[0].type == "&" and node.children[-1].type != "qualified_identifier"
+    if node.type == "cast_expression":
+        return _is_address(context, node.child_by_field_name("value"))
+    if node.type == "call_expression" and _cast_name(context, node) in _CASTS:
+        given = node.child_by_field_name("arguments")
+        return given is not None and any(_is_address(context, one) for one in given.named_children)
+    return False
+
+
+def _cast_name(context: LoweringContext, node: Node) -> str:
+    """Return `static_cast` of `static_cast<T>(x)`, empty for what is no call of a template."""
+    function = node.child_by_field_name("function")
+    if function is None or function.type != "template_function":
+        return ""
+    name = function.child_by_field_name("name")
+    return context.text(name) if name is not None else ""
 
 
 def lower_arguments(context: LoweringContext, node: Node | None) -> tuple[Expr, ...]:

@@ -24,11 +24,13 @@ _NAMED_EXPORT = re.compile(
 )
 _AFTER_PARAMETERS = re.compile(rf"(\)(?:\s*const\b)?\s*){_MACRO_NAME}(?=\s*[;{{])")
 _INSTANTIATED = re.compile(r"\btemplate\s+(?:class|struct)\s[^;{}]*;")
-_STATEMENT = re.compile(rf"^[ \t]*{_MACRO_NAME}(?=[ \t]*\()", re.MULTILINE)
+_STATEMENT = re.compile(rf"(?:^|(?<=\)))[ \t]*{_MACRO_NAME}(?=[ \t]*\()", re.MULTILINE)
+_ADJACENT_CALLS = re.compile(rf"\)(?=[ \t]+{_MACRO_NAME}[ \t]*\()")
 _MAX_UNCLOSED = 100
 _STATEMENT_START = re.compile(r"(?:\A|[;{}):])\s*\Z")
-_STATEMENT_END = re.compile(r"[ \t]*\n\s*(?:[\w~}]|\Z)")
+_STATEMENT_END = re.compile(rf"[ \t]*\n\s*(?:[\w~}}]|\Z)|[ \t]+{_MACRO_NAME}[ \t]*\(")
 _POINTED_MEMBER = re.compile(r"->\*(?=\s*[A-Za-z_])")
+_NUMBERED_METHOD = re.compile(r"(?<=[\w)\]])(\.|->)(?=[A-Za-z_]\w*<\d+>\()")
 _MAX_PARAMETERS = 2_000
 _WORD_BEFORE = re.compile(r"(\w+)\s*\Z")
 _BEFORE_CONDITIONS = {"if", "while", "for", "switch", "return", "sizeof", "catch", "constexpr"}
@@ -42,9 +44,10 @@ _C_NAME = re.compile(
 def work_around_grammar(code: str, *, is_c: bool = False) -> str:
     """Return preprocessed code without what hinders the parser; its lines keep their numbers.
 
-    Macros in front of types and between `class` and its name go, a macro call alone on its line
-    gets a semicolon, explicit instantiations and the launch parameters of a CUDA kernel go;
-    `p->*f` is read as `p.*f`; C may use the words of C++ as names.
+    Macros in front of types and between `class` and its name go, macro calls alone on their line
+    get semicolons, explicit instantiations and the launch parameters of a CUDA kernel go;
+    `p->*f` is read as `p.*f`, `v.emplace<1>(x)` as the call that it is; C may use the words of C++
+    as names.
     """
     code = _C_NAME.sub(_rename_keyword, code) if is_c else _INSTANTIATED.sub(_newlines, code)
     code = _NAMED_EXPORT.sub("", code)
@@ -53,6 +56,7 @@ def work_around_grammar(code: str, *, is_c: bool = False) -> str:
     code = _BEFORE_TYPE.sub(r"\1", code)
     code = _AFTER_PARAMETERS.sub(_drop_behind_parameters, code)
     code = _end_macro_calls(_POINTED_MEMBER.sub(".*", code))
+    code = _NUMBERED_METHOD.sub(r"\1template ", code)
     return _KERNEL_LAUNCH.sub(_newlines, code) if "<<" in code else code
 
 
@@ -71,9 +75,19 @@ def _end_macro_calls(code: str) -> str:
             and _STATEMENT_END.match(code, call[1])
             and _STATEMENT_START.search(code[max(start - 200, 0) : start])
         ):
-            out += [code[copied : call[1]], ";"]
+            out += [code[copied : found.end()], _without_lists(code, found.end(), call), ";"]
             copied = call[1]
     return "".join([*out, code[copied:]])
+
+
+def _without_lists(code: str, start: int, call: tuple[list[str], int]) -> str:
+    """Return a call's arguments without those that are calls side by side, no expression."""
+    args, end = call
+    plain = [arg for arg in args if not _ADJACENT_CALLS.search(arg)]
+    if len(plain) == len(args):
+        return code[start:end]
+    inner = ", ".join(plain)
+    return f"({inner})" + "\n" * (code.count("\n", start, end) - inner.count("\n"))
 
 
 def _drop_behind_parameters(found: re.Match[str]) -> str:

@@ -6,11 +6,11 @@ from itertools import islice
 
 from tree_sitter import Node
 
-from rtron.sources.code.endpoint_calls import ENDPOINT_METHODS
+from rtron.sources.code.endpoint_calls import ENDPOINT_CALL
 from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext
 from rtron.sources.code.frontends.cpp.macros import Macro
 
-_CALL = re.compile(rb"\b(?:%s)\b(?=\s*[<(])" % "|".join(sorted(ENDPOINT_METHODS)).encode())
+_CALL = re.compile(ENDPOINT_CALL.pattern.encode())
 _UNEVALUATED = frozenset(
     [
         *("string_literal", "raw_string_literal", "char_literal", "comment", "decltype"),
@@ -26,7 +26,7 @@ _MAX_USES = 200
 
 def endpoint_macros(macros: Mapping[str, Macro]) -> tuple[str, ...]:
     """Return the macros with parameters that hold a call which makes an endpoint."""
-    holding = (name for name, macro in macros.items() if _CALL.search(macro.body.encode()))
+    holding = (name for name, macro in macros.items() if ENDPOINT_CALL.search(macro.body))
     return tuple(name for name in holding if macros[name].params is not None)
 
 

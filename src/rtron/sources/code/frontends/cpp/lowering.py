@@ -94,6 +94,7 @@ def _unit(context: LoweringContext, read: PreprocessedFile, body: list[ir.Stmt])
         enums=tuple(context.enums.items()),
         endpoint_macros=endpoint_macros(read.macros),
         unexpanded=unexpanded_macros(read.code),
+        labels=tuple(context.labels),
         problems=tuple(context.problems),
     )
 

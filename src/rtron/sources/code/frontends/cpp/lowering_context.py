@@ -30,6 +30,7 @@ class LoweringContext:
     `statements` takes the statements of the block being lowered, so that an assignment within an
     expression can stand before the statement it is in; it is None where it must not. `packs` are
     the names of parameter packs, `called` where the names stand that are called or declared.
+    `labels` are the named ones of each `switch`.
     """
 
     file: str
@@ -50,6 +51,7 @@ class LoweringContext:
     packs: set[str] = field(default_factory=set)
     called: list[tuple[int, int]] = field(default_factory=list)
     types: dict[bytes, TypeRef | None] = field(default_factory=dict)
+    labels: list[frozenset[str]] = field(default_factory=list)
 
     def text(self, node: Node) -> str:
         """Return a node's source text."""

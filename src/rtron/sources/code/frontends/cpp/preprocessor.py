@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import ClassVar
 
+from rtron.sources.code.endpoint_calls import ENDPOINT_CALL
 from rtron.sources.code.frontends.cpp.macros import (
     CHARACTER,
     ENCODING,
@@ -40,6 +41,10 @@ _DIRECTIVE = re.compile(r"\s*#\s*(\w*)\s*(.*)", re.DOTALL)
 _DEFINE = re.compile(r"(\w+)(?:\(([^()]*)\))?\s*(.*)", re.DOTALL)
 _SPLICED = re.compile(r"^(?:.*\\\n)+.*", re.MULTILINE)
 _QT = re.compile(r"\bQ_OBJECT\b|<Q[A-Z]\w+>|\bemit \w")
+_MACRO_NAME = re.compile(r"\b(?!defined\b)[A-Za-z_]\w*")
+_OTHER_PLATFORMS = frozenset(
+    {"WIN32", "_WIN32", "_WIN64", "_MSC_VER", "__APPLE__", "__ANDROID__", "ANDROID", "__QNX__"}
+)
 _MAY_BE_QT = ("Q_OBJECT", "<Q", "emit ")
 
 
@@ -82,11 +87,18 @@ def _predefined(*, qt: bool) -> Mapping[str, Macro]:
 
 @dataclass(slots=True)
 class _Branch:
-    """An open `#if`: whether its present branch lives, and whether one already did."""
+    """An open `#if`: whether its present branch lives, and whether one already did.
+
+    `condition` is what the present branch asks. `lost_call` is the first call of a branch that does
+    not live that would make an endpoint, with its line; `has_calls` says that a living one does.
+    """
 
     is_active: bool
     was_taken: bool
     line: int
+    condition: str = ""
+    lost_call: tuple[str, int, str] | None = None
+    has_calls: bool = False
 
 
 @dataclass(slots=True)
@@ -135,10 +147,24 @@ class _DirectiveReader:
         code = "".join(segment)
         segment.clear()
         lines = code.count("\n")
+        if self._branches:
+            self._note_calls(code)
         self._line += lines
         if not self._is_active:
             return "\n" * lines
         return self.macros.expand(_SPLICED.sub(_join_continued, code))
+
+    def _note_calls(self, code: str) -> None:
+        """Remember the calls in open branches that would make endpoints."""
+        found = ENDPOINT_CALL.search(code)
+        if found is None:
+            return
+        for branch in self._branches:
+            if not branch.is_active:
+                line = self._line + code.count("\n", 0, found.start())
+                branch.lost_call = branch.lost_call or (found.group(), line, branch.condition)
+                return
+            branch.has_calls = True
 
     @property
     def _is_active(self) -> bool:
@@ -169,38 +195,49 @@ class _DirectiveReader:
         self.includes.append(rest if rest[:1] in {"<", '"'} else self.macros.expand(rest))
 
     def _if(self, rest: str) -> None:
-        self._open_branch(lambda: self._is_true(rest))
+        self._open_branch(lambda: self._is_true(rest), rest)
 
     def _ifdef(self, rest: str) -> None:
-        self._open_branch(lambda: _first_word(rest) in self.macros.defined)
+        self._open_branch(lambda: _first_word(rest) in self.macros.defined, rest)
 
     def _ifndef(self, rest: str) -> None:
         self._open_branch(lambda: _first_word(rest) not in self.macros.defined)
 
-    def _open_branch(self, test: Callable[[], bool]) -> None:
+    def _open_branch(self, test: Callable[[], bool], condition: str = "") -> None:
         outer = self._is_active
         live = outer and test()
-        self._branches.append(_Branch(live, live or not outer, self._line))
+        self._branches.append(_Branch(live, live or not outer, self._line, condition))
 
     def _elif(self, rest: str) -> None:
-        self._switch_branch("#elif", lambda: self._is_true(rest))
+        self._switch_branch("#elif", lambda: self._is_true(rest), rest)
 
     def _else(self, _rest: str) -> None:
         self._switch_branch("#else", lambda: True)
 
-    def _switch_branch(self, name: str, test: Callable[[], bool]) -> None:
+    def _switch_branch(self, name: str, test: Callable[[], bool], condition: str = "") -> None:
         if not self._branches:
             self._problem(f"{name} without #if")
             return
         branch = self._branches[-1]
         branch.is_active = not branch.was_taken and test()
         branch.was_taken |= branch.is_active
+        branch.condition = condition
 
     def _endif(self, _rest: str) -> None:
         if self._branches:
-            self._branches.pop()
+            self._note_lost_call(self._branches.pop())
         else:
             self._problem("#endif without #if")
+
+    def _note_lost_call(self, branch: _Branch) -> None:
+        """Note a call that no branch has instead, and that a macro nobody defines leaves out."""
+        if branch.lost_call is None or branch.has_calls or not self._is_active:
+            return
+        call, line, condition = branch.lost_call
+        names = set(_MACRO_NAME.findall(condition)) - self.macros.defined.keys() - _OTHER_PLATFORMS
+        if names:
+            missing = ", ".join(sorted(names))
+            self._problem(f"a call of {call} is left out: {missing} is not defined", line)
 
     def _is_true(self, rest: str) -> bool:
         try:

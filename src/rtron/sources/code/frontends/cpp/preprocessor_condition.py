@@ -1,4 +1,7 @@
-"""The expression of an `#if`, evaluated (C++17, clause 19.1): names still unknown are 0."""
+"""The expression of an `#if`, evaluated (C++17, clause 19.1): names still unknown are 0.
+
+But for versions that are compared: they come from headers that are not here, and are taken as new.
+"""
 
 import operator
 import re
@@ -48,6 +51,8 @@ _OPERATIONS: dict[str, Callable[[int, int], int]] = {
     "&&": lambda left, right: bool(left and right),
     "||": lambda left, right: bool(left or right),
 }
+_ORDERINGS = frozenset({"<", "<=", ">", ">="})
+_NEWEST = 2**31
 _UNARY: dict[str, Callable[[int], int]] = {
     "!": operator.not_,
     "-": operator.neg,
@@ -128,6 +133,8 @@ class _IfExpressionParser:
         elif symbol == "(":
             value = self._ternary()
             self._expect(")")
+        elif "VERSION" in symbol and self._peek() in _ORDERINGS:
+            value = _NEWEST
         else:
             value = _literal(symbol)
         self._depth -= 1

@@ -132,7 +132,8 @@ def _lower_clause(context: LoweringContext, node: Node | None, out: list[Stmt]) 
 def _range(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     _lower_clause(context, node.child_by_field_name("initializer"), out)
     values = node.child_by_field_name("right")
-    name = read_declarator(node.child_by_field_name("declarator")).name
+    declared = read_declarator(node.child_by_field_name("declarator"))
+    name = declared.name
     target: Expr = Name("")
     if name is not None:
         binding = name.type == "structured_binding_declarator"
@@ -141,7 +142,7 @@ def _range(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
         )
     iterable = lower_expression(context, values) if values else Const(None)
     body = lower_body(context, node.child_by_field_name("body"))
-    out.append(ForEach(target, iterable, body, line_of(node)))
+    out.append(ForEach(target, iterable, body, line_of(node), reference=declared.reference))
 
 
 @lowers_statement("return_statement", "co_return_statement")

@@ -52,6 +52,8 @@ def _switch(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
     if not isinstance(subject, (Attr, Const, Name)):
         subject = _evaluate_once(subject, line_of(node), out)
     cases = _read_cases(context, node.child_by_field_name("body"), out)
+    named = (label.id for case in cases for label in case.labels if isinstance(label, Name))
+    context.labels.append(frozenset(named))
     bodies = _with_fallthrough(context, line_of(node), [case.body for case in cases])
     for case, body in zip(cases, bodies, strict=True):
         case.body = body[:-1] if body and isinstance(body[-1], Break) else body

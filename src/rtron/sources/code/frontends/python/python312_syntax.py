@@ -77,7 +77,7 @@ class _FStrings:
         if match is None:
             return at + 1
         is_formatted = "f" in match[1].lower() or "t" in match[1].lower()
-        if not is_formatted or depth == _MAX_DEPTH or self._unclosed == _MAX_UNCLOSED:
+        if not is_formatted or depth == _MAX_DEPTH or self._unclosed >= _MAX_UNCLOSED:
             return self._skip_plain(match.end(), match[2])
         begin = match.start(2)
         if begin not in self._boundaries:

@@ -34,6 +34,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 MAX_BITS = 256
 MAX_PAIRS = 2 * MAX_CHOICES
 
+
 _ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "+": operator.add,
     "-": operator.sub,
@@ -79,6 +80,17 @@ def binary(name: str, left: Value, right: Value) -> Value:
     if len(pairs) > MAX_PAIRS:
         return Unknown("many", is_tainted(left) or is_tainted(right))
     return join([_binary(name, *pair) for pair in pairs])
+
+
+def cpp_binary(name: str, left: Value, right: Value) -> Value:
+    """Return `left name right` as C++ does: whole quotients, and the distance of two letters."""
+    if isinstance(left, Scalar) and isinstance(right, Scalar):
+        values = (left.value, right.value)
+        if name == "/" and all(isinstance(value, int) for value in values):
+            return binary("//", left, right)
+        if name == "-" and all(isinstance(each, str) and len(each) == 1 for each in values):
+            return Scalar(ord(str(left.value)) - ord(str(right.value)), left.tainted)
+    return binary(name, left, right)
 
 
 def _binary(name: str, left: Value, right: Value) -> Value:

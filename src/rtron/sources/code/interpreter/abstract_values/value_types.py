@@ -12,6 +12,8 @@ from rtron.sources.code.ir import Class, Function, TypeRef
 from rtron.sources.code.record import record
 
 MAX_CHOICES = 24
+MAX_FUNCTIONS = 128
+"""How many a value may be of if all are functions: a message picks one of a table."""
 MAX_PARTS = 24
 MAX_LENGTH = 4096
 
@@ -292,9 +294,13 @@ def join(values: Iterable[Value]) -> Value:
                 found.append(option)
     if not found:
         return NONE
-    if len(found) > MAX_CHOICES:
+    if len(found) > MAX_CHOICES and not _are_functions(found):
         return Unknown("many")
     return found[0] if len(found) == 1 else Choice(tuple(found))
+
+
+def _are_functions(found: list[Value]) -> bool:
+    return len(found) <= MAX_FUNCTIONS and all(isinstance(one, FunctionValue) for one in found)
 
 
 def _contains(value: Value, found: list[Value]) -> bool:
@@ -333,7 +339,7 @@ def parts_of(value: Value) -> tuple[str | Unknown, ...]:
         return value.parts
     if isinstance(value, Unknown):
         return (value,)
-    return (UNKNOWN,)
+    return (Unknown(value.name) if isinstance(value, ExternalSymbol) else UNKNOWN,)
 
 
 def plain(value: object) -> str:

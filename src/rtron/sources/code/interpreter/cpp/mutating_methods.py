@@ -15,6 +15,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     join,
     options,
 )
+from rtron.sources.code.interpreter.cpp.held_values import emplace
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.assignment import slot_of
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
@@ -41,8 +42,11 @@ def mutate(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value | N
     owner = machine.evaluate(node.function.owner, frame)
     if any(machine.runtime.attribute(option, name, ()) is not None for option in options(owner)):
         return None
-    values = [machine.evaluate(arg, frame) for arg in node.args]
-    return _write(machine, node.function, owner, values, frame)
+    if name == "emplace":
+        new = emplace(machine, node, frame)
+    else:
+        new = _new_value(name, owner, [machine.evaluate(arg, frame) for arg in node.args])
+    return _write(machine, node.function, new, frame)
 
 
 def _pointed_value(machine: AbstractMachine, function: Attr, frame: StackFrame) -> Value | None:
@@ -74,11 +78,8 @@ def truth_of_optional(held: Value) -> bool | None:
     return answers.pop() if len(answers) == 1 else None
 
 
-def _write(
-    machine: AbstractMachine, function: Attr, owner: Value, values: list[Value], frame: StackFrame
-) -> Value:
+def _write(machine: AbstractMachine, function: Attr, new: Value, frame: StackFrame) -> Value:
     slot = slot_of(machine, function.owner, frame)
-    new = _new_value(function.name, owner, values)
     if slot is not None:
         machine.undo_log.set(*slot, new)
     return new
@@ -93,8 +94,6 @@ def _new_value(name: str, owner: Value, values: list[Value]) -> Value:
         return concat((owner, values[0]))
     if name == "assign" and values:
         return values[0]
-    if name == "emplace":
-        return values[0] if len(values) == 1 else Unknown(name)
     return _edit_text(name, owner, values)
 
 

@@ -25,6 +25,7 @@ from rtron.sources.code.interpreter.cpp.braces import (
 from rtron.sources.code.interpreter.cpp.calls import CppCalls
 from rtron.sources.code.interpreter.cpp.iterators import ITERATOR, dereference, is_end
 from rtron.sources.code.interpreter.cpp.overload_resolution import choose_overload
+from rtron.sources.code.interpreter.cpp.symbol_table import MODELLED_FOLDERS
 from rtron.sources.code.interpreter.cpp.types import template_types
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.assignment import slot_of
@@ -111,6 +112,12 @@ class CppObjects(CppCalls):
         cls = self._load_plugin_class(found)
         return self.construct_instance(cls, arguments.with_values(), ()) if cls else None
 
+    def missing_package(self, name: str) -> str:
+        """Return the package that has what is called by a name, if it tells and is not here."""
+        first, _, rest = name.partition("::")
+        is_known = first in MODELLED_FOLDERS or self.files.package_path(first) is not None
+        return first if rest and not is_known else ""
+
     def load_functions(self, sources: tuple[Path, ...], name: str) -> tuple[Function, ...]:
         """Take in sources, and return the functions of a name that they define."""
         for source in sources:
@@ -163,11 +170,20 @@ class CppObjects(CppCalls):
     def construct_instance(
         self, cls: ClassValue, arguments: Arguments, types: tuple[TypeRef, ...]
     ) -> Instance:
-        """Return an object of a scanned class, made from values."""
+        """Return an object of a scanned class, made from values, or as a copy of another one."""
+        copied = copy_instance(arguments.value(0)) if self._is_copy(cls, arguments) else None
+        if isinstance(copied, Instance):
+            return copied
         made = Instance(cls, {}, types)
         self.machine.instances.append(made)
         self._run_class_part(made, cls, arguments)
         return made
+
+    def _is_copy(self, cls: ClassValue, arguments: Arguments) -> bool:
+        """Tell whether an object is made of one of its class, which has no constructor for that."""
+        given = len(arguments.values) == 1 and _is_instance_of(arguments.values[0], cls.name)
+        declared = (f.params[0].type for f in self.overloads(cls.constructor) if f.params)
+        return given and not any(type and _is_named(type, cls.name) for type in declared)
 
     def _run_class_part(
         self,
@@ -244,8 +260,7 @@ class CppObjects(CppCalls):
         """Make the bases and members; a class without constructors hands on what it is given."""
         for base, reference in zip(cls.bases, cls.definition.bases, strict=True):
             if isinstance(reference, TypeRef):
-                name = reference.name
-                given = initialisers.get(name, initialisers.get(name.rpartition("::")[2], ()))
+                given = self._given_to_base(reference, base, initialisers, frame)
                 if isinstance(base, (ClassValue, LibraryClass)):
                     made.bindings[base.name] = self.template_arguments(reference, frame)
                 passed = inherited or self._initialiser_arguments(given, frame)
@@ -253,6 +268,21 @@ class CppObjects(CppCalls):
         for member in cls.definition.fields:
             if not member.static:
                 made.fields[member.name] = self._member_value(member, initialisers, frame)
+
+    def _given_to_base(
+        self,
+        reference: TypeRef,
+        base: Value,
+        initialisers: Mapping[str, tuple[object, ...]],
+        frame: StackFrame,
+    ) -> tuple[object, ...]:
+        """Return what a base's constructor gets: by one of its names, or by what means the base."""
+        given = _given_to_base(initialisers, reference.name)
+        if given:
+            return given
+        named = (key for key in initialisers if self.class_of(TypeRef(key), frame) is base)
+        key = next(named, None)
+        return initialisers[key] if key is not None else ()
 
     def _initialise_aggregate(self, made: Instance, cls: ClassValue, arguments: Arguments) -> None:
         """`Point{1, 2}`, `Point{.y = 2}` of a class without constructors and bases."""
@@ -315,11 +345,24 @@ class CppObjects(CppCalls):
         return Arguments(values=tuple(values), slots=slots, line=node.line, frame=frame)
 
 
+def _is_instance_of(value: Value | None, name: str) -> bool:
+    """Tell whether a value is an object of a scanned class of a plain name."""
+    type = value.type if isinstance(value, Instance) else None
+    return isinstance(type, ClassValue) and _is_named(type, name)
+
+
+def _is_named(type: ClassValue | TypeRef, name: str) -> bool:
+    """Tell whether a class has a plain name."""
+    return type.name.rpartition("::")[2] == name.rpartition("::")[2]
+
+
 def _is_range_or_copy(node: New, values: tuple[Value, ...]) -> bool:
     """`std::vector<T> v{other}` copies, `v{xs.begin(), xs.end()}` takes a range."""
     copies = len(values) == 1 and not isinstance(node.args[0], (SequenceExpr, MappingExpr))
     first = values[0] if values else None
-    copied = copies and isinstance(first, (ListValue, MapValue))
+    copied = copies and (
+        isinstance(first, (ListValue, MapValue)) or _is_instance_of(first, node.type.name)
+    )
     return copied or (isinstance(first, Instance) and first.type is ITERATOR)
 
 
@@ -332,3 +375,10 @@ def _is_delegation(name: str, cls: ClassValue) -> bool:
 
 def _is_temporary(node: Expr) -> bool:
     return isinstance(node, (New, Call))
+
+
+def _given_to_base(initialisers: Mapping[str, tuple[object, ...]], name: str) -> tuple[object, ...]:
+    """Return what a base gets, by any of its names: `B(x)`, `ns::B(x)`, and `B::B(x)` in itself."""
+    plain = name.rpartition("::")[2]
+    given = (args for key, args in initialisers.items() if key.rpartition("::")[2] == plain)
+    return initialisers.get(name) or next(given, ())

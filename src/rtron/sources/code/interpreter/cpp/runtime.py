@@ -20,7 +20,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     map_options,
 )
 from rtron.sources.code.interpreter.cpp.calls import copy_container
-from rtron.sources.code.interpreter.cpp.iterators import begin, dereference, end
+from rtron.sources.code.interpreter.cpp.held_values import PLACE_TAGS, place_tag
+from rtron.sources.code.interpreter.cpp.iterators import dereference
 from rtron.sources.code.interpreter.cpp.objects import CppObjects
 from rtron.sources.code.interpreter.cpp.types import bound_overloads, unqualified_names
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -35,13 +36,7 @@ from rtron.sources.code.ir import (
     TypeRef,
 )
 from rtron.sources.code.ir.references import called_names
-from rtron.sources.code.library_models.common.containers import (
-    LIST_METHODS,
-    bound_method,
-)
-from rtron.sources.code.library_models.common.maps import (
-    CPP_MAP_METHODS,
-)
+from rtron.sources.code.library_models.common.maps import cpp_container_member
 from rtron.sources.code.library_models.common.strings import CPP_STRING_METHODS, bound_string_method
 from rtron.sources.code.library_models.cpp_std.registry import (
     CONSTANTS,
@@ -87,6 +82,14 @@ class CppRuntime(CppObjects):
         """C++ names what it calls; a function that is passed is one of its callbacks."""
         del function
         return False
+
+    def find_by_arguments(self, name: str, arguments: Arguments) -> Value | None:
+        """Return a function of the namespace of an argument's class, or of one of its bases."""
+        given = [value.type for value in arguments.values if isinstance(value, Instance)]
+        classes = [one for type in given for one in self.lineage(type)] if "::" not in name else []
+        spaces = (str(getattr(one, "name", "")).rpartition("::")[0] for one in classes)
+        found = Name(name, types=arguments.types)
+        return self._first_global(tuple(f"{space}::{name}" for space in spaces if space), found)
 
     def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
         """C++ notes these where it evaluates the call: the template arguments tell."""
@@ -157,7 +160,7 @@ class CppRuntime(CppObjects):
         if name in _PARAMETER_TYPE_METHODS:
             return LibraryFunction(name, _PARAMETER_TYPE_METHODS[name], owner)
         if isinstance(owner, (ListValue, MapValue)):
-            return _container_member(owner, name)
+            return cpp_container_member(owner, name)
         if is_text(owner):
             return bound_string_method(CPP_STRING_METHODS, owner, name)
         return None
@@ -255,6 +258,8 @@ class CppRuntime(CppObjects):
             return Scalar(first == second)
         if found is None and name.types and self.symbols.specialisations:
             found = self._specialised_member(name, frame)
+        if name.id in PLACE_TAGS:
+            return place_tag(tuple(self.resolve_type(type, frame) for type in name.types))
         if found is None and "::" in name.id and name.id in self.library_functions:
             found = self._library_function(name.id, name)
         return (
@@ -382,14 +387,6 @@ _PARAMETER_TYPE_METHODS = {"getType": parameter_type_of, "get_type": get_type}
 def _may_alias(node: Declare, value: Value | None) -> bool:
     """Tell whether a variable is another name of a slot: a reference, a pointer to a string."""
     return value is not None and (node.reference or is_text(value))
-
-
-def _container_member(owner: ListValue | MapValue, name: str) -> Value | None:
-    walk = {"begin": begin, "end": end, "cbegin": begin, "cend": end}.get(name)
-    if walk is not None:
-        return LibraryFunction(name, walk, owner)
-    methods = LIST_METHODS if isinstance(owner, ListValue) else CPP_MAP_METHODS
-    return bound_method(methods, owner, name)
 
 
 def _copy_constant(constant: Value | None) -> Value | None:

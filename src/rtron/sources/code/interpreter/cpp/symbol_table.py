@@ -6,7 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
-from rtron.sources.code.ir import Class, Declare, Evaluate, Function, SourceLanguage, TypeRef, Unit
+from rtron.sources.code.ir import (
+    Class,
+    Declare,
+    Evaluate,
+    Function,
+    SourceLanguage,
+    TypeRef,
+    Unit,
+    alias_parameter,
+    substituted,
+)
 
 MAX_FILES = 600
 MODELLED_FOLDERS = frozenset(
@@ -28,7 +38,7 @@ class SymbolTable:
     """Functions, classes, variables, aliases and enumerators, by their qualified names.
 
     `local_scopes` are the functions that have classes or aliases of their own, `unread` the files
-    that were one too many.
+    that were one too many, `headers` what all of them include.
     """
 
     files: SourceProvider
@@ -56,6 +66,8 @@ class SymbolTable:
     stray: list[tuple[Evaluate, str]] = field(default_factory=list)
     specialisations: dict[str, list[Class]] = field(default_factory=dict)
     unread: list[Path] = field(default_factory=list)
+    headers: set[str] = field(default_factory=set)
+    _switches_by_label: dict[str, set[int]] = field(default_factory=dict)
 
     def new_cache(self) -> dict[Any, Any]:
         """Return a dict that is emptied whenever a file brings other names."""
@@ -71,6 +83,7 @@ class SymbolTable:
             return
         unit = self.files.lowered_unit(path, SourceLanguage.CPP)
         self.units[path] = unit
+        self.headers.update(include.strip('<>"') for include in unit.includes)
         for include in unit.includes:
             if include.strip('<>"').partition("/")[0] in MODELLED_FOLDERS:
                 continue
@@ -78,6 +91,17 @@ class SymbolTable:
             if header is not None:
                 self.load(header)
         self._add_unit(unit)
+
+    def are_equal(self, first: str, second: str) -> bool | None:
+        """Tell whether two names of headers that are not here have one value; None if not known.
+
+        A name equals itself, and the labels of one `switch` differ.
+        """
+        if first == second:
+            return True
+        switches = self._switches_by_label
+        is_apart = not switches.get(first, set()).isdisjoint(switches.get(second, set()))
+        return False if is_apart else None
 
     def load_definition(self, function: Function) -> bool:
         """Take in the sources that may define a function which is only declared so far.
@@ -194,7 +218,9 @@ class SymbolTable:
             found = self.aliases.get(candidate)
             if found is not None and found != type:
                 inner = candidate.rpartition("::")[0]
-                return TypeRef(found.name, found.args or type.args), inner
+                given = {alias_parameter(at): arg for at, arg in enumerate(type.args)}
+                target = substituted(found, given)
+                return TypeRef(target.name, target.args or type.args), inner
         return self._namespace_alias_target(type, scope)
 
     def _namespace_alias_target(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
@@ -254,6 +280,12 @@ class SymbolTable:
             elif isinstance(statement, Evaluate):
                 self.stray.append((statement, unit.file))
         self.exports.extend(unit.exports)
+        self._add_labels(unit)
+
+    def _add_labels(self, unit: Unit) -> None:
+        for labels in unit.labels:
+            for label in labels:
+                self._switches_by_label.setdefault(label, set()).add(id(labels))
 
     def _qualify(self, function: Function) -> Function:
         """Return a function under its full name: `using namespace a; B::run() {}` is a::B::run."""

@@ -27,6 +27,7 @@ from rtron.sources.code.library_models.common.message_types import (
     INTERFACE_FOLDERS,
     cpp_message_name,
     cpp_message_type,
+    message_header,
 )
 
 POINTER_ALIASES = frozenset(
@@ -238,17 +239,24 @@ class CppTypes:
         for using in self.symbols.usings:
             package, _, name = using.rpartition("::")
             for owner, what in ((package, name), (using, plain)):
-                if owner.rpartition("::")[2] in INTERFACE_FOLDERS and what == plain:
-                    return self._message_in_namespace(owner, plain, named=name == plain)
-                if what == plain and self.files.has_message_type(owner, cpp_message_name(plain)):
-                    return f"{owner}/{cpp_message_name(plain)}"
+                found = self._message_in_namespace(owner, plain, named=name == plain)
+                if what == plain and found:
+                    return found
         return ""
 
+    def _has_message(self, package: str, folder: str, name: str) -> bool:
+        """Tell whether a package defines a type, or the program includes the header of one."""
+        header = message_header(package, folder, name)
+        return bool(self.files.has_message_type(package, name)) or header in self.symbols.headers
+
     def _message_in_namespace(self, space: str, plain: str, *, named: bool) -> str:
-        """ROS 2: what `using std_msgs::msg::String` or `using namespace std_msgs::msg` brings."""
+        """Return what `using std_msgs::msg::String` or `using namespace std_msgs` brings."""
         package, _, folder = space.partition("::")
-        is_message = named or self.files.has_message_type(package, plain)
-        return f"{package}/{folder}/{plain}" if is_message else ""
+        if folder in INTERFACE_FOLDERS:
+            is_message = named or self._has_message(package, folder, plain)
+            return f"{package}/{folder}/{plain}" if is_message else ""
+        name = cpp_message_name(plain)
+        return f"{space}/{name}" if self._has_message(space, "", name) else ""
 
     def template_bindings(self, called: FunctionValue) -> Mapping[str, TypeRef]:
         """Return what a method's template parameters, and those of its class, mean."""

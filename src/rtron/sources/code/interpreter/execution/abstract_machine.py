@@ -7,6 +7,7 @@ called by a library (callbacks, threads, virtual methods) runs after the program
 that is made.
 """
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -25,6 +26,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
+    is_tainted,
     join,
 )
 from rtron.sources.code.interpreter.cpp.overload_resolution import choose_overload
@@ -40,12 +42,15 @@ from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.ir import Expr, Function, Stmt
 from rtron.vocabulary import Evidence
 
+_TEXT = re.compile("string|char|text", re.IGNORECASE)
 PARTIAL = "partial"
 """The name of a library's function with arguments that it already has: it is run if it escapes."""
 MAX_STEPS = 800_000
 MAX_IRRELEVANT_STEPS = 4_000
 MAX_DYNAMIC_STEPS = 20_000
 """The steps of a function that joins no nodes, and of one that calls what it does not name."""
+MAX_IRRELEVANT_SUM = 8_000
+"""The steps of all calls, by callbacks, of a function that joins no nodes and handles no text."""
 TOO_LARGE = "too large to be run whole"
 MAX_CALLS = 48
 MAX_RECURSION = 3
@@ -92,7 +97,8 @@ class ThrownError(EndError):
 class AbstractMachine:
     """The state of one run: what was written, what was declared, what is still to be called.
 
-    `lambdas` are those of C++ that were made, by the identity of their bodies.
+    `lambdas` are those of C++ that were made, by the identity of their bodies; `python_calls` what
+    a C++ program calls of a module of Python, and where.
     """
 
     runtime: LanguageRuntime
@@ -117,6 +123,7 @@ class AbstractMachine:
     executed_functions: set[tuple[str, int, str]] = field(default_factory=set)
     executed_bodies: set[int] = field(default_factory=set)
     lambdas: dict[int, Function] = field(default_factory=dict)
+    python_calls: dict[tuple[str, str], Evidence] = field(default_factory=dict)
     active_handlers: list[tuple[str, ...]] = field(default_factory=list)
     possible_throws: int = 0
     trial_depth: int = 0
@@ -124,6 +131,9 @@ class AbstractMachine:
     is_relevant: Callable[["AbstractMachine", Function], bool] = lambda machine, function: True
     _steps: int = 0
     _step_limit: int = field(default_factory=lambda: MAX_STEPS)
+    _step_budget: int = field(default_factory=lambda: MAX_STEPS)
+    _relevant_steps: int = 0
+    _irrelevant_steps: dict[tuple[str, int, str], int] = field(default_factory=dict)
     _loop_depth: int = 0
     _call_stack: list[Function] = field(default_factory=list)
 
@@ -192,6 +202,7 @@ class AbstractMachine:
             self.possible_throws += 1
             ended = True
         if not ended:
+            self.forget_references(function, arguments)
             return Unknown(f"{function.name}()", type=function.returns)
         if frame.yields:
             return list_of(frame.yields, "generator")
@@ -200,26 +211,61 @@ class AbstractMachine:
     def _run_bounded(self, function: Function, frame: StackFrame) -> bool:
         """Run a function; one that joins no nodes may take few steps. Tell whether it ended."""
         if self.is_relevant(self, function):
-            self.run(function, frame)
+            self._run_relevant(function, frame)
             return True
-        outer, depth = self._step_limit, len(self._call_stack)
         may_join = self.runtime.calls_unknown(function)
         most = MAX_DYNAMIC_STEPS if may_join else MAX_IRRELEVANT_STEPS
-        self._step_limit = min(outer, self._steps + most)
+        if self.recorder.is_spinning and not (may_join or _may_handle_text(function)):
+            most = min(most, MAX_IRRELEVANT_SUM - self._irrelevant_steps.get(function.key, 0))
+        if most <= 0:
+            self.possible_throws += 1
+            return False
+        return self._run_in_steps(function, frame, most, is_noted=may_join)
+
+    def _run_relevant(self, function: Function, frame: StackFrame) -> None:
+        """Run a function whose steps do not count to what the functions around it may take."""
+        outer, before, relevant = self._step_limit, self._steps, self._relevant_steps
+        self._step_limit = self._step_budget
+        try:
+            self.run(function, frame)
+        finally:
+            spent = self._steps - before if outer < self._step_budget else 0
+            self._relevant_steps = relevant + spent
+            self._step_limit = min(outer + spent, self._step_budget)
+
+    def _run_in_steps(
+        self, function: Function, frame: StackFrame, most: int, *, is_noted: bool
+    ) -> bool:
+        """Run a function that may take so many steps; tell whether it ended."""
+        outer, before, depth = self._step_limit, self._steps, len(self._call_stack)
+        relevant = self._relevant_steps
+        self._step_limit = min(outer, before + most)
         try:
             self.run(function, frame)
         except StepsExceededError:
             del self._call_stack[depth:]
-            if self._step_limit == outer:
+            if self._steps > outer + self._relevant_steps - relevant:
                 raise
             self.possible_throws += 1
-            if may_join:
+            if is_noted:
                 place = Evidence(file=function.file, line=function.line)
                 self.recorder.add_unresolved(function.name, TOO_LARGE, place)
             return False
         finally:
-            self._step_limit = outer
+            relevant = self._relevant_steps - relevant
+            self._step_limit = min(outer + relevant, self._step_budget)
+            if self.recorder.is_spinning:
+                spent = self._irrelevant_steps.get(function.key, 0) + self._steps - before
+                self._irrelevant_steps[function.key] = spent - relevant
         return True
+
+    def forget_references(self, function: Function, arguments: Arguments) -> None:
+        """Forget what a function gets by reference that is not run, or not to its end."""
+        for param, slot in zip(function.params, arguments.slots, strict=False):
+            if param.reference and slot is not None:
+                before = slot.holder.get(slot.key)
+                after = Unknown(slot.label, is_tainted(before) if before else False)
+                self.undo_log.set(*slot, after)
 
     def run(self, function: Function, frame: StackFrame) -> None:
         """Run a function's body in a frame that is ready."""
@@ -302,11 +348,12 @@ class AbstractMachine:
     @contextmanager
     def step_budget(self, steps: int) -> Iterator[None]:
         """Run something that may take so many steps."""
-        before, self._step_limit = self._step_limit, self._steps + steps
+        before = self._step_limit, self._step_budget
+        self._step_limit = self._step_budget = self._steps + steps
         try:
             yield
         finally:
-            self._step_limit = before
+            self._step_limit, self._step_budget = before
 
     @contextmanager
     def trial_run(self) -> Iterator[None]:
@@ -338,4 +385,12 @@ def _same_call(value: FunctionValue, other: FunctionValue) -> bool:
         and value.closure is other.closure
         and value.bound_arguments == other.bound_arguments
         and value.bound_keywords == other.bound_keywords
+    )
+
+
+def _may_handle_text(function: Function) -> bool:
+    """Tell whether a function gets or gives a text, by its types: what has none may be one."""
+    types = (function.returns, *(param.type for param in function.params))
+    return any(
+        type is None or type.name in function.template or _TEXT.search(str(type)) for type in types
     )

@@ -22,7 +22,8 @@ from rtron.vocabulary import Evidence
 class Arguments:
     """The values of a call, and the slots of those that have one, to be written to by C++.
 
-    `types` are the template arguments, `frame` is the caller's.
+    `types` are the template arguments, `frame` is the caller's. `addresses` are the positions of
+    `&x`.
     """
 
     values: tuple[Value, ...] = ()
@@ -31,6 +32,7 @@ class Arguments:
     types: tuple[TypeRef, ...] = ()
     line: int = 0
     frame: StackFrame
+    addresses: tuple[int, ...] = ()
 
     @property
     def evidence(self) -> Evidence:

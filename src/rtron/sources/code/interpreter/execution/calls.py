@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from rtron.sources.code.endpoint_calls import ENDPOINT_METHODS
 from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    OPEN,
     UNKNOWN,
     Choice,
     ClassValue,
@@ -14,15 +13,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Instance,
     LibraryClass,
     LibraryFunction,
-    ListValue,
     MapValue,
     MessageType,
-    PartialText,
-    Scalar,
     Unknown,
     Value,
-    is_tainted,
-    is_text,
     join,
     text_with_holes,
 )
@@ -37,23 +31,17 @@ from rtron.sources.code.interpreter.execution.exceptions import (
     is_logging_call,
 )
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
+from rtron.sources.code.interpreter.execution.written_arguments import (
+    READ_ONLY_FUNCTIONS,
+    forget_pointees,
+    forget_written,
+    open_container,
+)
 from rtron.sources.code.ir import Attr, Call, Expr, Index, Name, Star, TypeRef
 from rtron.sources.code.library_models.common.message_types import make_message
 
-MUTATING_FUNCTIONS = frozenset(
-    {"replace", "transform", "reverse", "rotate", "swap", "generate", "fill", "sort", "strcat"}
-)
-"""Functions of the standard library that change what they are given."""
 _MIN_ARGUMENTS = 2
 """What a call of a client library gets at least, if no template argument tells it from others."""
-READ_ONLY_FUNCTIONS = frozenset(
-    [
-        *("printf", "fprintf", "puts", "fputs", "perror", "syslog", "strlen", "strncmp", "strstr"),
-        *("stol", "stoll", "stoul", "stoull", "stof", "strtol", "strtoul", "strtod"),
-        *("fopen", "open", "access", "stat", "opendir", "mkdir", "unlink", "setenv"),
-    ]
-)
-"""Functions of the C and C++ libraries that leave the texts as they are which they are given."""
 _HANDLE_FIELDS = {1: "namespace", 2: "node.name"}
 """What node handles of roscpp have, and nodes of ROS 2."""
 _ADD_NOTHING = frozenset(
@@ -61,9 +49,14 @@ _ADD_NOTHING = frozenset(
         *("spin", "spin_some", "spin_all", "spin_once", "spin_until_future_complete"),
         *("add_node", "remove_node", "get_node", "CreateTimerROS", "ParamListener"),
         *("rclpy.spin", "rclpy.spin_once", "rclpy.spin_until_future_complete"),
+        *("add_callback_group", "RequiredInterfaces", "copy_all_parameter_values"),
+        *("TransportHints", "__fromServer__", "__toServer__"),
     ]
 )
-"""What takes a node and adds no endpoint to it; the last is of generate_parameter_library."""
+"""What takes a node, or a node handle, and adds no endpoint to it.
+
+ParamListener is of generate_parameter_library, the last two of what dynamic_reconfigure generates.
+"""
 READ_ONLY_METHODS = frozenset(
     [
         *("rbegin", "rend", "crbegin", "crend", "capacity", "max_size", "shrink_to_fit"),
@@ -84,7 +77,7 @@ def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
             return changed
     before = machine.possible_throws
     called = machine.evaluate(node.function, frame)
-    if is_logging_call(node):
+    if machine.possible_throws != before and is_logging_call(node):
         machine.possible_throws = before
     arguments = _evaluate_arguments(machine, node, frame)
     if isinstance(node.function, Attr) and isinstance(called, Unknown):
@@ -93,6 +86,8 @@ def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
         if machine.runtime.passes_by_reference:
             _open_container(machine, node.function, frame)
     elif isinstance(called, ExternalSymbol):
+        called = machine.runtime.find_by_arguments(called.name, arguments) or called
+    if isinstance(called, ExternalSymbol):
         _note_unknown_receiver(machine, called.name.rpartition("::")[2], arguments)
     returned = dispatch(machine, called, arguments)
     if (
@@ -155,11 +150,8 @@ def _call_function(machine: AbstractMachine, called: FunctionValue, arguments: A
     if function.body is None:
         machine.escape_arguments(arguments)
         note_passed_handle(machine, function.name, arguments)
-        for param, slot in zip(function.params, arguments.slots, strict=False):
-            if param.reference and slot is not None:
-                before = slot.holder.get(slot.key)
-                after = Unknown(slot.label, is_tainted(before) if before else False)
-                machine.undo_log.set(*slot, after)
+        machine.forget_references(function, arguments)
+        forget_pointees(machine, arguments)
     return returned
 
 
@@ -175,24 +167,8 @@ def _call_unknown(machine: AbstractMachine, called: Value, arguments: Arguments)
     note_passed_handle(machine, name, arguments)
     machine.runtime.note_unknown_call(called, arguments)
     if not (name.isupper() or name.removeprefix("std::") in READ_ONLY_FUNCTIONS):
-        _forget_written_strings(machine, name.rpartition("::")[2], arguments)
-        _open_empty_containers(machine, arguments)
+        forget_written(machine, name.rpartition("::")[2], arguments)
     return Unknown(f"{name}()")
-
-
-def _open_empty_containers(machine: AbstractMachine, arguments: Arguments) -> None:
-    """Leave open what is in a C++ container that an unknown function gets while it is empty."""
-    for value in arguments.values if machine.runtime.passes_by_reference else ():
-        if isinstance(value, (ListValue, MapValue)) and not truth(value):
-            open_container(machine, value)
-
-
-def open_container(machine: AbstractMachine, value: Value) -> None:
-    """Leave open what else is in a container."""
-    if isinstance(value, ListValue):
-        machine.undo_log.mark_open(value.fields)
-    elif isinstance(value, MapValue) and not value.open:
-        machine.undo_log.set(value.fields, OPEN, UNKNOWN)
 
 
 def _open_container(machine: AbstractMachine, method: Attr, frame: StackFrame) -> None:
@@ -203,29 +179,26 @@ def _open_container(machine: AbstractMachine, method: Attr, frame: StackFrame) -
 
 
 def note_passed_handle(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
-    """Note that code which is not here gets what it takes to join nodes."""
-    field = _HANDLE_FIELDS[machine.recorder.site.ros]
+    """Note that code which is not here gets what it takes to join nodes, and whose source tells."""
     plain = name.rpartition("::")[2]
-    ours = plain in _ADD_NOTHING or plain in ENDPOINT_METHODS
-    for value in arguments.values if not ours else ():
-        is_handle = isinstance(value, Instance) and field in value.fields
-        is_library = isinstance(value, (ExternalSymbol, LibraryFunction)) and value.name.startswith(
-            "rospy"
-        )
-        if is_handle or is_library:
-            why = "is not in the source, and gets what it takes to join nodes"
-            machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)
+    if plain in _ADD_NOTHING or plain in ENDPOINT_METHODS:
+        return
+    for node in filter(None, (_handed_node(machine, value) for value in arguments.values)):
+        why = f"its code is not here, and it gets the node {node}: it may give it endpoints"
+        package = machine.runtime.missing_package(name)
+        given = f"; give the source of {package} too" if package else ""
+        machine.recorder.add_unresolved(f"{name}()", why + given, arguments.evidence)
 
 
-def _forget_written_strings(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
-    """Forget the strings that an unknown C++ function may have changed."""
-    for slot in filter(None, arguments.slots):
-        before = slot.holder.get(slot.key)
-        if isinstance(before, (Scalar, PartialText)) and is_text(before):
-            after = Unknown(slot.label, is_tainted(before))
-            machine.undo_log.set(
-                *slot, after if name in MUTATING_FUNCTIONS else join((before, after))
-            )
+def _handed_node(machine: AbstractMachine, value: Value) -> str:
+    """Return the node that a value gives the means to join, empty for what is no such thing."""
+    site = machine.recorder.site
+    field = _HANDLE_FIELDS[site.ros]
+    if isinstance(value, (ExternalSymbol, LibraryFunction)) and value.name.startswith("rospy"):
+        return site.name
+    if not (isinstance(value, Instance) and field in value.fields):
+        return ""
+    return site.name if site.ros == 1 else text_with_holes(value.fields[field])
 
 
 def truth_of(machine: AbstractMachine, value: Value) -> bool | None:
@@ -255,6 +228,7 @@ def _evaluate_arguments(machine: AbstractMachine, node: Call, frame: StackFrame)
         types=_template_arguments(node.function),
         line=node.line,
         frame=frame,
+        addresses=node.addresses,
     )
 
 

@@ -61,8 +61,15 @@ class DeclarationRecorder:
     _parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
     _frames: dict[FrameBroadcast, None] = field(default_factory=dict)
     _undecided_parameters: int = 0
+    _undecided_conditions: int = 0
     _starts: dict[RuntimeStart, None] = field(default_factory=dict)
     _unresolved: dict[UnresolvedItem, None] = field(default_factory=dict)
+
+    def is_empty(self, file: str) -> bool:
+        """Tell whether a program declares nothing by itself, and no note is of a file."""
+        noted = (place.file for note in self._unresolved for place in note.evidence)
+        declared = (each for each in self._declarations.values() if not each.implicit)
+        return file not in noted and not any(declared)
 
     def declare(
         self,
@@ -86,6 +93,7 @@ class DeclarationRecorder:
                 node=node,
                 qos=qos,
                 implicit=implicit,
+                undecided=self._undecided_conditions > 0,
                 latched=latched,
                 resolution=_resolution(option),
                 evidence=evidence,
@@ -117,6 +125,15 @@ class DeclarationRecorder:
         why = "a callback may make it again while it runs, under a name that is not known before"
         self.add_unresolved(f"{endpoint[0].value} {name} of {endpoint[2]}", why, evidence[0])
         return remaining
+
+    @contextmanager
+    def undecided_condition(self) -> Iterator[None]:
+        """Record what is declared under a condition that is not known."""
+        self._undecided_conditions += 1
+        try:
+            yield
+        finally:
+            self._undecided_conditions -= 1
 
     @contextmanager
     def exception_handler(self) -> Iterator[None]:
@@ -176,6 +193,16 @@ class DeclarationRecorder:
         location = Evidence(file=str(path), line=problem.line)
         self.add_unresolved(path.name, problem.why, location)
 
+    def include(self, other: NodeInterface) -> None:
+        """Record what another part of the program declares."""
+        for declared in other.declarations:
+            self._add_declaration(declared)
+        self._nodes.update({made.name: made for made in other.nodes})
+        self._parameters.update({(each.node, each.name): each for each in other.parameters})
+        self._frames.update(dict.fromkeys(other.frames))
+        self._starts.update(dict.fromkeys(other.runtime_starts))
+        self._unresolved.update(dict.fromkeys(other.unresolved))
+
     def result(self) -> NodeInterface:
         """Return all that was recorded."""
         for caught in self._handler_declarations.values():
@@ -204,6 +231,8 @@ class DeclarationRecorder:
         elif key not in self._declarations and declared.evidence and not declared.implicit:
             self._handler_declarations[key] = declared
         known = self._declarations.setdefault(key, declared)
+        if known.undecided and not declared.undecided:
+            known = self._declarations[key] = replace(known, undecided=False)
         if known is not declared and declared.node and len(known.evidence) < MAX_LOCATIONS:
             locations = dict.fromkeys((*known.evidence, *declared.evidence))
             self._declarations[key] = replace(known, evidence=tuple(locations))

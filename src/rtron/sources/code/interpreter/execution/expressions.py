@@ -7,11 +7,12 @@ from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.operators import binary, unary
+from rtron.sources.code.interpreter.abstract_values.operators import binary, cpp_binary, unary
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
     UNKNOWN,
     Choice,
+    ExternalSymbol,
     FunctionValue,
     Instance,
     LibraryClass,
@@ -156,9 +157,11 @@ def _binary(machine: AbstractMachine, node: Binary, frame: StackFrame) -> Value:
         return left
     if node.operator == ">>" and not isinstance(left, Scalar):
         _read_into(machine, node.right, frame)
-    if node.operator == "/" and _are_integers(left, right):
-        return binary("//", left, right)
-    return binary(node.operator, left, right)
+    if isinstance(left, ExternalSymbol) and isinstance(right, ExternalSymbol):
+        is_same = cpp_runtime(machine).symbols.are_equal(left.name, right.name)
+        if is_same is not None and node.operator in {"==", "!="}:
+            return Scalar(is_same is (node.operator == "=="))
+    return cpp_binary(node.operator, left, right)
 
 
 def _python_binary(machine: AbstractMachine, operator: str, left: Value, at: Arguments) -> Value:
@@ -204,11 +207,6 @@ def _change_in_place(
         dispatch(machine, update or UNKNOWN, at)
         return left
     return None
-
-
-def _are_integers(left: Value, right: Value) -> bool:
-    """C++ divides whole numbers to a whole number."""
-    return all(isinstance(side, Scalar) and isinstance(side.value, int) for side in (left, right))
 
 
 def _read_into(machine: AbstractMachine, target: Expr, frame: StackFrame) -> None:

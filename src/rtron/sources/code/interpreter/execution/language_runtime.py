@@ -74,8 +74,14 @@ class LanguageRuntime(Protocol):
     def calls_unknown(self, function: Function) -> bool:
         """Tell whether a function calls what its source does not name."""
 
+    def find_by_arguments(self, name: str, arguments: Arguments) -> Value | None:
+        """Return what a call finds by its arguments alone: C++ looks beside their classes."""
+
     def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
         """Note a call of what is not in the source, if it may join nodes."""
+
+    def missing_package(self, name: str) -> str:
+        """Return the package that has what is called by a name, if it tells and is not here."""
 
     def version(self) -> int:
         """Return a number that changes when the program's functions do."""

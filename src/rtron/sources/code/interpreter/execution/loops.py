@@ -2,18 +2,22 @@
 
 from collections.abc import Callable, Iterator
 
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
+    UNKNOWN,
     Instance,
+    ListValue,
     PartialText,
     Scalar,
     Unknown,
     Value,
+    is_tainted,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, Outcome
 from rtron.sources.code.interpreter.execution.assignment import assign, slot_of
 from rtron.sources.code.interpreter.execution.calls import truth_of
-from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
-from rtron.sources.code.ir import Expr, ForEach, Name, While
+from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
+from rtron.sources.code.ir import Expr, ForEach, Name, SequenceExpr, While
 from rtron.sources.code.ir.references import assigned_names
 
 MAX_ROUNDS = (128, 32, 8, 2)
@@ -25,11 +29,12 @@ _EXITS = {"return", "raise"}
 
 def for_each(machine: AbstractMachine, node: ForEach, frame: StackFrame) -> Outcome:
     """Run `for target in iterable`."""
-    items, certain = machine.runtime.iterate(machine.evaluate(node.iterable, frame))
-    if machine.runtime.passes_by_reference and _changes_items(node):
-        slot = slot_of(machine, node.iterable, frame)
-        if slot is not None:
-            machine.undo_log.set(*slot, Unknown(slot.label))
+    before = machine.evaluate(node.iterable, frame)
+    items, certain = machine.runtime.iterate(before)
+    slot = slot_of(machine, node.iterable, frame) if _changes_items(node) else None
+    if slot is not None:
+        machine.undo_log.set(*slot, Unknown(slot.label))
+    changed: list[Value] = []
     with machine.enter_loop() as depth:
         most = _max_rounds(depth)
         for item in items[:most]:
@@ -39,13 +44,33 @@ def for_each(machine: AbstractMachine, node: ForEach, frame: StackFrame) -> Outc
                 return None
             if outcome in _EXITS:
                 return outcome
+            changed += [_held_by(machine, node.target, frame)] if slot is not None else []
         is_whole = certain and len(items) <= most
-        if not is_whole:
+        if slot is not None and is_whole:
+            _write_items(machine, slot, before, changed)
+        elif not is_whole:
             written = assigned_names(node.body)
             run_once_with_unknowns(
                 machine, frame, lambda: _run_unknown_round(machine, node, frame), written
             )
     return _run_else(machine, node, frame, is_reached=is_whole)
+
+
+def _held_by(machine: AbstractMachine, target: Expr, frame: StackFrame) -> Value:
+    slot = slot_of(machine, target, frame)
+    return slot.holder.get(slot.key, UNKNOWN) if slot is not None else UNKNOWN
+
+
+def _write_items(
+    machine: AbstractMachine, slot: StorageSlot, before: Value, changed: list[Value]
+) -> None:
+    """Let a text or a list hold what a loop made of its items, as far as that is known."""
+    letters = [item.value for item in changed if isinstance(item, Scalar)]
+    if isinstance(before, ListValue):
+        machine.undo_log.set(before.fields, "items", tuple(changed))
+        machine.undo_log.set(*slot, before)
+    elif len(letters) == len(changed) and all(isinstance(letter, str) for letter in letters):
+        machine.undo_log.set(*slot, Scalar("".join(letters), is_tainted(before)))
 
 
 def _run_else(
@@ -61,8 +86,8 @@ def _run_else(
 
 
 def _changes_items(node: ForEach) -> bool:
-    """`for (auto& item : items) item = …`: what the items are then is left open."""
-    return target_name(node.target) in assigned_names(node.body)
+    """Tell whether a loop writes to the items: `for (auto& item : items) item = …`."""
+    return node.reference and target_name(node.target) in assigned_names(node.body)
 
 
 def _max_rounds(depth: int) -> int:
@@ -75,9 +100,15 @@ def target_name(target: Expr) -> str:
 
 
 def _run_unknown_round(machine: AbstractMachine, node: ForEach, frame: StackFrame) -> Outcome:
-    hole = Unknown(target_name(node.target))
-    assign(machine, node.target, hole, frame)
+    assign(machine, node.target, _unknown_item(node.target), frame)
     return machine.execute(node.body, frame)
+
+
+def _unknown_item(target: Expr) -> Value:
+    """Return an item that is not known, named as its variable is; of several each by its own."""
+    if isinstance(target, SequenceExpr):
+        return list_of(tuple(map(_unknown_item, target.items)), "tuple")
+    return Unknown(target_name(target))
 
 
 def while_(machine: AbstractMachine, node: While, frame: StackFrame) -> Outcome:

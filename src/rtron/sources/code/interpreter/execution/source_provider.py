@@ -40,6 +40,9 @@ class SourceProvider(Protocol):
     def find_plugin(self, name: str, base: str) -> PluginSource | None:
         """Return the class that pluginlib knows by a name or type."""
 
+    def is_plugin(self, name: str) -> bool:
+        """Tell whether a class of this name or type is registered, for whatever base."""
+
     def plugin_names(self, base: str) -> tuple[str, ...]:
         """Return the names of all plugins of a base class."""
 

@@ -1,6 +1,6 @@
 """What each kind of statement does."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
 
@@ -12,6 +12,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     is_tainted,
+    join,
 )
 from rtron.sources.code.interpreter.execution import loops
 from rtron.sources.code.interpreter.execution.abstract_machine import (
@@ -25,6 +26,7 @@ from rtron.sources.code.interpreter.execution.context_managers import run_with
 from rtron.sources.code.interpreter.execution.exceptions import catches
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime, python_runtime
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
+from rtron.sources.code.interpreter.execution.undo_log import Write
 from rtron.sources.code.ir import (
     Assign,
     Break,
@@ -63,20 +65,20 @@ _BRACED = (SequenceExpr, MappingExpr)
 
 
 def run_branches(
-    machine: AbstractMachine, frame: StackFrame, blocks: tuple[tuple[Stmt, ...], ...]
+    machine: AbstractMachine, frame: StackFrame, branches: Iterable[Callable[[], Outcome]]
 ) -> Outcome:
-    """Run each of the blocks, one of which is taken; return how they all end, if alike."""
+    """Run each of the branches, one of which is taken; return how they all end, if alike."""
     outcomes: list[Outcome] = []
 
-    def run(block: tuple[Stmt, ...]) -> bool:
+    def run(branch: Callable[[], Outcome]) -> bool:
         try:
-            outcomes.append(machine.execute(block, frame))
+            outcomes.append(branch())
         except ThrownError:
             outcomes.append("raise")
         machine.possible_throws += outcomes[-1] == "raise"
         return outcomes[-1] is None
 
-    machine.undo_log.run_branches([partial(run, block) for block in blocks], frame.variables)
+    machine.undo_log.run_branches([partial(run, branch) for branch in branches], frame.variables)
     return outcomes[0] if len(set(outcomes)) == 1 else None
 
 
@@ -114,7 +116,14 @@ def _undecided_if(machine: AbstractMachine, node: If, test: Value, frame: StackF
         return None
     of_parameter = machine.recorder.undecided_parameter() if is_tainted(test) else nullcontext()
     with of_parameter:
-        return run_branches(machine, frame, (node.body, node.orelse))
+        return run_both_sides(machine, node, frame)
+
+
+def run_both_sides(machine: AbstractMachine, node: If, frame: StackFrame) -> Outcome:
+    """Run both sides of a condition that is not decided."""
+    sides = (partial(machine.execute, side, frame) for side in (node.body, node.orelse))
+    with machine.recorder.undecided_condition():
+        return run_branches(machine, frame, sides)
 
 
 def _breakable(machine: AbstractMachine, node: Breakable, frame: StackFrame) -> Outcome:
@@ -181,7 +190,8 @@ def _exception_name(node: Expr | None) -> str:
 
 def _try(machine: AbstractMachine, node: Try, frame: StackFrame) -> Outcome:
     before = machine.possible_throws
-    thrown, outcome = _run_body(machine, node, frame)
+    with machine.undo_log.gather_writes() as writes:
+        thrown, outcome = _run_body(machine, node, frame)
     may_have_thrown = machine.possible_throws > before
     if any(_catches_all(names) for names, _, _ in node.handlers):
         machine.possible_throws = before
@@ -189,7 +199,7 @@ def _try(machine: AbstractMachine, node: Try, frame: StackFrame) -> Outcome:
         if thrown is None and outcome is None:
             outcome = machine.execute(node.orelse, frame)
         thrown, outcome = _run_handlers(
-            machine, node, frame, thrown, outcome, may_have_thrown=may_have_thrown
+            machine, node, frame, thrown, outcome, writes if may_have_thrown else None
         )
     except ThrownError as error:
         thrown = error
@@ -205,20 +215,37 @@ def _run_handlers(
     frame: StackFrame,
     thrown: ThrownError | None,
     outcome: Outcome,
-    *,
-    may_have_thrown: bool,
+    writes: Sequence[Write] | None,
 ) -> tuple[ThrownError | None, Outcome]:
-    """Run the handler that is reached, or in doubt each; return what leaves the `try` then."""
+    """Run the handler that is reached, or in doubt each; return what leaves the `try` then.
+
+    `writes` are what the `try` wrote, if it may have thrown.
+    """
     handlers = [(v, b) for names, v, b in node.handlers if thrown is None or catches(names, thrown)]
     if handlers and (thrown is not None or outcome == "raise"):
         variable, body = handlers[0]
         if variable and not machine.runtime.passes_by_reference:
             machine.undo_log.set(frame.variables, variable, Unknown(variable))
         return None, machine.execute(body, frame)
-    if handlers and may_have_thrown:
+    if handlers and writes is not None:
+        caught = (partial(_run_doubtful_handler, machine, b, frame, writes) for _, b in handlers)
         with machine.recorder.exception_handler():
-            run_branches(machine, frame, ((), *(body for _, body in handlers)))
+            run_branches(machine, frame, (lambda: None, *caught))
     return thrown, outcome
+
+
+def _run_doubtful_handler(
+    machine: AbstractMachine, body: tuple[Stmt, ...], frame: StackFrame, writes: Sequence[Write]
+) -> Outcome:
+    """Run a handler that may be reached: what it leaves alone may be as it was before the `try`."""
+    after = [(storage, key, old, storage.get(key)) for storage, key, old in writes]
+    outcome = machine.execute(body, frame)
+    for storage, key, old, written in after if outcome is None else ():
+        if written is None or storage.get(key) is not written:
+            continue
+        if isinstance(old, Scalar) and old != NONE:
+            machine.undo_log.set(storage, key, join([old, storage[key]]))
+    return outcome
 
 
 def _catches_all(names: tuple[str, ...]) -> bool:

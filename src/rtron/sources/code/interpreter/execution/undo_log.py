@@ -1,11 +1,14 @@
 """Writes that can be taken back, so that both sides of an undecided branch see the same past."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from rtron.sources.code.interpreter.abstract_values.value_types import Value, join
 
+Write: TypeAlias = tuple[dict[Any, Any], Any, Any]
+"""Where something was written, and what stood there before."""
 Writes: TypeAlias = dict[tuple[int, Any], tuple[dict[Any, Any], Any, Any]]
 
 MISSING = object()
@@ -19,7 +22,7 @@ class UndoLog:
     """
 
     elementwise: bool = False
-    _log: list[tuple[dict[Any, Any], Any, Any]] = field(default_factory=list)
+    _log: list[Write] = field(default_factory=list)
     _depth: int = 0
 
     def set(self, storage: dict[Any, Any], key: Any, value: Any) -> None:  # noqa: ANN401 - any key
@@ -57,6 +60,20 @@ class UndoLog:
                 self.set(storage, name, _join_values(found, elementwise=self.elementwise))
             elif name in storage:
                 self.remove(storage, name)
+
+    @contextmanager
+    def gather_writes(self) -> Iterator[list[Write]]:
+        """Give what is written meanwhile, each place once; it stays written."""
+        mark, found = len(self._log), list[Write]()
+        self._depth += 1
+        try:
+            yield found
+        finally:
+            self._depth -= 1
+            first = {(id(write[0]), write[1]): write for write in reversed(self._log[mark:])}
+            found.extend(first.values())
+            if not self._depth:
+                del self._log[mark:]
 
     def run_and_undo(self, branch: Callable[[], bool]) -> tuple[Writes, bool]:
         """Run a branch and take its writes back; return them, and what the branch returned."""

@@ -148,7 +148,20 @@ class PythonModules:
             value = self._from_module(_module_name(node), node.name, importer)
         if isinstance(value, ExternalSymbol):
             self._note_missing(node, importer)
+            self._note_extension(node, importer)
         self.machine.undo_log.set(frame.variables, alias, value)
+
+    def _note_extension(self, node: Import, importer: Path) -> None:
+        """Note a module that is made of C++ in the workspace, and has nodes (pybind11)."""
+        names = ((node.name or ""), node.module.rpartition(".")[2])
+        for name in filter(None, names):
+            sources = self.files.library_sources(name)
+            word = _CPP_CLIENT_LIBRARY[self.machine.recorder.site.ros]
+            for source in self.files.sources_containing(sources, word)[:1]:
+                place = Evidence(file=str(importer), line=node.line)
+                why = f"it is made of C++ ({source.name}): the nodes in it are not followed"
+                made_of = Evidence(file=str(source))
+                self.machine.recorder.add_unresolved(f"import of {name}", why, place, made_of)
 
     def _note_other_ros(self, node: Import, frame: StackFrame) -> None:
         ros, library = self.machine.recorder.site.ros, node.module.partition(".")[0]
@@ -285,6 +298,8 @@ def initialise_base(
     return NONE
 
 
+_CPP_CLIENT_LIBRARY = {1: "NodeHandle", 2: "rclcpp"}
+"""What stands in C++ that has nodes, by the ROS of a launch."""
 _MAKERS = {"__init__", "__new__", "__post_init__"}
 
 

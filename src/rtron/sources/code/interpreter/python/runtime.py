@@ -102,9 +102,19 @@ class PythonRuntime(PythonObjects):
             return _function_member(owner, name)
         return _value_member(owner, name)
 
+    def find_by_arguments(self, name: str, arguments: Arguments) -> Value | None:
+        """Python finds what it calls by the name alone."""
+        del name, arguments
+        return None
+
     def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
         """Note a call of what is not in the source, if it may join nodes; a package once."""
         note_unknown_call(self.machine, called, arguments, self._is_known, self._is_foreign_package)
+
+    def missing_package(self, name: str) -> str:
+        """Return the module that a name begins with, if it is none of Python's or RTron's."""
+        first, _, rest = name.partition(".")
+        return first if rest and not self._is_known(first) else ""
 
     def _is_foreign_package(self, name: str) -> bool:
         """Tell whether a module is a package of ROS that is not here; once for each."""

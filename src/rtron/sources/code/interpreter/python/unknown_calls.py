@@ -51,7 +51,9 @@ def note_unknown_call(
             what, "what it is called on is not known", arguments.evidence
         )
     elif _is_foreign(called, is_known) and _gives_name_and_type(arguments):
-        why = "is not in the source, and gets what it takes to join nodes"
+        why = "its code is not here, and it gets a name and a type: it may make an endpoint"
+        package = machine.runtime.missing_package(name)
+        why += f"; give the source of {package} too" if package else ""
         machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)
     top = name.partition(".")[0]
     if isinstance(called, ExternalSymbol) and is_foreign_package(top):

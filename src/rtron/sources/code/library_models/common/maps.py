@@ -16,6 +16,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     UNKNOWN,
     ExternalSymbol,
     Instance,
+    LibraryFunction,
     ListValue,
     MapValue,
     PartialText,
@@ -29,6 +30,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.cpp.braces import make_item
 from rtron.sources.code.interpreter.cpp.iterators import (
+    begin,
     dereference,
     end,
     iterator_to,
@@ -36,7 +38,13 @@ from rtron.sources.code.interpreter.cpp.iterators import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import OPEN_KEYWORD, Arguments
 from rtron.sources.code.interpreter.execution.assignment import remove_element
-from rtron.sources.code.library_models.common.containers import LibraryMethods, is_empty, size
+from rtron.sources.code.library_models.common.containers import (
+    LIST_METHODS,
+    LibraryMethods,
+    bound_method,
+    is_empty,
+    size,
+)
 
 
 def _pop_entry(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
@@ -225,3 +233,12 @@ CPP_MAP_METHODS: LibraryMethods = {
     "erase": _pop_entry,
     "clear": _clear_map,
 }
+
+
+def cpp_container_member(owner: ListValue | MapValue, name: str) -> Value | None:
+    """Return a method of a container of C++, bound to it."""
+    walk = {"begin": begin, "end": end, "cbegin": begin, "cend": end}.get(name)
+    if walk is not None:
+        return LibraryFunction(name, walk, owner)
+    methods = LIST_METHODS if isinstance(owner, ListValue) else CPP_MAP_METHODS
+    return bound_method(methods, owner, name)

@@ -1,5 +1,6 @@
 """Message types as source names them, in Python and C++."""
 
+import re
 from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -24,6 +25,9 @@ _SUFFIXES = (
     *("ConstSharedPtr", "ConstUniquePtr", "ConstWeakPtr", "ConstPtr"),
     *("SharedPtr", "UniquePtr", "WeakPtr", "Ptr", "Request", "Response"),
 )
+
+_WORD_START = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=.)(?=[A-Z][a-z])")
+"""Where a word begins in a type's name (rosidl_pycommon's rule for the names of headers)."""
 
 
 def is_message_package(dotted: str) -> bool:
@@ -71,6 +75,13 @@ def cpp_message_name(name: str) -> str:
         if name.endswith(suffix) and name != suffix:
             return name.removesuffix(suffix)
     return name
+
+
+def message_header(package: str, folder: str, name: str) -> str:
+    """Return the header of a type: `std_msgs/String.h`; of ROS 2, `std_msgs/msg/my_text.hpp`."""
+    if not folder:
+        return f"{package}/{name}.h"
+    return f"{package}/{folder}/{_WORD_START.sub('_', name).lower()}.hpp"
 
 
 def make_message(name: str, fields: dict[Any, Value]) -> Instance:

@@ -151,7 +151,7 @@ def _join(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value
     return concat(spread[1:])
 
 
-def _format(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def fill_fields(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`"…".format(…)`: fields by position and name, with attributes and elements."""
     parts: list[Value] = []
     for part in parts_of(owner):
@@ -275,7 +275,7 @@ def _format_map(machine: AbstractMachine, owner: Value, arguments: Arguments) ->
     given = arguments.get(0)
     entries = given.entries if isinstance(given, MapValue) else {}
     words = {str(key): value for key, value in entries.items()}
-    return _format(machine, owner, replace(arguments, values=(), keywords=words))
+    return fill_fields(machine, owner, replace(arguments, values=(), keywords=words))
 
 
 StringMethods = Mapping[str, Callable[..., Value]]
@@ -285,7 +285,7 @@ PYTHON_STRING_METHODS: StringMethods = {
     **{name: partial(_split, name) for name in ("split", "rsplit")},
     **{name: partial(_partition, name) for name in ("partition", "rpartition")},
     "join": _join,
-    "format": _format,
+    "format": fill_fields,
     "format_map": _format_map,
     "encode": _encode_or_decode,
     "decode": _encode_or_decode,

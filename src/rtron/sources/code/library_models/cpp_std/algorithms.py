@@ -14,6 +14,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
+    is_tainted,
+    is_text,
 )
 from rtron.sources.code.interpreter.cpp.iterators import (
     container_of,
@@ -23,7 +25,8 @@ from rtron.sources.code.interpreter.cpp.iterators import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.calls import dispatch, open_container
+from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.interpreter.execution.written_arguments import open_container
 from rtron.sources.code.library_models.cpp_std.functional import bind
 
 _THIRD_ARGUMENT = 2
@@ -62,11 +65,14 @@ def _apply(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
 
 def _copy(machine: AbstractMachine, _: object, arguments: Arguments, *, transforms: bool) -> Value:
     """`std::copy(xs.begin(), xs.end(), std::back_inserter(ys))`, `std::transform(…, function)`."""
-    found, place = items_after(arguments.get(0)), arguments.get(_THIRD_ARGUMENT)
+    place = arguments.get(_THIRD_ARGUMENT)
     target, function = container_of(place), arguments.get(_THIRD_ARGUMENT + 1)
-    if found is None or not isinstance(target, ListValue) or (transforms and function is None):
+    if not isinstance(target, ListValue):
+        return _copy_text(machine, function, arguments)
+    found = items_after(arguments.get(0))
+    if found is None or (transforms and function is None):
         machine.escape(function)
-        open_container(machine, target or NONE)
+        open_container(machine, target)
         return Unknown("copy")
     items = [item for _, item in found[0]]
     if transforms and function is not None:
@@ -77,6 +83,23 @@ def _copy(machine: AbstractMachine, _: object, arguments: Arguments, *, transfor
     if not found[1] or (place is not target and position_of(place)):
         machine.undo_log.mark_open(target.fields)
     return target
+
+
+def _copy_text(machine: AbstractMachine, function: Value | None, arguments: Arguments) -> Value:
+    """`std::transform(text.begin(), text.end(), text.begin(), ::toupper)`: letter by letter."""
+    source, target = arguments.slot(0), arguments.slot(_THIRD_ARGUMENT)
+    text = source.holder.get(source.key) if source is not None else None
+    letters = items_of(text)[0] if isinstance(text, Scalar) else ()
+    if function is not None and letters:
+        letters = tuple(_call_with_item(machine, function, one, arguments) for one in letters)
+    else:
+        machine.escape(function)
+    made = [one.value for one in letters if isinstance(one, Scalar)]
+    is_known = bool(letters) and len(made) == len(letters) and all(isinstance(x, str) for x in made)
+    if target is not None and is_text(target.holder.get(target.key, NONE)):
+        known = Scalar("".join(made), any(map(is_tainted, letters)))
+        machine.undo_log.set(*target, known if is_known else Unknown(target.label))
+    return Unknown("copy")
 
 
 def _copy_if(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:

@@ -12,6 +12,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     options,
     text_with_holes,
 )
+from rtron.sources.code.interpreter.cpp.held_values import construct_in_place
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
@@ -28,7 +29,7 @@ def bind(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     if not isinstance(called, FunctionValue):
         return Unknown("bind")
     if given and isinstance(given[0], Instance) and _is_method_of(machine, called, given[0]):
-        return _bind_method(called, given[0], given[1:])
+        return _bind_method(_overriding(machine, called, given[0]), given[0], given[1:])
     if called.owner is not None and given and given[0] is called.owner:
         given = given[1:]
     return FunctionValue(
@@ -48,6 +49,13 @@ def _is_method_of(machine: AbstractMachine, called: FunctionValue, owner: Instan
         return False
     lineage = machine.runtime.lineage(owner.type)
     return called.owner is None or any(cls is called.cls for cls in lineage)
+
+
+def _overriding(machine: AbstractMachine, called: FunctionValue, owner: Instance) -> FunctionValue:
+    """Return what an object's class has for a method that is pure virtual where it is named."""
+    plain = called.function.name.rpartition("::")[2]
+    found = machine.runtime.attribute(owner, plain, ()) if called.function.body is None else None
+    return found if isinstance(found, FunctionValue) else called
 
 
 def _bind_method(called: FunctionValue, owner: Instance, given: tuple[Value, ...]) -> FunctionValue:
@@ -128,6 +136,19 @@ def getenv(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
 def make_pointer(_: AbstractMachine, arguments: Arguments) -> Value:
     """Make a smart pointer, which is what it points at."""
     return arguments.get(0) or NONE
+
+
+def make_holder(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """Make a std::optional or the like, which is what it holds."""
+    made = construct_in_place(machine, arguments)
+    return make_pointer(machine, arguments) if made is None else made
+
+
+def make_held(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`std::make_optional<T>(args…)`, `std::make_any<T>(args…)`."""
+    if not arguments.types:
+        return arguments.value(0)
+    return cpp_runtime(machine).construct(arguments.types[0], arguments)
 
 
 def make_shared(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:

@@ -19,6 +19,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.cpp_std.algorithms import ALGORITHMS
+from rtron.sources.code.library_models.cpp_std.boost_strings import BOOST_STRINGS
 from rtron.sources.code.library_models.cpp_std.containers import (
     get_tuple_item,
     make_array,
@@ -30,12 +31,22 @@ from rtron.sources.code.library_models.cpp_std.containers import (
     make_tuple,
     make_vector,
 )
+from rtron.sources.code.library_models.cpp_std.files import FILE, make_buffer_iterator
+from rtron.sources.code.library_models.cpp_std.formats import (
+    FORMAT,
+    concatenate,
+    format_fields,
+    format_printf,
+    sprintf,
+)
 from rtron.sources.code.library_models.cpp_std.functional import (
     bind,
     end_program,
     exchange,
     getenv,
     make_function,
+    make_held,
+    make_holder,
     make_pointer,
     make_shared,
     make_thread,
@@ -46,19 +57,16 @@ from rtron.sources.code.library_models.cpp_std.functional import (
     visit,
 )
 from rtron.sources.code.library_models.cpp_std.strings import (
-    FORMAT,
     STREAM,
+    change_case,
     choose_number,
     compare_strings,
     copy_string,
     getline,
-    join_strings,
     lexical_cast,
     make_number_value,
     make_string,
     parse_number,
-    split_string,
-    sprintf,
     stream_text,
     to_string,
 )
@@ -129,6 +137,7 @@ def _classes() -> dict[str, LibraryClass]:
             classes[space + name] = LibraryClass(space + name, make, takes_list=takes_list)
     for name in ("stringstream", "ostringstream", "istringstream"):
         classes["std::" + name] = classes[name] = STREAM
+    classes["std::ifstream"] = classes["ifstream"] = FILE
     for name in ("boost::format", "format"):
         classes[name] = FORMAT
     classes["QString"] = classes["char"] = LibraryClass("QString", make_string)
@@ -148,9 +157,11 @@ _CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("multimap", "unordered_multimap"), make_multimap),
     "array": make_array,
     "queue": make_queue,
-    **dict.fromkeys(("optional", "variant", "reference_wrapper", "string_view"), make_pointer),
+    **dict.fromkeys(("optional", "variant", "any"), make_holder),
+    **dict.fromkeys(("reference_wrapper", "string_view"), make_pointer),
     "tuple": make_tuple,
     "pair": make_pair,
+    "istreambuf_iterator": make_buffer_iterator,
     **dict.fromkeys(
         ("shared_ptr", "unique_ptr", "scoped_ptr", "auto_ptr", "weak_ptr"), make_pointer
     ),
@@ -178,7 +189,9 @@ _STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "stoi": partial(parse_number, int),
     "stod": partial(parse_number, float),
     **ALGORITHMS,
-    "join": join_strings,
+    **BOOST_STRINGS,
+    "toupper": partial(change_case, str.upper),
+    "tolower": partial(change_case, str.lower),
     "exit": end_program,
     "abort": end_program,
     "quick_exit": end_program,
@@ -186,14 +199,13 @@ _STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
         ("make_tuple", "tie", "forward_as_tuple"),
         lambda machine, _, arguments: make_tuple(machine, arguments),
     ),
-    "make_optional": return_argument,
+    **dict.fromkeys(("make_optional", "make_any"), make_held),
     "max": partial(choose_number, max),
     "min": partial(choose_number, min),
     "exchange": exchange,
     "swap": swap,
     "visit": visit,
     "get": get_tuple_item,
-    "split": split_string,
     "is_any_of": return_argument,
     "str": stream_text,
     "async": run_async,
@@ -216,6 +228,12 @@ _GLOBAL_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("getenv", "std::getenv"), getenv),
     **dict.fromkeys(("system", "std::system", "popen"), run_system),
     "strcmp": compare_strings,
+    **dict.fromkeys(("std::format", "fmt::format"), format_fields),
+    **dict.fromkeys(("fmt::sprintf", "absl::StrFormat"), format_printf),
+    "absl::StrCat": concatenate,
+    **dict.fromkeys(("FMT_STRING", "FMT_COMPILE"), return_argument),
+    **dict.fromkeys(("toupper", "::toupper"), partial(change_case, str.upper)),
+    **dict.fromkeys(("tolower", "::tolower"), partial(change_case, str.lower)),
     "QString::fromStdString": return_argument,
     "std::ref": return_argument,
 }

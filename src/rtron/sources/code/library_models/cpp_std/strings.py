@@ -1,12 +1,10 @@
-"""Strings, streams and formats of C++, on text that may be known in part."""
+"""Strings and streams of C++, on text that may be known in part."""
 
 from collections.abc import Callable
 from typing import Any
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.operators import percent_format
+from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
     Instance,
     LibraryClass,
     ListValue,
@@ -15,6 +13,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Value,
     concat,
     is_tainted,
+    is_text,
     map_options,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -22,8 +21,10 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 
 
 def make_string(_: AbstractMachine, arguments: Arguments) -> Value:
-    """Make a string: of a text, or of a letter so many times."""
+    """Make a string: of a text, of an array's letters, or of a letter so many times."""
     given, letter = arguments.get(0), arguments.get(1)
+    if isinstance(given, ListValue):
+        return Unknown("text")
     if isinstance(given, Scalar) and isinstance(given.value, int) and isinstance(letter, Scalar):
         return Scalar(str(letter.value) * max(0, min(given.value, 256)))
     return Scalar("") if given is None else given
@@ -46,6 +47,19 @@ def to_string(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
         return concat((value,))
 
     return map_options(arguments.get(0) or Scalar(""), shown)
+
+
+def change_case(
+    change: Callable[[str], str], _: AbstractMachine, __: object, arguments: Arguments
+) -> Value:
+    """Return a letter, or a text, in upper or lower case."""
+
+    def changed(value: Value) -> Value:
+        if isinstance(value, Scalar) and isinstance(value.value, str):
+            return Scalar(change(value.value), value.tainted)
+        return Unknown("text")
+
+    return map_options(arguments.value(0), changed)
 
 
 def lexical_cast(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -86,12 +100,14 @@ def _stream(_: AbstractMachine, arguments: Arguments) -> Value:
 
 
 def _write(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    added = concat((owner.fields["text"], arguments.get(0) or Scalar("")))
-    machine.undo_log.set(owner.fields, "text", added)
+    before, added = owner.fields["text"], arguments.get(0) or Scalar("")
+    whole = added if before == Scalar("") and is_text(added) else concat((before, added))
+    machine.undo_log.set(owner.fields, "text", whole)
     return owner
 
 
-def _read(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def read_text(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    """Return `stream.str()`, after `stream.str(text)` the new text."""
     if arguments.values:
         machine.undo_log.set(owner.fields, "text", arguments.values[0])
     return owner.fields["text"]
@@ -140,66 +156,12 @@ def _extract(machine: AbstractMachine, owner: Instance, arguments: Arguments) ->
     return owner
 
 
-def _boost_format(_: AbstractMachine, arguments: Arguments) -> Value:
-    return Instance(FORMAT, {"text": arguments.get(0) or Scalar("")})
-
-
-def _fill_placeholder(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    """`boost::format("%s_%d") % a % b`: each % fills the next placeholder."""
-    template = owner.fields["text"]
-    if not isinstance(template, Scalar):
-        return owner
-    before, mark, after = str(template.value).partition("%")
-    number = after[:1].isdigit() and after[1:2] == "%"
-    spec, rest = ("s", after[2:]) if number else (after[:1], after[1:])
-    filled = percent_format(
-        Scalar(f"{before}{mark}{spec}"), list_of((arguments.get(0) or NONE,), "tuple")
-    )
-    return Instance(FORMAT, {"text": concat((filled, Scalar(rest)))})
-
-
-def sprintf(offset: int, machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    """`sprintf(buffer, format, …)`, `snprintf(buffer, size, format, …)`."""
-    slot, format = arguments.slot(0), arguments.get(offset)
-    if slot is None or format is None:
-        return Unknown("sprintf")
-    text = percent_format(format, list_of(arguments.values[offset + 1 :], "tuple"))
-    machine.undo_log.set(*slot, text)
-    return Unknown("sprintf")
-
-
 def copy_string(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`strcpy(target, source)`."""
     slot = arguments.slot(0)
     if slot is not None:
         machine.undo_log.set(*slot, arguments.get(1) or Unknown("strcpy"))
     return arguments.get(1) or Unknown("strcpy")
-
-
-def join_strings(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    """`boost::algorithm::join(words, separator)`."""
-    items, certain = items_of(arguments.get(0) or NONE)
-    separator = arguments.get(1) or Scalar("")
-    spread = [part for item in items for part in (separator, item)]
-    return concat(spread[1:]) if certain else Unknown("join")
-
-
-def split_string(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    """`boost::split(words, text, boost::is_any_of(" "))` (boost: string algorithms)."""
-    words, text, separators = arguments.get(0), arguments.get(1), arguments.get(2)
-    if not isinstance(words, ListValue):
-        return NONE
-    if not (isinstance(text, Scalar) and isinstance(separators, Scalar)):
-        machine.undo_log.mark_open(words.fields)
-        return words
-    pieces = str(text.value)
-    for letter in str(separators.value)[1:]:
-        pieces = pieces.replace(letter, str(separators.value)[0])
-    found = pieces.split(str(separators.value)[:1] or None)
-    machine.undo_log.set(
-        words.fields, "items", tuple(Scalar(piece, text.tainted) for piece in found)
-    )
-    return words
 
 
 def compare_strings(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
@@ -214,12 +176,5 @@ def compare_strings(_: AbstractMachine, __: object, arguments: Arguments) -> Val
 STREAM = LibraryClass(
     "std::stringstream",
     _stream,
-    {"operator<<": _write, "operator>>": _extract, "str": _read, "toStdString": _read},
-)
-
-
-FORMAT = LibraryClass(
-    "boost::format",
-    _boost_format,
-    {"operator%": _fill_placeholder, "str": _read, "toStdString": _read},
+    {"operator<<": _write, "operator>>": _extract, "str": read_text, "toStdString": read_text},
 )

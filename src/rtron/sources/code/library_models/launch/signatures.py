@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 _ACTIONS: Mapping[str, tuple[str, ...]] = {
     "AppendEnvironmentVariable": ("name", "value"),
+    "DeclareBooleanLaunchArgument": ("name",),
     "DeclareLaunchArgument": ("name",),
     "EmitEvent": (),
     "ExecuteLocal": (),
@@ -24,6 +25,7 @@ _ACTIONS: Mapping[str, tuple[str, ...]] = {
     "PushEnvironment": (),
     "PushLaunchConfigurations": (),
     "RegisterEventHandler": ("event_handler",),
+    "ReplaceEnvironmentVariables": ("environment",),
     "ResetEnvironment": (),
     "ResetLaunchConfigurations": ("launch_configurations",),
     "SetEnvironmentVariable": ("name", "value"),

@@ -4,17 +4,17 @@ import os.path
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     LibraryFunction,
     Scalar,
     Unknown,
     Value,
     concat,
-    text_with_holes,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.ros_arguments import without_remappings
 from rtron.sources.code.library_models.python_std.argument_parsers import (
     ARGUMENT_PARSERS,
     command_line_value,
@@ -64,9 +64,7 @@ def _with_slashes(values: tuple[Value, ...]) -> list[Value]:
 def _myargv(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`myargv(argv)`: the words without the remappings among them."""
     words = arguments.get(0, "argv") or command_line_value(machine.recorder.site)
-    items, certain = items_of(words)
-    words_left = [item for item in items if ":=" not in text_with_holes(item)]
-    return list_of(words_left, certain=certain)
+    return without_remappings(words)
 
 
 def _exit(_: AbstractMachine, __: object, ___: Arguments) -> Value:

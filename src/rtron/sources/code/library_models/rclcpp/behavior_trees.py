@@ -1,7 +1,7 @@
 """Behaviour trees: the nodes that libraries register, made as a tree would (behaviortree.dev).
 
 Which of them a tree has is in its XML. Without a launch each that is registered is taken; with one
-those that the trees have which are read from known files.
+those that the trees have which are read from known files or texts.
 """
 
 import re
@@ -148,18 +148,18 @@ def _defer_node(
     machine.deferred_actions.append(lambda: make(given))
 
 
-def _register_file(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    """`registerBehaviorTreeFromFile(path)`."""
+def _register_trees(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    """`registerBehaviorTreeFromFile(path)`, `registerBehaviorTreeFromText(xml)`."""
     known = items_of(owner.fields.get(_FILES_FIELD, NONE))[0]
-    given = _tree_paths(machine, arguments)
+    given = _known_trees(machine, arguments)
     machine.undo_log.set(
         owner.fields, _FILES_FIELD, list_of(tuple(dict.fromkeys((*known, *given))))
     )
     return NONE
 
 
-def _tree_paths(machine: AbstractMachine, arguments: Arguments) -> list[Scalar]:
-    """Return the files that a call may mean; where it may be any other, this is noted."""
+def _known_trees(machine: AbstractMachine, arguments: Arguments) -> list[Scalar]:
+    """Return the files or texts that a call may mean; where it may be any other, it is noted."""
     found = options(arguments.value(0))
     known = [option for option in found if isinstance(option, Scalar)]
     if not known and machine.recorder.site.parameters_complete:
@@ -173,27 +173,29 @@ def _create_tree(machine: AbstractMachine, owner: Instance, arguments: Arguments
     """`createTree(id, blackboard)`: of the files that are registered, the tree of this name."""
     name = arguments.get(0)
     tree_id = str(name.value) if isinstance(name, Scalar) else ""
-    for path in dict.fromkeys(items_of(owner.fields.get(_FILES_FIELD, NONE))[0]):
-        if isinstance(path, Scalar):
-            _make_nodes(machine, owner, str(path.value), tree_id, arguments)
+    for tree in dict.fromkeys(items_of(owner.fields.get(_FILES_FIELD, NONE))[0]):
+        if isinstance(tree, Scalar):
+            _make_nodes(machine, owner, str(tree.value), tree_id, arguments)
     return Unknown("tree")
 
 
-def _create_from_file(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    """`createTreeFromFile(path, blackboard)`."""
-    for path in _tree_paths(machine, arguments):
-        _make_nodes(machine, owner, str(path.value), "", arguments)
+def _create_directly(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    """`createTreeFromFile(path, blackboard)`, `createTreeFromText(xml, blackboard)`."""
+    for tree in _known_trees(machine, arguments):
+        _make_nodes(machine, owner, str(tree.value), "", arguments)
     return Unknown("tree")
 
 
 def _make_nodes(
-    machine: AbstractMachine, owner: Instance, path: str, tree_id: str, arguments: Arguments
+    machine: AbstractMachine, owner: Instance, tree: str, tree_id: str, arguments: Arguments
 ) -> None:
-    """Make the nodes of a tree, each once with the same ports."""
-    key = f"{_READ_FIELD} {tree_id} {path}"
+    """Make the nodes of a tree, a file's or a text's, each once with the same ports."""
+    key = f"{_READ_FIELD} {tree_id} {tree}"
     if key in owner.fields or not machine.recorder.site.parameters_complete:
         return
-    text = machine.runtime.files.read_text(Path(path))
+    is_text = tree.lstrip().startswith("<")
+    path = arguments.evidence.file if is_text else tree
+    text = tree if is_text else machine.runtime.files.read_text(Path(path))
     if text is None:
         machine.recorder.add_unresolved(
             f"behaviour tree {path}", _MISSING_FILE_REASON, arguments.evidence
@@ -207,7 +209,8 @@ def _make_nodes(
     for read in (_READ_FIELD, key):
         machine.undo_log.set(owner.fields, read, TRUE)
     for node in nodes.values():
-        _make_node(machine, owner, node, Evidence(file=path, line=node.line), arguments)
+        place = arguments.evidence if is_text else Evidence(file=path, line=node.line)
+        _make_node(machine, owner, node, place, arguments)
 
 
 def _make_node(
@@ -354,9 +357,11 @@ _FACTORY = LibraryClass(
         "registerFromPlugin": _register_plugin,
         "registerNodeType": _register_type,
         "registerBuilder": _register_builder,
-        "registerBehaviorTreeFromFile": _register_file,
+        **dict.fromkeys(
+            ("registerBehaviorTreeFromFile", "registerBehaviorTreeFromText"), _register_trees
+        ),
         "createTree": _create_tree,
-        "createTreeFromFile": _create_from_file,
+        **dict.fromkeys(("createTreeFromFile", "createTreeFromText"), _create_directly),
     },
 )
 _BLACKBOARD = LibraryClass("BT::Blackboard", methods={"set": _set_entry, "get": _get_entry})

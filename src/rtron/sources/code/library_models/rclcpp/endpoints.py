@@ -172,7 +172,7 @@ _GRAPH_QUERIES = (
     *("get_clients_info_by_service", "get_servers_info_by_service"),
     *("get_service_names_and_types_by_node", "get_client_names_and_types_by_node"),
     *("get_publisher_names_and_types_by_node", "get_subscriber_names_and_types_by_node"),
-    *("describe_parameter", "describe_parameters", "get_parameter_types", "list_parameters"),
+    *("describe_parameter", "describe_parameters", "get_parameter_types"),
 )
 GRAPH_METHODS: Mapping[str, Callable[..., Value]] = {
     **dict.fromkeys(("resolve_topic_name", "resolve_service_name"), _resolve_name),

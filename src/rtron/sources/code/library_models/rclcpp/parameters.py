@@ -6,11 +6,14 @@ from rtron.sources.code.interpreter.abstract_values.items import items_of, list_
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
+    OPEN,
     TRUE,
     UNKNOWN,
     Instance,
     LibraryClass,
     ListValue,
+    MapValue,
+    Scalar,
     Unknown,
     Value,
     options,
@@ -19,6 +22,11 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import escape_functions
 from rtron.sources.code.library_models.common.trivial_functions import return_owner
+from rtron.sources.code.library_models.ros2_common.parameter_lists import (
+    list_parameters,
+    names_below,
+    parameter_names,
+)
 from rtron.sources.code.library_models.ros2_common.parameter_types import (
     is_parameter_type,
     is_unset,
@@ -98,7 +106,9 @@ def get_parameter_or(machine: AbstractMachine, owner: Value, arguments: Argument
 
 
 def get_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    """`get_parameters({name, …})`."""
+    """`get_parameters({name, …})`, `get_parameters(prefix, map)`."""
+    if isinstance(arguments.get(1), MapValue):
+        return _fill_map(machine, owner, arguments)
     names, certain = items_of(arguments.get(0) or NONE)
     found = [(name, node_parameter_value(machine, owner, name)) for name in names]
     items = [
@@ -106,6 +116,20 @@ def get_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments)
         for n, v in found
     ]
     return list_of(items, certain=certain)
+
+
+def _fill_map(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+    """Put the parameters below a prefix into a map, by what stands behind it."""
+    prefix, filled = arguments.value(0), arguments.get(1)
+    names, certain = parameter_names(machine, owner)
+    below = names_below(names, str(prefix.value)) if isinstance(prefix, Scalar) else {}
+    if isinstance(filled, MapValue):
+        for name, rest in below.items():
+            value = node_parameter_value(machine, owner, Scalar(name)) or UNKNOWN
+            machine.undo_log.set(filled.fields, rest, value)
+        if not (certain and isinstance(prefix, Scalar)):
+            machine.undo_log.set(filled.fields, OPEN, UNKNOWN)
+    return Scalar(bool(below)) if certain else Unknown("get_parameters")
 
 
 def has_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
@@ -183,6 +207,7 @@ PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
     "get_parameter_or": get_parameter_or,
     "get_parameters": get_parameters,
     "has_parameter": has_parameter,
+    "list_parameters": list_parameters,
     **dict.fromkeys(
         ("set_parameter", "set_parameters", "set_parameters_atomically"), set_parameter
     ),

@@ -20,6 +20,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
+from rtron.sources.code.library_models.common.missing_plugins import (
+    note_missing_plugin,
+    throw_for_another_base,
+)
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.cpp_std.functional import hold_by_pointer
 
@@ -38,6 +42,8 @@ def _create_plugins(machine: AbstractMachine, owner: Instance, arguments: Argume
     """Make a plugin from its source; each that the workspace has where only the launch knows."""
     base = owner.fields.get("base", UNKNOWN)
     found: dict[str, Value] = {}
+    if not _is_for_base(machine, arguments.value(0), base):
+        throw_for_another_base(machine, arguments.value(0))
     for option in options(arguments.value(0)):
         names = _possible_plugins(machine, option, base, arguments)
         if not names and not machine.recorder.site.parameters_complete:
@@ -45,8 +51,14 @@ def _create_plugins(machine: AbstractMachine, owner: Instance, arguments: Argume
         for name in names or [option]:
             _load_plugin(machine, name, base, arguments, found)
     if not found and (machine.recorder.site.parameters_complete or not isinstance(base, Scalar)):
-        _note_missing(machine, arguments.value(0), arguments)
+        note_missing_plugin(machine, arguments.value(0), arguments)
     return join(found.values()) if found else Unknown("plugin")
+
+
+def _is_for_base(machine: AbstractMachine, name: Value, base: Value) -> bool:
+    if not (isinstance(name, Scalar) and isinstance(base, Scalar)):
+        return True
+    return machine.runtime.files.find_plugin(str(name.value), str(base.value)) is not None
 
 
 def _load_plugin(
@@ -63,13 +75,7 @@ def _load_plugin(
     if made is not None:
         found[spelled_name] = hold_by_pointer(machine, made)
     else:
-        _note_missing(machine, name, arguments)
-
-
-def _note_missing(machine: AbstractMachine, name: Value, at: Arguments) -> None:
-    """Note a plugin that is not here, or that only the running app names."""
-    why = "its source is not found" if isinstance(name, Scalar) else "which one it is, is not known"
-    machine.recorder.add_unresolved(f"plugin {text_with_holes(name)}", why, at.evidence)
+        note_missing_plugin(machine, name, arguments)
 
 
 def _possible_plugins(

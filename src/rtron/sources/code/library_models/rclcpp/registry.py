@@ -13,6 +13,9 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.embedded_python import EMBEDDED_PYTHON
+from rtron.sources.code.library_models.common.navigation_plugins import NAVIGATION_CLASSES
+from rtron.sources.code.library_models.common.ros_arguments import remove_ros_arguments
 from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
@@ -79,6 +82,10 @@ NAMESPACE_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
         for name in _INTERFACES
     },
     "rclcpp::expand_topic_or_service_name": _expand_name,
+    **dict.fromkeys(
+        ("rclcpp::remove_ros_arguments", "rclcpp::init_and_remove_ros_arguments"),
+        remove_ros_arguments,
+    ),
     "rclcpp::ok": returning_unknown("ok"),
     **{
         f"ament_index_cpp::get_package_share_{what}": _package_share
@@ -94,6 +101,7 @@ RCLCPP_CLASSES: dict[str, LibraryClass] = {
     **OVERRIDING_CLASSES,
     **LIBRARY_CLASSES,
     **NAV2_CLASSES,
+    **NAVIGATION_CLASSES,
     **IMAGE_CLASSES,
     **PLUGIN_CLASSES,
     **TREE_CLASSES,
@@ -114,6 +122,7 @@ RCLCPP_FUNCTIONS = {
         **TREE_FUNCTIONS,
         **ROS_TREE_FUNCTIONS,
         **NAV2_FUNCTIONS,
+        **EMBEDDED_PYTHON,
     }.items()
 }
 RCLCPP_CONSTANTS: dict[str, Value] = {

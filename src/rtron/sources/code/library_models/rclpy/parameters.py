@@ -17,6 +17,11 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.ros2_common.parameter_lists import (
+    list_parameters,
+    names_below,
+    parameter_names,
+)
 from rtron.sources.code.library_models.ros2_common.parameter_types import (
     python_parameter_type,
 )
@@ -105,15 +110,13 @@ def _get_parameters_by_prefix(
     prefix = arguments.get(0, "prefix")
     if not isinstance(prefix, Scalar):
         return MapValue({OPEN: Unknown("parameter", tainted=True)})
-    start = f"{prefix.value}." if prefix.value else ""
-    names = dict.fromkeys(one.name for one in machine.recorder.site.settings)
+    names, certain = parameter_names(machine, owner)
     found: dict[object, Value] = {}
-    for name in (name for name in names if name.startswith(start)):
-        value = node_parameter_value(machine, owner, Scalar(name))
-        if value is not None:
-            found[name.removeprefix(start)] = parameter_object(Scalar(name), value)
-    if not machine.recorder.site.parameters_complete:
-        found[OPEN] = parameter_object(UNKNOWN, Unknown(f"~{start}*", tainted=True))
+    for name, rest in names_below(names, str(prefix.value)).items():
+        value = node_parameter_value(machine, owner, Scalar(name)) or UNKNOWN
+        found[rest] = parameter_object(Scalar(name), value)
+    if not certain:
+        found[OPEN] = parameter_object(UNKNOWN, Unknown(f"~{prefix.value}.*", tainted=True))
     return MapValue(found)
 
 
@@ -159,6 +162,7 @@ PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
     "get_parameters": _get_parameters,
     "get_parameters_by_prefix": _get_parameters_by_prefix,
     "has_parameter": _has_parameter,
+    "list_parameters": list_parameters,
     **dict.fromkeys(("set_parameters", "set_parameters_atomically"), _set_parameters),
     **dict.fromkeys(PARAMETER_CALLBACKS, _add_parameter_callback),
 }

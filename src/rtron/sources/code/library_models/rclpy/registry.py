@@ -13,6 +13,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.ros_arguments import remove_ros_arguments
 from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.rclpy.libraries import LIBRARY_FUNCTIONS
 from rtron.sources.code.library_models.rclpy.node import LIFECYCLE_NODE, NODE, make_node
@@ -77,5 +78,9 @@ def rclpy_library() -> dict[str, Value]:
         **dict.fromkeys(("rclpy.parameter.Parameter", "rclpy.Parameter"), PARAMETER),
         "rclpy.create_node": LibraryFunction("rclpy.create_node", _create_node),
         "launch.LaunchService": LibraryFunction("launch.LaunchService", _launch_service),
+        **dict.fromkeys(
+            ("rclpy.utilities.remove_ros_args", "rclpy.remove_ros_args"),
+            LibraryFunction("remove_ros_args", remove_ros_arguments),
+        ),
         "rclpy.ok": LibraryFunction("rclpy.ok", returning_unknown("ok")),
     }

@@ -21,8 +21,8 @@ from rtron.vocabulary.launch import canonical_name
 
 
 def node_namespace(machine: AbstractMachine) -> str:
-    """Return the namespace that the node stands in."""
-    return machine.recorder.site.name.rpartition("/")[0] or "/"
+    """Return the namespace that the node of the process stands in."""
+    return machine.recorder.site.process_name.rpartition("/")[0] or "/"
 
 
 def resolve_name(machine: AbstractMachine, name: Value, namespace: Value | None = None) -> Value:
@@ -40,7 +40,8 @@ def _resolve_one(machine: AbstractMachine, name: Value, namespace: Value) -> Val
         return _canonical(name)
     if isinstance(first, str) and first.startswith("~"):
         private = PartialText((first[1:], *parts[1:]), is_tainted(name))
-        return _canonical(concat((Scalar(machine.recorder.site.name + "/"), private)))
+        process = Scalar(machine.recorder.site.process_name + "/")
+        return _canonical(concat((process, private)))
     return _canonical(concat((namespace, Scalar("/"), name)))
 
 

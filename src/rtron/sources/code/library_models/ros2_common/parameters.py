@@ -213,13 +213,13 @@ def _initial_value(
         default is not None
         and is_parameter_type(default)
         and found is None
-        and _knows_all_overrides(machine, node)
+        and knows_all_overrides(machine, node)
     ):
         return unset_value(hole.label)
     if default is None or is_parameter_type(default):
         return hole
     marked = _tainted(default)
-    if found is None and _knows_all_overrides(machine, node):
+    if found is None and knows_all_overrides(machine, node):
         return marked
     return _with_unknown_item(marked, hole) or join((marked, hole))
 
@@ -237,12 +237,12 @@ def _one_parameter_value(machine: AbstractMachine, node: Value, name: Value) -> 
     if key in machine.parameters:
         return machine.parameters[key]
     found = override_value(machine, node, name)
-    if found is None and not _knows_all_overrides(machine, node):
+    if found is None and not knows_all_overrides(machine, node):
         return Unknown(short_name(machine, node, text_with_holes(name)), tainted=True)
     return found
 
 
-def _knows_all_overrides(machine: AbstractMachine, node: Value) -> bool:
+def knows_all_overrides(machine: AbstractMachine, node: Value) -> bool:
     """Tell whether all that is set for a node is known."""
     site = machine.recorder.site
     process = (

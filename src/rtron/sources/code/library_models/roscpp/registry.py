@@ -16,6 +16,9 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import message_type_of
+from rtron.sources.code.library_models.common.embedded_python import EMBEDDED_PYTHON
+from rtron.sources.code.library_models.common.navigation_plugins import NAVIGATION_CLASSES
+from rtron.sources.code.library_models.common.ros_arguments import write_without_remappings
 from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
@@ -38,6 +41,7 @@ from rtron.sources.code.library_models.roscpp.node_handle import (
     note_program_remaps,
     subscribe,
 )
+from rtron.sources.code.library_models.roscpp.nodelets import NODELET_CLASSES
 from rtron.sources.code.library_models.roscpp.parameters import (
     get_param,
     has_param,
@@ -66,7 +70,7 @@ def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments)
 
 
 def _node_name(machine: AbstractMachine, _: object, __: Arguments) -> Value:
-    return Scalar(machine.recorder.site.name)
+    return Scalar(machine.recorder.site.process_name)
 
 
 def _node_namespace(machine: AbstractMachine, _: object, __: Arguments) -> Value:
@@ -108,6 +112,7 @@ ROSCPP_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::param::search": _with_node_handle(search_param),
     "ros::topic::waitForMessage": _wait_for_message,
     "ros::init": _init,
+    "ros::removeROSArgs": write_without_remappings,
     "ros::service::call": _call_service,
     "ros::this_node::getName": _node_name,
     "ros::this_node::getNamespace": _node_namespace,
@@ -127,9 +132,12 @@ ROSCPP_CLASSES: dict[str, LibraryClass] = {
     **IMAGE_CLASSES,
     **FILTER_CLASSES,
     **PLUGIN_CLASSES,
+    **NAVIGATION_CLASSES,
+    **NODELET_CLASSES,
     **SERVER_CLASSES,
     **MESSAGE_CLASSES,
 }
 ROSCPP_FUNCTION_VALUES = {
-    name: LibraryFunction(name, call) for name, call in ROSCPP_FUNCTIONS.items()
+    name: LibraryFunction(name, call)
+    for name, call in {**ROSCPP_FUNCTIONS, **EMBEDDED_PYTHON}.items()
 }

@@ -13,7 +13,7 @@ from rtron.sources.launch.ros2.substitutions.substitution import MAX_GRAPH_TEXT
 from rtron.sources.launch.ros2.substitutions.template import placeholder
 from rtron.vocabulary import Evidence, UnresolvedItem
 
-_MARK = re.compile("\ue000([0-9]{1,9})\ue001")
+_MARK = re.compile("rtron_command_([0-9]{1,9})_output")
 
 
 @dataclass(slots=True, kw_only=True)

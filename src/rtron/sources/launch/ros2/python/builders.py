@@ -113,6 +113,12 @@ def _process(actions: ActionTranslator, fields: Fields) -> Element:
     )
 
 
+def _replace_environment(actions: ActionTranslator, fields: Fields) -> Element:
+    return Element(
+        "rep_env", {}, actions.pair_elements("env", fields.get("environment"), "name", "value")
+    )
+
+
 def _reset(actions: ActionTranslator, fields: Fields) -> Element:
     preserved_elements = actions.pair_elements(
         "keep", fields.get("launch_configurations"), "name", "value"
@@ -140,6 +146,7 @@ BUILDERS: Mapping[str, Build] = {
     **dict.fromkeys(_IGNORED_ACTIONS, _empty_element("log")),
     "AppendEnvironmentVariable": _text_element("append_env", **_APPEND_FIELDS),
     "ComposableNodeContainer": partial(node_element, tag="node_container"),
+    "DeclareBooleanLaunchArgument": _argument,
     "DeclareLaunchArgument": _argument,
     "ExecuteLocal": _process,
     "ExecuteProcess": _process,
@@ -159,6 +166,7 @@ BUILDERS: Mapping[str, Build] = {
     "PushROSNamespace": _text_element("push_ros_namespace", namespace="namespace"),
     "PushRosNamespace": _text_element("push_ros_namespace", namespace="namespace"),
     "RegisterEventHandler": _event_handler,
+    "ReplaceEnvironmentVariables": _replace_environment,
     "ResetEnvironment": _empty_element("reset_env"),
     "ResetLaunchConfigurations": _reset,
     "ROSTimer": _timer,

@@ -29,7 +29,7 @@ from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.declaration_recorder import DeclarationRecorder
 from rtron.sources.code.interpreter.execution.expressions import EVALUATORS
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
-from rtron.sources.code.interpreter.execution.statements import EXECUTORS, run_branches
+from rtron.sources.code.interpreter.execution.statements import EXECUTORS, run_both_sides
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 from rtron.sources.code.ir import If
 from rtron.sources.code.library_models.launch.constructor_calls import (
@@ -238,5 +238,5 @@ def _execute_if(machine: AbstractMachine, node: If, frame: StackFrame) -> str | 
         machine.recorder.add_unresolved(
             "if", "its condition is not known, both sides are read", location
         )
-        return run_branches(machine, frame, (node.body, node.orelse))
+        return run_both_sides(machine, node, frame)
     return machine.execute(node.body if decided else node.orelse, frame)

@@ -138,15 +138,38 @@ def _replaced_string(translator: SubstitutionTranslator, fields: Fields) -> Perf
             return path
         replacements = _evaluated_texts(translator, fields.get("replacements"), view)
         try:
-            text = read_text_file(path)
-            for pattern, replacement in replacements.items():
-                text = text.replace(pattern, replacement)
-            return view.files.add_generated(path, parse_yaml_tree(text, path))
+            if path in view.files.generated_files:
+                tree = _replaced_tree(view.files.read(path), replacements)
+            else:
+                tree = parse_yaml_tree(_replaced_text(read_text_file(path), replacements), path)
+            return view.files.add_generated(path, tree)
         except InputError as error:
             view.note(f"{display_text(path)}: {error}")
             return placeholder(f"replaced {display_text(path)}")
 
     return run
+
+
+def _replaced_text(text: str, replacements: Texts) -> str:
+    for pattern, replacement in replacements.items():
+        text = text.replace(pattern, replacement)
+    return text
+
+
+def _replaced_tree(tree: YamlTree, replacements: Texts) -> YamlTree:
+    """Return a tree that the launch has made with the texts in it replaced."""
+    if not isinstance(tree, YamlLeaf):
+        return {
+            _replaced_text(key, replacements): _replaced_tree(inner, replacements)
+            for key, inner in tree.items()
+        }
+    return YamlLeaf(value=_replaced_value(tree.value, replacements), line=tree.line)
+
+
+def _replaced_value(value: ParameterValue, replacements: Texts) -> ParameterValue:
+    if isinstance(value, list):
+        return [_replaced_value(item, replacements) for item in value]
+    return _replaced_text(value, replacements) if isinstance(value, str) else value
 
 
 def _condition_holds(

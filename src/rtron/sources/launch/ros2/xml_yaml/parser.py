@@ -23,6 +23,8 @@ _YAML_RULES = YamlRules(
     max_depth=60, help="write out what aliases stand for: no two nodes can share their text"
 )
 _YAML = (".yaml", ".yml")
+_ALIASES = {"bool_arg": "arg", "composable_lifecycle_node": "composable_node"}
+"""Elements, since Lyrical, that are read as others are: by which choices or states they differ."""
 
 
 def parse_elements(path: str) -> Element:
@@ -39,7 +41,7 @@ def _read_xml(path: str) -> Element:
     document_order = list(root.iter("*"))
     for position, element in reversed(list(enumerate(document_order))):
         elements[element] = Element(
-            tag=str(element.tag),
+            tag=_ALIASES.get(str(element.tag), str(element.tag)),
             attributes={str(name): str(value) for name, value in element.attrib.items()},
             children=tuple(elements[child] for child in element if child in elements),
             position=position,
@@ -93,7 +95,7 @@ def _element_of_entry(tag: str, value: yaml.Node, path: str) -> Element:
                 if isinstance(part, yaml.MappingNode)
             )
     return Element(
-        tag=tag,
+        tag=_ALIASES.get(tag, tag),
         attributes={
             str(key.value): text for key, inner in entries if (text := _text(inner)) is not None
         },

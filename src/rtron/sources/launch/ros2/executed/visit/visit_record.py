@@ -7,7 +7,8 @@ from .locations import Location
 
 Values: TypeAlias = dict[str, Any]
 
-_OPEN, _CLOSE = "\ue000", "\ue001"
+_OPEN, _CLOSE = "rtron_command_", "_output"
+"""Around a command's number: launch_ros looks whether a name with it is legal."""
 
 
 @dataclass

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtron.reports.sanitize import sanitize
+from rtron.sanitize import sanitize
 
 
 @pytest.mark.parametrize(

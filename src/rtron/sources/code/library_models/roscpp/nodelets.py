@@ -1,0 +1,107 @@
+"""nodelet: nodelets, and the loader that a program has of them (ROS wiki: nodelet)."""
+
+from rtron.sources.code.interpreter.abstract_values.value_types import (
+    FALSE,
+    Instance,
+    LibraryClass,
+    MapValue,
+    Scalar,
+    Unknown,
+    Value,
+)
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.calls import dispatch
+from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
+from rtron.sources.code.library_models.common.missing_plugins import note_missing_plugin
+from rtron.sources.code.library_models.ros1_common import endpoints
+from rtron.sources.code.library_models.ros1_common.names import node_namespace, resolve_name
+from rtron.sources.code.library_models.roscpp.node_handle import (
+    handle,
+    handle_argument,
+    note_program_remaps,
+    private_handle,
+)
+from rtron.sources.declaration import DeclarationKind
+
+_BASE = "nodelet::Nodelet"
+_NAME = "nodelet name"
+"""The field that holds the name of a nodelet that its own program has loaded."""
+_SERVICES = {
+    "load_nodelet": "nodelet/NodeletLoad",
+    "unload_nodelet": "nodelet/NodeletUnload",
+    "list": "nodelet/NodeletList",
+}
+
+
+def start_nodelet(machine: AbstractMachine, nodelet: Value, at: Arguments) -> None:
+    """Run what the loader runs of a nodelet that is made: its `onInit`."""
+    method = cpp_runtime(machine).attribute(nodelet, "onInit", ())
+    dispatch(machine, method or Unknown("onInit"), at.with_values())
+
+
+def _name(machine: AbstractMachine, nodelet: Value) -> Value:
+    """Return a nodelet's name: the node's, if a launch has started it as one.
+
+    Handles that it makes itself, `ros::NodeHandle("~")`, are those of its manager.
+    """
+    loaded = nodelet.fields.get(_NAME) if isinstance(nodelet, Instance) else None
+    return loaded or Scalar(machine.recorder.site.name)
+
+
+def _handle(machine: AbstractMachine, nodelet: Value, _: Arguments) -> Value:
+    name = _name(machine, nodelet)
+    if not isinstance(name, Scalar):
+        return handle(Scalar(node_namespace(machine)))
+    return handle(Scalar(str(name.value).rpartition("/")[0] or "/"))
+
+
+def _private_handle(machine: AbstractMachine, nodelet: Value, _: Arguments) -> Value:
+    return handle(_name(machine, nodelet))
+
+
+def _get_name(machine: AbstractMachine, nodelet: Value, _: Arguments) -> Value:
+    return _name(machine, nodelet)
+
+
+def _make_loader(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """`Loader(bool provide_ros_api = true)`, `Loader(server_handle)`: it serves what loads more."""
+    server = handle_argument(arguments) or private_handle(machine)
+    for name, type in _SERVICES.items() if arguments.get(0) != FALSE else ():
+        full = resolve_name(machine, Scalar(name), server.fields["namespace"])
+        kind = DeclarationKind.SERVICE
+        endpoints.declare_endpoint(machine, kind, full, type, arguments, implicit=True)
+    return Instance(_LOADER)
+
+
+def _load(machine: AbstractMachine, _: Value, arguments: Arguments) -> Value:
+    """`loader.load(name, type, remappings, argv)`: the nodelet runs in this process."""
+    name, type, remaps = arguments.value(0), arguments.value(1), arguments.get(2)
+    if isinstance(remaps, MapValue) and remaps.fields:
+        note_program_remaps(machine, arguments)
+    made = None
+    if isinstance(type, Scalar):
+        made = cpp_runtime(machine).create_plugin(str(type.value), _BASE, arguments)
+    if not isinstance(made, Instance):
+        note_missing_plugin(machine, type, arguments)
+        return Unknown("load")
+    made.fields[_NAME] = resolve_name(machine, name)
+    start_nodelet(machine, made, arguments)
+    return Unknown("load")
+
+
+_NODELET = LibraryClass(
+    _BASE,
+    methods={
+        **dict.fromkeys(("getNodeHandle", "getMTNodeHandle"), _handle),
+        **dict.fromkeys(("getPrivateNodeHandle", "getMTPrivateNodeHandle"), _private_handle),
+        "getName": _get_name,
+    },
+)
+_LOADER = LibraryClass("nodelet::Loader", _make_loader, {"load": _load})
+
+NODELET_CLASSES = {
+    _NODELET.name: _NODELET,
+    _LOADER.name: _LOADER,
+    "nodelet_topic_tools::NodeletLazy": _NODELET,
+}
