@@ -58,8 +58,9 @@ def test_a_line_for_each_repository(rtron, corpus):
     evidence = found["evidence"][0]
     assert set(evidence) == {"piece", "rule", "type", "text", "package"}
     assert "localization" in evidence["text"]
-    assert (unknown["functions"], unknown["primary"]) == ([], None)
-    assert (unknown["confidence"], unknown["probabilities"]) == (None, {})
+    assert (unknown["functions"], unknown["primary"]) == (["Extension"], "Extension")
+    assert unknown["probabilities"] == {"Extension": unknown["confidence"]}
+    assert unknown["confidence"] < 0.5
     assert unknown["decided_by"] == "none"
     assert teleop["functions"] == ["Teleoperation"]
 
@@ -74,7 +75,7 @@ def test_the_code_in_a_folder_decides_where_words_do_not(rtron, tmp_path):
     path.mkdir()
     (path / "package.xml").write_text("<package><name>zzz</name></package>")
     (unknown,) = documents(rtron("classify", path).out)
-    assert unknown["primary"] is None
+    assert unknown["decided_by"] == "none"
     (path / "node.py").write_text(
         "from geometry_msgs.msg import Twist\nfrom sensor_msgs.msg import Joy\n"
         "rospy.Publisher('cmd_vel', Twist)\nrospy.Subscriber('joy', Joy, drive)\n"
@@ -90,10 +91,9 @@ def test_the_code_in_a_folder_decides_where_words_do_not(rtron, tmp_path):
 def test_a_distribution(rtron, tmp_path):
     path = tmp_path / "distribution.yaml"
     path.write_text("repositories: {joystick_teleop: {release: {url: x}}, zzz: {}}")
-    assert [each["primary"] for each in documents(rtron("classify", path).out)] == [
-        "Teleoperation",
-        None,
-    ]
+    decided, unknown = documents(rtron("classify", path).out)
+    assert (decided["primary"], decided["decided_by"]) == ("Teleoperation", "name")
+    assert unknown["decided_by"] == "none"
 
 
 def test_readmes_tell_where_nothing_else_does(rtron, corpus, tmp_path):
