@@ -25,6 +25,7 @@ PARTS = {
     "chain": "ros1.hop:chain_figures",
     "load": "ros1.load:figures",
     "silence": "ros1.silence:figures",
+    "incidents": "ros1.hop:incident_figures",
     "supervisor": "ros1.supervisor:figures",
     "memory": "ros1.memory:figures",
     "actions": "ros1.actions:figures",
@@ -32,18 +33,29 @@ PARTS = {
     "audit_cost": "ros1.audit_cost:figures",
     "intrusion": "ros1.intrusion:figures",
     "churn": "ros1.churn:figures",
+    "cell": "cell.figures_ros1:figures",
+    "prevention": "cell.prevention_ros1:figures",
+    "bridge": "bridge.latency:figures",
     "ingest": "service.ingest:figures",
     "link": "service.link:figures",
     "faults": "service.faults:figures",
+    "fleet": "service.fleet:figures",
+    "console": "service.console_fleet:figures",
+    "replicas": "service.replicas:figures",
+    "rollouts": "service.rollouts:figures",
 }
 ROS2_PARTS = {
     "ros2_discovery": "ros2.discovery:figures",
     "ros2_hop": "ros2.hop:figures",
     "ros2_audit": "ros2.audit:figures",
     "ros2_intrusion": "ros2.intrusion:figures",
+    "ros2_security": "ros2.security:figures",
+    "ros2_prevention": "ros2.prevention:figures",
+    "ros2_cell": "cell.figures_ros2:figures",
 }
 """Need rclpy: these run where it is installed, the others where it is not."""
-AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS
+ZENOH_PARTS = {"zenoh": "zenoh.access:figures"} if find_spec("zenoh") else {}
+AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS | ZENOH_PARTS
 OUTPUT = ROOT / "build" / "bench.json"
 
 

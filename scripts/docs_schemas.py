@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from rtron.planning.plan_file.json_schema import plan_json_schema
+from rtron.sources.graph_json import graph_json_schema
 from rtron.sources.ignores.config_file import config_json_schema
 from rtron.workflows.scan import RULE_NAMES
 
@@ -19,6 +20,7 @@ def stale(folder: Path) -> dict[Path, str]:
     """Return what should stand in each schema that does not."""
     documents = {
         "rtron.plan.json": plan_json_schema(),
+        "rtron.graph.json": graph_json_schema(),
         "rtron.toml.json": config_json_schema(RULE_NAMES),
     }
     texts = {folder / name: f"{json.dumps(each, indent=2)}\n" for name, each in documents.items()}

@@ -22,5 +22,7 @@ if [ "$(cat "$venv/.ready" 2>/dev/null)" != "$(sha256sum requirements.lock)" ]; 
   "$venv/bin/python" -m pip install -qq --disable-pip-version-check --require-hashes -r requirements.lock
   sha256sum requirements.lock >"$venv/.ready"
 fi
+site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+echo "$PWD/src" >"$site/rtron.pth" # tests start `python -m rtron` in other folders and environments
 echo "test-pythons: $("$venv/bin/python" --version)"
-PYTHONPATH=src "$venv/bin/python" -m pytest -m "not ros2 and not long" "$@"
+"$venv/bin/python" -m pytest -m "not ros2 and not long" "$@"

@@ -2,6 +2,7 @@
 
 import os
 import signal
+from contextlib import ExitStack, closing
 from tempfile import TemporaryDirectory
 
 import pytest
@@ -87,3 +88,13 @@ def ros():
     """Run ROS's own loader of launch files."""
     with RosLoader() as loader:
         yield loader
+
+
+@pytest.fixture
+def stand(ros2, monkeypatch):
+    """Give places in the test's domain, each a participant of its own."""
+    from rclpy_nodes import RclpyParticipant  # noqa: PLC0415 - it needs rclpy
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    with ExitStack() as stack:
+        yield lambda: stack.enter_context(closing(RclpyParticipant(ros2.domain)))

@@ -1,9 +1,11 @@
 """What the base hears while an intruder is there: who commands it, and for how much of the time.
 
-The time begins with the guard's alarm. The base obeys what it heard last.
+The time begins with the guard's alarm, or when the base hears the intruder if that is later: DDS
+may take seconds until it does. The base obeys what it heard last.
 """
 
 import statistics
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -21,14 +23,21 @@ INTRUDER, NAVIGATION = -0.2, 0.5
 RATES = (50, 200)
 """Messages a second of the intruder."""
 WINDOW = 3 * SECOND
-"""How long the base is watched after the alarm (ns)."""
+"""How long the base is watched (ns)."""
+_LIMIT, _POLL_S = 30 * SECOND, 0.05
 
 
 def write_intrusion_plan(path: Path, ros: int) -> None:
     """Write the plan of a base whose guard stops what intruders move."""
+    path.write_text(write_plan(intrusion_plan(ros)), "utf-8")
+
+
+def intrusion_plan(ros: int, *, in_cell: bool = False) -> Plan:
+    """Return the plan of a base whose guard stops what intruders move."""
     node = replace(grcn(TOPIC, [PUBLISHER]), successors=(DRIVER,))
     audit = Audit(on_foreign=OnForeign.STOP)
-    path.write_text(write_plan(Plan(app="bench", ros=ros, grcn=(node,), audit=audit)), "utf-8")
+    cell = (DRIVER,) if in_cell else ()
+    return Plan(app="bench", ros=ros, grcn=(node,), audit=audit, cell=cell)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +61,37 @@ class BaseLog:
         commanded = sum(after[0] - now[0] for now, after in pairwise(changes) if now[1] == turn)
         return commanded / (end - begin)
 
+    def heard_at(self, turn: float) -> int:
+        """Return when the base first heard messages with this turn (ns), 0 if it has not."""
+        return next((at for at, each in self.messages if each == turn), 0)
+
     def stops(self, begin: int, end: int) -> int:
         """Return how many messages told the base to rest."""
         return sum(begin < at < end and turn == 0 for at, turn in self.messages)
+
+
+def window_figures(file: Path, alarm_at: int) -> dict[str, float]:
+    """Wait until a base has heard an intruder for so long; return who commanded it meanwhile.
+
+    `alarm_at` is when the guard raised its alarm (ns). TimeoutError if the base does not hear it.
+    """
+    begin = max(alarm_at, _wait_for_intruder(file))
+    time.sleep(max(0, begin + WINDOW - time.monotonic_ns()) / SECOND)
+    base, end = BaseLog.read(file), begin + WINDOW
+    return {
+        "share": base.share(INTRUDER, begin, end),
+        "navigation_share": base.share(NAVIGATION, begin, end),
+        "stops": base.stops(begin, end),
+    }
+
+
+def _wait_for_intruder(file: Path) -> int:
+    deadline = time.monotonic_ns() + _LIMIT
+    while not (at := BaseLog.read(file).heard_at(INTRUDER)):
+        if time.monotonic_ns() > deadline:
+            raise TimeoutError("the base does not hear the intruder")
+        time.sleep(_POLL_S)
+    return at
 
 
 def intrusion_figures(

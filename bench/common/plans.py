@@ -9,13 +9,16 @@ TWIST = "geometry_msgs/Twist"
 
 
 def grcn(topic: str, publishers: Sequence[str], type: str = TWIST) -> GRCN:
-    """Return an enforcing GRCN under Preemption; the first publisher has the highest priority."""
+    """Return an enforcing GRCN under Preemption; the first publisher has the highest priority.
+
+    What is no Twist moves nothing, so the process of large data carries it.
+    """
     return GRCN(
         id=f"grcn{topic.replace('/', '_')}",
         topic=topic,
         type=type,
         domain=Domain.CONTROL,
-        kind=StreamKind.COMMAND,
+        kind=StreamKind.COMMAND if type.endswith("/Twist") else StreamKind.STATE,
         sharing=Sharing.CONTEND,
         mode=Mode.ENFORCE,
         policy=PolicyName.PREEMPTION,

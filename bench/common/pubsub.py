@@ -20,7 +20,8 @@ _SECOND = 1_000_000_000
 class Route:
     """A path from publishers to subscribers: publish at `inputs` (NODE=TOPIC), listen at `outputs`.
 
-    `start` starts what is in between; `ros` is the generation of the endpoints.
+    `start` starts what is in between; `ros` is the generation of the endpoints. `listen_prefix` is
+    what runs the command that listens.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Route:
     outputs: Sequence[str]
     start: StartRoute = field(default=lambda _: nullcontext())
     ros: int = 1
+    listen_prefix: Callable[[Testbed], Sequence[str]] = field(default=lambda _: ())
 
     def endpoint_module(self, name: str) -> str:
         """Return the module of a publishing or subscribing process."""
@@ -74,7 +76,8 @@ def run_load(testbed: Testbed, route: Route, load: Load) -> LoadResult:
     """Open a way, let it settle, send a load over it, and close it again."""
     with route.start(testbed), ExitStack() as stack:
         time.sleep(SETTLE_SECONDS)
-        receiver = _started(testbed, stack, _receiver(route, load))
+        listen = [*route.listen_prefix(testbed), *_receiver(route, load)]
+        receiver = _started(testbed, stack, listen)
         generator = _started(testbed, stack, _generator(route, load))
         _expect_ready(testbed, route, receiver)
         sent = _result(testbed, route, _exchange_line(generator, "go"))

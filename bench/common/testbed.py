@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from figures.figure import Figure
+from rtron.demos.runtime.isolation import free_port
 
 _START_S = 20.0
 _STOP_S = 5.0
@@ -34,10 +35,10 @@ class Testbed:
 def open_testbed() -> Iterator[Testbed]:
     """Run a master on a free port until the end of the block."""
     with tempfile.TemporaryDirectory(prefix="rtron-bench-") as name:
-        port = _free_port()
+        port = free_port()
         testbed = Testbed(_environ(Path(name), port), Path(name))
         with running(testbed, ["rosmaster", "--core", "-p", str(port)], signal.SIGINT):
-            _wait_for(port)
+            wait_for_port(port)
             yield testbed
 
 
@@ -110,25 +111,20 @@ def _environ(folder: Path, port: int) -> dict[str, str]:
         "ROS_HOSTNAME": "localhost",
         "ROS_HOME": str(folder),
         "ROS_LOG_DIR": str(folder),
+        "XDG_STATE_HOME": str(folder),
         "ROS_DOMAIN_ID": str(os.getpid() % _DOMAINS + 1),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
 
 
-def _free_port() -> int:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port: int = free.getsockname()[1]
-        return port
-
-
-def _wait_for(port: int) -> None:
+def wait_for_port(port: int) -> None:
+    """Wait until somebody listens on a port of loopback; TimeoutError if nobody does."""
     deadline = time.monotonic() + _START_S
     while time.monotonic() < deadline:
         if _listens(port):
             return
         time.sleep(0.05)
-    raise TimeoutError("the ROS master does not start")
+    raise TimeoutError(f"nobody listens on port {port}")
 
 
 def _listens(port: int) -> bool:

@@ -41,9 +41,19 @@ GOALS = _number("GOALS", 200)
 """Goals of a run, one after the other."""
 CHANGES = _number("CHANGES", 500)
 """Changes of settings, one after the other."""
+CELL_ROUNDS = _number("CELL_ROUNDS", 10)
+"""How often guard and supervisor die together beside a cell, of each cause."""
+PREVENTIONS = _number("PREVENTIONS", 5)
+"""How often each attack is tried against each protection."""
 KILLS = _number("KILLS", 50)
 """How often the service and the guard are killed each."""
 INGESTED = _number("INGESTED", 1_000_000)
 """Events that guards send to the security service."""
 INGEST_SECONDS = _number("INGEST_SECONDS", 600)
 """How long they may take at most, s."""
+FLEETS = tuple(map(int, os.environ.get("RTRON_BENCH_FLEETS", "100 300 1000").split()))
+"""How many guards are connected to one service, one fleet after the other."""
+ROLLOUTS = _number("ROLLOUTS", 6)
+"""How often a change that is bad for some robots goes out to the largest fleet, in each way."""
+FLEET_SECONDS = _number("FLEET_SECONDS", 15)
+"""How long a fleet is measured, s: alone, and once more beside people's requests."""

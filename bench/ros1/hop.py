@@ -1,14 +1,16 @@
 """What the guard adds to the latency of Twists and images, beside relays in C++."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from bench.common.hops import Hop, Peer, added, figures_of
 from bench.common.plans import grcn
-from bench.common.pubsub import PUBLISHER, Load, interleave
+from bench.common.pubsub import PUBLISHER, Load, Route, interleave
 from bench.common.testbed import ReportProgress, Testbed
 from bench.common.workload import HOP_SECONDS, RUNS
-from bench.ros1.routes import direct, guard, relays, staged
+from bench.ros1.routes import direct, guard, guard_of, relays, staged
 from figures.figure import Figure
+from rtron.vocabulary import IncidentRecording, Plan
 
 RATE = 200
 """Messages a second of each topic."""
@@ -51,3 +53,21 @@ def chain_figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure
     runs = interleave(testbed, [one, ten], load, RUNS, progress)
     more = added(runs[ten.name], runs[one.name], "median")
     yield Figure.of_runs("chain.ten_more_than_one", more, (), "us", at_most=TEN_MORE_US)
+
+
+def incident_figures(testbed: Testbed, progress: ReportProgress) -> Iterator[Figure]:
+    """Yield what a guard that records incidents adds to a command, beside one that does not."""
+    load = Load(RATE * HOP_SECONDS, RATE)
+    plan = Plan(app="bench", grcn=(grcn("/cmd_vel", [PUBLISHER]),))
+    off = replace(plan, incidents=IncidentRecording(keep=0))
+    ways = [direct(), _named("recording", plan), _named("not recording", off)]
+    none, with_it, without = interleave(testbed, ways, load, RUNS, progress).values()
+    for statistic in ("median", "p99"):
+        more = [added(runs, none, statistic) for runs in (with_it, without)]
+        yield Figure.of_runs(f"incidents.added_{statistic}_vs_not_recording", *more, "us")
+    lost = [sum(run.lost for run in runs) for runs in (with_it, without)]
+    yield Figure("incidents.lost", *lost, f"messages of {RUNS * load.count}", at_most=0)
+
+
+def _named(name: str, plan: Plan) -> Route:
+    return replace(guard_of(plan), name=name)

@@ -1,6 +1,7 @@
 """Publishers that go past the guard: raw, so that they keep to no rule of a client library.
 
-`first_connection` is when the first subscriber's connection was accepted, on the steady clock (ns).
+`first_connection` is when the first subscriber's connection was accepted, on the steady clock (ns);
+`message_count` is how often the velocity was said, to nobody too.
 """
 
 import socket
@@ -33,7 +34,7 @@ class Intruder:
         """Say it `rate` times a second."""
         self.name, self.topic = name, topic
         self.first_connection = 0
-        self.connection_count = 0
+        self.connection_count = self.message_count = 0
         self._period_s = 1 / rate
         self.shut_down = Event()
         self._connections: list[socket.socket] = []
@@ -83,10 +84,10 @@ class Intruder:
 
     def leave(self) -> None:
         """End every connection, and serve no more."""
+        self._listener.shutdown(socket.SHUT_RDWR)
+        self._listener.close()  # says no more, while the slave's end takes half a second
         self._slave.shutdown()
         self._slave.server_close()
-        self._listener.shutdown(socket.SHUT_RDWR)
-        self._listener.close()
         for thread in self._threads:
             thread.join()
         for connection in self._connections:
@@ -122,6 +123,7 @@ class Intruder:
     def _publish(self) -> None:
         while self._listener.fileno() >= 0:
             time.sleep(self._period_s)
+            self.message_count += 1
             for sock in [each for each in self._connections if not _spoken(each)]:
                 self._connections.remove(sock)
 

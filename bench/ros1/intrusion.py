@@ -10,13 +10,11 @@ from tempfile import mkdtemp
 
 from bench.common.intrusion import (
     DRIVER,
-    INTRUDER,
-    NAVIGATION,
     RATES,
     TOPIC,
-    WINDOW,
     BaseLog,
     intrusion_figures,
+    window_figures,
     write_intrusion_plan,
 )
 from bench.common.log_watcher import LogWatcher
@@ -59,16 +57,8 @@ def _run(library: str, ghost: str, rate: int) -> dict[str, float]:
                 intruder.announce_to(driver, _uri(testbed, _GUARD), _uri(testbed, _SUPERVISOR))
             alarm_at, _ = log.wait(" hears ", 0, _LIMIT_S)
             before = intruder.connection_count
-            time.sleep(WINDOW / 1e9)
-            reconnects = intruder.connection_count - before
-        base = BaseLog.read(testbed.folder / "base.txt")
-        end = alarm_at + WINDOW
-        return {
-            "share": base.share(INTRUDER, alarm_at, end),
-            "navigation_share": base.share(NAVIGATION, alarm_at, end),
-            "stops": base.stops(alarm_at, end),
-            "reconnects": reconnects,
-        }
+            found = window_figures(testbed.folder / "base.txt", alarm_at)
+            return found | {"reconnects": intruder.connection_count - before}
 
 
 def _start_app(testbed: Testbed, library: str, stack: ExitStack) -> LogWatcher:

@@ -38,14 +38,17 @@ def staged(number: int) -> Route:
 
 def guard(*grcns: GRCN) -> Route:
     """Return the way through the guard, by every flow of these coordination nodes."""
-    chosen = grcns or (grcn("/cmd_vel", [PUBLISHER]),)
-    plan = Plan(app="bench", grcn=chosen)
+    return guard_of(Plan(app="bench", grcn=grcns or (grcn("/cmd_vel", [PUBLISHER]),)))
+
+
+def guard_of(plan: Plan) -> Route:
+    """Return the way through the guard of a plan, by every flow of its coordination nodes."""
     inputs = [
         f"{flow.publisher}={flow_topic(node.topic, flow.name)}"
-        for node in chosen
+        for node in plan.grcn
         for flow in node.flows
     ]
-    outputs = [output_topic(node.topic) for node in chosen]
+    outputs = [output_topic(node.topic) for node in plan.grcn]
     return Route("guard", inputs, outputs, lambda s: run_guard(s, plan))
 
 

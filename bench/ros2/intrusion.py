@@ -7,20 +7,19 @@ from contextlib import ExitStack
 from functools import partial
 
 from bench.common.intrusion import (
-    INTRUDER,
-    NAVIGATION,
     RATES,
-    WINDOW,
     BaseLog,
     intrusion_figures,
+    window_figures,
     write_intrusion_plan,
 )
 from bench.common.log_watcher import LogWatcher
 from bench.common.testbed import ReportProgress, Testbed, open_testbed, python, running
 from bench.common.workload import INTRUSIONS
+from bench.ros2.audit import OUT
 from figures.figure import Figure
 
-_PROCESSES = "bench.ros2.intrusion_processes"
+PROCESSES = "bench.ros2.intrusion_processes"
 _LIMIT_S = 120.0
 
 
@@ -40,24 +39,24 @@ def _run(rate: int) -> dict[str, float]:
         write_intrusion_plan(plan, 2)
         socket = str(testbed.folder / "guard.sock")
         guard = python("rtron", "guard", "--plan", str(plan), "--control-socket", socket)
-        for command in (guard, python(_PROCESSES, "app", str(told))):
+        navigation, base = python(PROCESSES, "navigation"), python(PROCESSES, "base", str(told))
+        for command in (guard, navigation, base):
             stack.enter_context(running(testbed, command, signal.SIGINT))
         log = LogWatcher(testbed.folder / "errors.log")
         stack.callback(log.close)
-        _wait_for_navigation(testbed)
-        stack.enter_context(running(testbed, python(_PROCESSES, "intrude", str(rate))))
+        wait_for_navigation(testbed)
+        stack.enter_context(running(testbed, python(*intruding(rate))))
         alarm_at, _ = log.wait("past the guard", 0, _LIMIT_S)
-        time.sleep(WINDOW / 1e9)
-        base = BaseLog.read(told)
-        end = alarm_at + WINDOW
-        return {
-            "share": base.share(INTRUDER, alarm_at, end),
-            "navigation_share": base.share(NAVIGATION, alarm_at, end),
-            "stops": base.stops(alarm_at, end),
-        }
+        return window_figures(told, alarm_at)
 
 
-def _wait_for_navigation(testbed: Testbed) -> None:
+def intruding(rate: int, node: str = "/bench_rogue", topic: str = OUT) -> list[str]:
+    """Return the module and the words of a process that intrudes under a node's name."""
+    return [PROCESSES, "intrude", str(rate), node, topic]
+
+
+def wait_for_navigation(testbed: Testbed) -> None:
+    """Wait until the base is driven."""
     deadline = time.monotonic() + _LIMIT_S
     while not BaseLog.read(testbed.folder / "base.txt").messages:
         if time.monotonic() > deadline:

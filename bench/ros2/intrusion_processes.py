@@ -1,7 +1,7 @@
 """The processes of an intrusion on ROS 2: `python -m bench.ros2.intrusion_processes WHAT ...`.
 
-`app FILE`: navigation and the base, which writes the time (ns of the steady clock) and angular.z of
-every message to FILE; `intrude RATE`: a stranger on the private output.
+`navigation`; `base FILE`, which writes the time (ns of the steady clock) and angular.z of every
+message to FILE; `intrude RATE NODE TOPIC`: a stranger on a topic, with this node name.
 """
 
 import signal
@@ -21,20 +21,26 @@ _NAVIGATION_S = 0.1
 
 
 def main() -> None:
-    """Be the app or the intruder until told to end."""
-    what, argument = sys.argv[1:]
+    """Be a process of the app or the intruder until told to end."""
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: sys.exit())
-    session = Ros2Session()
-    if what == "app":
-        _publish(session, PUBLISHER, FLOW, NAVIGATION, _NAVIGATION_S)
-        _write_messages(session, Path(argument))
-    else:
-        _publish(session, "/bench_rogue", OUT, INTRUDER, 1 / int(argument))
+    session = Ros2Session(enclave="/")
     executor = SingleThreadedExecutor(context=session.context)
-    for name in (PUBLISHER, DRIVER) if what == "app" else ("/bench_rogue",):
-        executor.add_node(session.node(name))
+    executor.add_node(session.node(_take_part(session, *sys.argv[1:])))
     executor.spin()
+
+
+def _take_part(session: Ros2Session, what: str, *arguments: str) -> str:
+    """Publish or subscribe as the arguments say; return the node's name."""
+    if what == "base":
+        _write_messages(session, Path(*arguments))
+        return DRIVER
+    if what == "navigation":
+        _publish(session, PUBLISHER, FLOW, NAVIGATION, _NAVIGATION_S)
+        return PUBLISHER
+    rate, node, topic = arguments
+    _publish(session, node, topic, INTRUDER, 1 / int(rate))
+    return node
 
 
 def _publish(session: Ros2Session, node: str, topic: str, turn: float, period_s: float) -> None:

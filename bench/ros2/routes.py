@@ -50,7 +50,7 @@ def guard(message: str = "twist", number: int = 1) -> Route:
     """Return the way through the guard: `number` topics, a coordination node each."""
     topics = [f"/bench_{index}" for index in range(number)]
     nodes = tuple(grcn(topic, [PUBLISHER], MESSAGES[message].type) for topic in topics)
-    opened = partial(_run_guard, plan=Plan(app="bench", ros=2, grcn=nodes))
+    opened = partial(run_guard, plan=Plan(app="bench", ros=2, grcn=nodes))
     return Route("guard", *_guarded(topics), opened, ros=2)
 
 
@@ -68,7 +68,8 @@ def _guarded(topics: list[str]) -> tuple[list[str], list[str]]:
 
 
 @contextmanager
-def _run_guard(testbed: Testbed, plan: Plan) -> Iterator[subprocess.Popen[str]]:
+def run_guard(testbed: Testbed, plan: Plan) -> Iterator[subprocess.Popen[str]]:
+    """Run a guard of a plan until the end of the block."""
     path = testbed.folder / "rtron.yaml"
     path.write_text(write_plan(plan), encoding="utf-8")
     command = python("rtron", "guard", "--plan", str(path), "--log-level", "warning")

@@ -40,26 +40,27 @@ def page_loads(folder: Path, database: Path, unit: str) -> Iterator[Figure]:
         return
     with (
         ServiceProcess(folder, database, "--log-level", "warning") as service,
-        _browser() as browser,
+        open_browser() as browser,
     ):
-        _log_in(service, browser)
+        log_in(service, browser)
         for name, (view, selector) in _VIEWS.items():
             spent = [_load(browser, f"{service.url}/#/{view}", selector) for _ in range(_LOADS)]
             took = statistics.median(spent)
             yield Figure(f"console.{name}", took, None, unit, at_most=_AT_MOST_MS)
 
 
-def _log_in(service: ServiceProcess, browser: Any) -> None:  # noqa: ANN401 - selenium has no types
+def log_in(service: ServiceProcess, browser: Any) -> None:  # noqa: ANN401 - selenium has no types
+    """Log in as a new user with all that the console shows."""
     password = service.folder / "viewer.password"
     words = ["user", "add", "viewer", "--role", "admin", "--role", "developer"]
     words += ["--password-file", str(password), "--database", service.database]
     subprocess.run(rtron_command(*words), check=True, capture_output=True)
     browser.get(service.url)
-    _wait(browser, "input[name=password]")
+    wait(browser, "input[name=password]")
     browser.find_element("css selector", "input[name=name]").send_keys("viewer")
     field = browser.find_element("css selector", "input[name=password]")
     field.send_keys(password.read_text().strip() + "\n")
-    _wait(browser, "nav.side")
+    wait(browser, "nav.side")
 
 
 def _load(browser: Any, address: str, selector: str) -> float:  # noqa: ANN401
@@ -67,11 +68,12 @@ def _load(browser: Any, address: str, selector: str) -> float:  # noqa: ANN401
     browser.get("about:blank")
     browser.execute_cdp_cmd("Network.clearBrowserCache", {})
     browser.get(address)
-    _wait(browser, selector)
+    wait(browser, selector)
     return float(browser.execute_script("return performance.now()"))
 
 
-def _wait(browser: Any, selector: str) -> None:  # noqa: ANN401
+def wait(browser: Any, selector: str) -> None:  # noqa: ANN401
+    """Wait until an element is there."""
     deadline = time.monotonic() + _PATIENCE_S
     while not browser.find_elements("css selector", selector):
         if time.monotonic() > deadline:
@@ -80,7 +82,8 @@ def _wait(browser: Any, selector: str) -> None:  # noqa: ANN401
 
 
 @contextmanager
-def _browser() -> Iterator[Any]:
+def open_browser() -> Iterator[Any]:
+    """Run Chromium until the end of the block."""
     from selenium import webdriver  # noqa: PLC0415 - the other parts need no browser
 
     options = webdriver.ChromeOptions()

@@ -4,12 +4,12 @@ Prints a line of JSON, `{"port", "tokens": {robot: token}}`, and serves until it
 """
 
 import json
-import socket
 import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from rtron.demos.runtime.isolation import free_port
 from rtron.service.config import ServiceConfig
 from rtron.service.domain.roles import AccessScope
 from rtron.service.server.app import create_app
@@ -26,7 +26,7 @@ def main() -> None:
     database = Database(folder / FILE)
     tokens = dict(_tokens(database, robots))
     database.close()
-    config = ServiceConfig(database=folder / FILE, port=_free_port())
+    config = ServiceConfig(database=folder / FILE, port=free_port())
     app = create_app(config)
     server_info = json.dumps({"port": config.port, "tokens": tokens})
     serve(app, config, lambda: print(server_info, flush=True))
@@ -37,13 +37,6 @@ def _tokens(database: Database, robots: int) -> Iterator[tuple[str, str]]:
         wish = TokenSpec(name=robot, scopes=[AccessScope.GUARD], robot=robot)
         with database.session() as session:
             yield robot, create_token(session, time.time_ns(), "bench", wish)[1]
-
-
-def _free_port() -> int:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port: int = free.getsockname()[1]
-        return port
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 import json
 import re
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -15,9 +14,11 @@ from urllib.request import Request, urlopen
 
 from typing_extensions import Self
 
+from rtron.demos.runtime.isolation import free_port
+
 T = TypeVar("T")
 _PASSWORD = re.compile(r"with the password (\S+)\n")
-_START_S = 60.0
+_START_S = 120.0
 _CALL_S = 30.0
 _PAUSE_S = 0.02
 
@@ -26,23 +27,32 @@ class ServiceProcess:
     """`rtron serve` on a port of its own; it can be killed and started again on the same data."""
 
     def __init__(
-        self, folder: Path, database: str | Path = "", *more: str, idle: bool = False
+        self,
+        folder: Path,
+        database: str | Path = "",
+        *more: str,
+        idle: bool = False,
+        token_name: str = "measuring",
     ) -> None:
         self.folder = folder
         self.database = str(database or folder / "service.sqlite")
-        self.port = _free_port()
+        self.port = free_port()
         self.password = ""
         self._more = more
+        self._token_name = token_name
         self._idle = idle
         self._process: subprocess.Popen[bytes] | None = None
         self._starts = 0
         self._token = ""
 
     def __enter__(self) -> Self:
-        self.start()
-        self._token = self.create_token(
-            "measuring", "read", "developer", "end_user", "admin"
-        ).read_text()
+        scopes = "read", "developer", "end_user", "admin"
+        try:
+            self.start()
+            self._token = self.create_token(self._token_name, *scopes).read_text()
+        except BaseException:
+            self.stop()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -61,7 +71,7 @@ class ServiceProcess:
     def start(self) -> None:
         """Start it, and wait until it is ready."""
         self._starts += 1
-        is_new = not Path(self.database).exists()
+        is_new = "://" not in self.database and not Path(self.database).exists()
         log = self.folder / f"serve{self._starts}.log"
         arguments = ["serve", "--database", self.database, "--port", str(self.port)]
         with log.open("wb") as output:
@@ -149,9 +159,3 @@ def _wait(condition: Callable[[], T], what: str) -> T:
             raise TimeoutError(what)
         time.sleep(_PAUSE_S)
     return found
-
-
-def _free_port() -> int:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        return int(free.getsockname()[1])

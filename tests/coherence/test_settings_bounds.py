@@ -34,6 +34,7 @@ from rtron.vocabulary import (
     FlowSettings,
     FpsMonitor,
     GuardedTopic,
+    LeaseGroup,
     MissionRule,
     Mode,
     NodeSettings,
@@ -82,6 +83,8 @@ MISSION = MSRCN(
 ROBOT = RSRCN(id="rsrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, vflows=(VFLOWS,), lowest=0.1)
 MONITOR = FpsMonitor(id="fps", node="/camera", topic="/image", silent_after=2 * SECOND)
 PLAN = Plan(app="app", grcn=(GENERAL,), rsrcn=ROBOT, msrcn=MISSION, fps_monitor=(MONITOR,))
+
+LEASABLE = replace(PLAN, grcn=(replace(GENERAL, lease="base"),), leases=(LeaseGroup(name="base"),))
 
 
 def of(id, **values):
@@ -254,7 +257,7 @@ def test_plans_are_read_with_the_same_policies(id, policies):
     for policy in PolicyName:
         settings = of(id, policy=policy, **bounds)
         if policy in policies:
-            in_force(PLAN, settings)
+            in_force(LEASABLE if policy is PolicyName.LEASE else PLAN, settings)
         else:
             with pytest.raises(
                 SettingsMismatchError, match=f"{id}: {policy} is not for".replace("+", r"\+")

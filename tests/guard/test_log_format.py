@@ -29,12 +29,37 @@ def test_the_time_is_utc_and_has_milliseconds(monkeypatch):
     assert log_formatter().format(record).endswith("Z WARNING the guard begins")
 
 
+HOSTILE = "car\u202e1\x1b[2J\n2027-01-15T08:00:00.000Z INFO all is well"
+
+
+def refuse():
+    raise ValueError(HOSTILE)
+
+
+def hostile_record():
+    try:
+        refuse()
+    except ValueError:
+        failure = sys.exc_info()
+    return logging.LogRecord("x", logging.WARNING, "", 0, "%s failed", (HOSTILE,), failure)
+
+
+def test_what_a_stranger_chose_is_no_line_and_turns_nothing_around():
+    first, *more = log_formatter().format(hostile_record()).split("\n")
+    assert r"car\u202e1\x1b[2J\n2027-01-15T08:00:00.000Z INFO all is well failed" in first
+    assert all(line.startswith("  ") for line in more)
+    assert all(line.isprintable() for line in (first, *more))
+    assert any("all is well" in line for line in more)
+
+
 FLOOD = """
 import logging, sys, time
 from rtron.guard.log_format import start_logging
 start_logging("INFO")
-for number in range(int(sys.argv[1])):
-    logging.getLogger("rtron").warning("line %d %s", number, "x" * 1000)
+logger = logging.getLogger("rtron")
+for number in range(int(sys.argv[1])):  # each from another place in the code
+    said = ("line %d %s", (number, "x" * 1000), None)
+    logger.handle(logger.makeRecord("rtron", logging.WARNING, "a.py", number, *said))
 print("done", flush=True)
 sys.stdin.read()
 """

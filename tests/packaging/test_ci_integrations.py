@@ -155,7 +155,19 @@ def test_the_scan_hook_fails_where_two_nodes_drive(tmp_path):
     assert "/cmd_vel" in ran.stdout
     names = [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.launch")]
     assert all(re.search(hook["files"], name) for name in [*names, "src/robot/scripts/drive.py"])
-    assert not re.search(hook["files"], "README.md")
+
+
+@pytest.mark.parametrize(
+    ("file", "matches"),
+    [
+        *((name, True) for name in ("CMakeLists.txt", "package.xml", "setup.cfg", "rtron.toml")),
+        *((f"a/b/{name}", True) for name in ("CMakeLists.txt", "package.xml", "app.launch.py")),
+        *((name, True) for name in ("scripts/drive", "a/nodes/drive", "robot.urdf", "msg/A.msg")),
+        *((name, False) for name in ("README.md", "MyCMakeLists.txt", "a/scripts/LICENSE.txt")),
+    ],
+)
+def test_the_scan_hook_runs_for_what_a_scan_reads(file, matches):
+    assert bool(re.search(HOOKS["rtron-scan"]["files"], file)) is matches
 
 
 def test_the_check_hook_looks_at_each_plan(tmp_path):

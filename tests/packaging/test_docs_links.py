@@ -8,6 +8,8 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 TROUBLES = ROOT / "docs" / "troubleshooting.md"
+BETWEEN_PROCESSES = {"rtron.visit/1"}
+"""Formats of files that do not outlive the command."""
 
 
 def anchors(page):
@@ -36,3 +38,10 @@ def test_the_messages_of_the_troubleshooting_page_are_rtrons():
     assert len(messages) > 10
     plain = re.sub(r"\{[^}]*\}|%s", "", code)
     assert [each for each in messages if each not in code and each not in plain] == []
+
+
+def test_the_page_on_upgrading_names_every_format():
+    code = "".join(path.read_text("utf-8") for path in (ROOT / "src").rglob("*.py"))
+    formats = set(re.findall(r'"(rtron\.[a-z_]+/\d+)"', code)) - BETWEEN_PROCESSES
+    page = (ROOT / "docs" / "upgrading.md").read_text("utf-8")
+    assert {each for each in formats if f"`{each}`" not in page} == set()

@@ -9,6 +9,7 @@ from rtron.planning import check_plan, propose_plan
 from rtron.risks import discover_risks
 from rtron.vocabulary import (
     EventFlow,
+    Flow,
     FpsMonitor,
     FrameSource,
     InteractionGraph,
@@ -51,6 +52,12 @@ def test_a_topic_like_none_of_very_many():
 def test_an_unknown_publisher_names_the_nearest():
     assert told(with_first_flow(publisher="/move_bas"))[0] == (
         "error: GRCN grcn_cmd_vel, flow1: no node /move_bas in the app: did you mean /move_base?"
+    )
+
+
+def test_a_client_of_a_bridge_is_in_no_graph():
+    assert (
+        told(with_grcn(flows=(*CMD_VEL.flows, Flow(name="web", publisher="/bridge/tablet")))) == []
     )
 
 

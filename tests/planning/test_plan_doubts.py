@@ -7,16 +7,19 @@ from plans import grcn, plan_of
 
 from rtron.planning.plan_doubts import order_doubts, void_value_warnings
 from rtron.vocabulary import (
+    MSRCN,
     RSRCN,
     SECOND,
     Flow,
     FunctionType,
+    GuardedTopic,
     InteractionGraph,
     MessageDefinition,
     Mode,
     Node,
     Plan,
     PolicyName,
+    StreamKind,
 )
 
 
@@ -40,7 +43,7 @@ def test_a_long_duration_is_doubted():
 
 @pytest.mark.parametrize(("size", "is_doubted"), [(16, False), (17, True)])
 def test_a_queue_that_has_no_room_for_its_messages_is_doubted(size, is_doubted):
-    found = warnings(type="sensor_msgs/Image", queue_size=size)
+    found = warnings(type="sensor_msgs/Image", kind=StreamKind.STATE, queue_size=size)
     assert bool(found) == is_doubted
     if is_doubted:
         assert found[0] == (
@@ -63,6 +66,39 @@ def test_the_definition_of_a_type_of_ones_own_counts():
     assert not list(void_value_warnings(replace(plan, messages=())))
 
 
+LARGE = ("Image", "CompressedImage", "PointCloud", "PointCloud2")
+
+
+@pytest.mark.parametrize("name", LARGE)
+@pytest.mark.parametrize("package", ["sensor_msgs", "sensor_msgs/msg"])
+@pytest.mark.parametrize("mode", list(Mode))
+def test_large_messages_in_the_process_of_the_commands_are_told(package, name, mode):
+    settings = {"type": f"{package}/{name}", "queue_size": 1, "mode": mode}
+    told = (
+        "warning: GRCN grcn_cmd_vel: pictures and point clouds are carried beside commands, which "
+        "wait for them: say `kind: state`"
+    )
+    assert told in warnings(**settings)
+    assert told not in warnings(kind=StreamKind.STATE, **settings)
+
+
+def test_large_messages_that_a_rule_blocks_are_told():
+    """A rule takes its topic into the process of the commands, whatever the GRCN says."""
+    pictures, scans = (
+        GuardedTopic(topic=topic, type=type, flows=())
+        for topic, type in (("/image", "sensor_msgs/Image"), ("/scan", "sensor_msgs/LaserScan"))
+    )
+    camera = grcn("/image", ["/camera"], [], type="sensor_msgs/Image", kind=StreamKind.STATE)
+    mission = MSRCN(
+        id="msrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, aflows=(pictures, scans)
+    )
+    (warning,) = void_value_warnings(plan_of(replace(camera, queue_size=1), msrcn=mission))
+    assert str(warning) == (
+        "warning: MSRCN on /image: pictures and point clouds are carried beside commands, which "
+        "wait for them: put the rule on a topic of small messages"
+    )
+
+
 def test_a_node_that_only_watches_voids_nothing():
     texts = warnings(mode=Mode.OBSERVE, release_after=3 * SECOND)
     assert texts == ["warning: plan: nothing enforces: the guard only watches; set `mode: enforce`"]
@@ -78,6 +114,13 @@ def test_where_every_flow_is_blocked_nothing_passes():
     assert not list(void_value_warnings(replace(plan, grcn=(replace(node, flows=one),))))
     (warning,) = void_value_warnings(replace(plan, grcn=(replace(node, flows=both),)))
     assert "every flow is blocked" in warning.message
+
+
+def test_a_lease_that_the_policy_does_not_ask_for_has_no_effect():
+    (warning,) = void_value_warnings(plan_of(grcn("/cmd_vel", ["/a"], [], lease="base")))
+    assert warning.message == "`lease: base` has no effect: the policy is Preemption, not Lease"
+    leased = grcn("/cmd_vel", ["/a"], [], lease="base", policy=PolicyName.LEASE)
+    assert not list(void_value_warnings(plan_of(leased)))
 
 
 @pytest.mark.parametrize(("fastest", "warned"), [(None, False), (2.5, False), (2.51, True)])

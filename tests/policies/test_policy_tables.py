@@ -11,12 +11,13 @@ from policy_runs import LIMITS, settings
 
 from rtron.errors import PlanError
 from rtron.policies import POLICIES, block, build_policy, preemption, velocity_watchdog
+from rtron.policies.authority import lease
 from rtron.policies.queues import message_queue
 from rtron.policies.state_machine import StateMachine, TransitionEffect
 from rtron.policies.velocity_limit import limiter
 from rtron.vocabulary import Flow, PolicyName, StreamKind
 
-TABLED = (block, preemption, message_queue, limiter, velocity_watchdog)
+TABLED = (block, preemption, lease, message_queue, limiter, velocity_watchdog)
 HEADINGS = ("What it does", "When to use it", "Settings", "States", "Example")
 
 
@@ -104,7 +105,7 @@ def test_flows_that_have_an_order_have_it_among_all(policy):
 @pytest.mark.parametrize("kind", StreamKind)
 def test_equal_priorities_are_refused_where_priorities_count(policy, kind):
     equal = tuple(Flow(name=name, publisher="/any") for name in ("flow1", "flow2"))
-    if policy in {PolicyName.BLOCK, PolicyName.FIFO_QUEUE, *LIMITS}:
+    if policy in {PolicyName.BLOCK, PolicyName.FIFO_QUEUE, PolicyName.LEASE, *LIMITS}:
         build_policy(settings(policy, kind, equal))
     else:
         with pytest.raises(PlanError, match="flow1 and flow2 have the same priority 0"):

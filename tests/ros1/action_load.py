@@ -4,7 +4,7 @@ from collections import Counter
 from random import Random
 
 from action_app import ASKED, FOREIGN, GUARD, Act, action_plan
-from harness import wait_for
+from harness import LIMIT_S, wait_for
 
 from rtron.vocabulary import SECOND
 
@@ -13,7 +13,6 @@ FLOOD = 1000
 _LONGEST_MS = 4
 _OPEN = 100
 _LATE = SECOND // 4
-_LIMIT_S = 60
 _QUEUE_PARAMETERS = (
     "/actionlib_client_pub_queue_size",
     "/act/actionlib_client_pub_queue_size",
@@ -48,7 +47,7 @@ class Load:
         """Send all goals and wait until each is answered."""
         self._send()
         for client, count in zip(self.clients, self._counts, strict=True):
-            self._done[client.name] = client.done(count, _LIMIT_S)
+            self._done[client.name] = client.done(count, LIMIT_S)
             client.wait_for("result", count)
 
     def flooded(self):
@@ -61,17 +60,23 @@ class Load:
         return {(name, number): end for name, each in done for number, end in each.items()}
 
     def answered_otherwise(self):
-        """Return the goals that were not answered once, or did not run once if they succeeded."""
+        """Return the goals that were not answered once, or did not run once if they succeeded.
+
+        With each is how many results came, how often its client was told, and how often it ran.
+        """
         results, told = Counter(), Counter()
         for client in self.clients:
             results.update({_number_of(goal): n for goal, n in client.results().items()})
             told.update((client.name, int(words[0])) for words in client.of("done"))
         ran = Counter({_number_of(goal): n for goal, n in self.served.executed().items()})
         ends = self.ends()
+        counts = {
+            goal: (results[goal], told[goal], ran[goal]) for goal in {*ends, *results, *told, *ran}
+        }
         return {
-            goal
-            for goal in {*ends, *results, *told, *ran}
-            if (results[goal], told[goal], ran[goal]) != (1, 1, ends.get(goal) == "SUCCEEDED")
+            goal: count
+            for goal, count in counts.items()
+            if count != (1, 1, ends.get(goal) == "SUCCEEDED")
         }
 
     def touched(self):

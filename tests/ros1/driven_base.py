@@ -40,19 +40,42 @@ def map_plan():
 
 
 class Driven:
-    """What the driver was told, message by message, as (linear.x, angular.z)."""
+    """What the driver was told, message by message."""
 
     def __init__(self, path):
         self.path = path
 
     def messages(self):
+        """Return each message as (linear.x, angular.z)."""
+        return [(x, turn) for x, turn, *_ in self._lines()]
+
+    def speeds_of_senders(self):
+        """Return each message as (its node, linear.x); driver.cpp does not tell the node."""
+        return [(sender, float(x)) for x, _, sender in self._lines()]
+
+    def _lines(self):
         text = self.path.read_text() if self.path.exists() else ""
         whole = text[: text.rfind("\n") + 1]
-        return [tuple(line.split()) for line in whole.splitlines()]
+        return [line.split() for line in whole.splitlines()]
 
     def navigation(self):
         """Return the counts that navigation sent, in order of arrival."""
         return [round(float(x) * 1000) for x, turn in self.messages() if turn == TURN_LEFT]
+
+    def assert_navigation_is_whole(self):
+        """Assert that navigation has arrived from its first on, in order.
+
+        Who waits for a processor may be taken for gone: what navigation says while others slow the
+        robot down is not heard.
+        """
+        last, is_slowed = -1, False
+        for speed, turn in self.messages():
+            if turn == TURN_LEFT:
+                count = round(float(speed) * 1000)
+                assert count > last if is_slowed else count == last + 1, (last, count)
+                last, is_slowed = count, False
+            else:
+                is_slowed = True
 
     def turns(self):
         """Return how many messages of the attackers arrived."""

@@ -10,6 +10,7 @@ import time
 from contextlib import suppress
 from pathlib import Path
 from random import SystemRandom
+from weakref import WeakSet
 
 from rtron.errors import RTronError
 from rtron.wire.ros1.xmlrpc import ros_call
@@ -18,10 +19,12 @@ HERE = Path(__file__).parent
 NODES = HERE / "nodes"
 SOURCE = HERE.parents[1] / "src"
 ROS_PYTHON = "/usr/bin/python3"
-LIMIT_S = 60.0
+LIMIT_S = 120.0
 GRACE_S = 20.0
 CALL_S = 10.0
 _PAUSE_S = 0.02
+_LAST_LINES = 8
+_STARTED = WeakSet()
 _HASTE_S = 0.2
 _ORDERLY = (sys.executable, "roslaunch", "sh")
 """Programs that have others to end, or files to leave in order."""
@@ -38,9 +41,18 @@ def wait_for(condition, limit_s=LIMIT_S, what="the condition"):
     deadline, pause = time.monotonic() + limit_s, threading.Event()
     while not (found := condition()):
         if time.monotonic() > deadline:
-            raise WaitTimeoutError(f"{what}: not within {limit_s:g} s")
+            raise WaitTimeoutError(f"{what}: not within {limit_s:g} s{_last_words()}")
         pause.wait(_PAUSE_S)
     return found
+
+
+def _last_words():
+    """Return the last lines of each process that still runs."""
+    running = sorted((each for each in _STARTED if not each.ended), key=lambda one: one.pid)
+    return "".join(
+        "\n".join([f"\n{each.log_path.name}:", *each.log.splitlines()[-_LAST_LINES:]])
+        for each in running
+    )
 
 
 def lives(pid):
@@ -50,6 +62,11 @@ def lives(pid):
     except (FileNotFoundError, ProcessLookupError):
         return False
     return stat.rpartition(")")[2].split()[0] != "Z"
+
+
+def is_open(path):
+    """Return whether this process has a file open."""
+    return any(each.exists() and each.samefile(path) for each in Path("/proc/self/fd").iterdir())
 
 
 def free_port():
@@ -80,6 +97,7 @@ class Process:
                 start_new_session=True,
             )
         self.pid = self._popen.pid
+        _STARTED.add(self)
 
     @property
     def log(self):

@@ -11,19 +11,21 @@ FLOW1, FLOW2 = (f"/rtron{CMD_VEL}/flow{number}" for number in (1, 2))
 class LinkedApp:
     """The base with its guard; the service is a running one."""
 
-    def __init__(self, ros1, service):
+    def __init__(self, ros1, service, plan=None):
         self.ros1, self.service = ros1, service
+        self.plan = plan or drive_plan()
         self.driven = Driven(ros1.folder / "driven.txt")
         self.token = service.create_token(ROBOT, "guard", robot=ROBOT)
         self.guard = self.start_guard()
         driver = [ROS_PYTHON, NODES / "driver.py", self.driven.path, "__name:=driver"]
         ros1.spawn(*driver, f"{CMD_VEL}:={OUT}")
         wait_for(lambda: ros1.subscribers(OUT), what="the driver")
+        wait_for(self.robot, what="the robot at the service")
 
     def start_guard(self):
         words = ["--service", self.service.url, "--token-file", self.token, "--robot", ROBOT]
         state = self.ros1.folder / "state"
-        return start_guard(self.ros1, drive_plan(), CMD_VEL_GUARD, *words, "--state-dir", state)
+        return start_guard(self.ros1, self.plan, CMD_VEL_GUARD, *words, "--state-dir", state)
 
     def navigate(self):
         nav = self.ros1.node("nav.py", "/nav", f"{CMD_VEL}:={FLOW1}")

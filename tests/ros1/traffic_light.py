@@ -5,7 +5,15 @@ from dataclasses import replace
 from harness import wait_for
 from rostopic import say
 
-from rtron.vocabulary import MSRCN, EventFlow, GuardedTopic, MissionRule, Mode, PolicyName
+from rtron.vocabulary import (
+    MSRCN,
+    SECOND,
+    EventFlow,
+    GuardedTopic,
+    MissionRule,
+    Mode,
+    PolicyName,
+)
 
 LIGHT = "/light"
 MSRCN_NODE = "/rtron/msrcn"
@@ -15,6 +23,7 @@ RED = EventFlow(
     publisher=LIGHT,
     type="std_msgs/String",
     when="event.data == 'red'",
+    max_age=30 * SECOND,
 )
 
 

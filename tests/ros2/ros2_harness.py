@@ -13,6 +13,7 @@ from harness import Process, wait_for
 
 NODES2 = Path(__file__).parent / "nodes"
 _DOMAINS = range(1, 101)
+_OF_TESTS = ("ROS_", "FASTDDS_", "FASTRTPS_")
 _PROFILE = str(Path(__file__).parent / "lasting.xml")
 LASTING = {f"FAST{kind}_DEFAULT_PROFILES_FILE": _PROFILE for kind in ("DDS", "RTPS")}
 """The environment of a node that, killed, stays in the domain for ten minutes: its lease."""
@@ -33,7 +34,7 @@ class Ros2:
 
     def __enter__(self):
         self.domain = self._stack.enter_context(reserve_domain())
-        kept = {name: text for name, text in os.environ.items() if not name.startswith("ROS_")}
+        kept = {name: text for name, text in os.environ.items() if not name.startswith(_OF_TESTS)}
         self.environ = kept | {
             "ROS_DOMAIN_ID": str(self.domain),
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",

@@ -1,15 +1,17 @@
 """What tests of the security service use: real databases of both kinds, the app, its people."""
 
+import shutil
 import subprocess
+from pathlib import Path
 
 import httpx
 import pytest
 from argon2 import PasswordHasher
 from postgresql_server import PostgreSQL, programs
-from service_app import AccountFactory, ManualClock, serve_in_thread
+from service_app import TLS, AccountFactory, ManualClock, open_app, serve_in_thread
 
 from rtron.service.config import ServiceConfig
-from rtron.service.server.app import create_app
+from rtron.service.server.database_setup import open_database
 from rtron.service.store.accounts import passwords
 from rtron.service.store.database import Database
 
@@ -45,12 +47,34 @@ def postgresql():
     server.stop()
 
 
+@pytest.fixture(scope="session")
+def migrated_file(tmp_path_factory):
+    """Make a database file for tests to copy, which takes less than to make each."""
+    path = tmp_path_factory.mktemp("migrated") / "rtron.db"
+    open_database(path).close()
+    return path
+
+
+@pytest.fixture
+def database_file(tmp_path, migrated_file):
+    """Give a new file of a database that has its tables."""
+    return Path(shutil.copy(migrated_file, tmp_path))
+
+
 @pytest.fixture(params=["sqlite", "postgresql"])
-def where(request, tmp_path):
-    """Give the place of a new, empty database of each kind."""
+def where(request):
+    """Give the place of a new database of each kind."""
     if request.param == "sqlite":
-        return tmp_path / "rtron.db"
+        return request.getfixturevalue("database_file")
     return request.getfixturevalue("postgresql").new_database()
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def empty_place(request, tmp_path):
+    """Give the place of a database of each kind that has no tables yet."""
+    if request.param == "sqlite":
+        return tmp_path / "empty.db"
+    return request.getfixturevalue("postgresql").empty_database()
 
 
 @pytest.fixture
@@ -67,8 +91,15 @@ def clock():
 
 
 @pytest.fixture
-def app(tmp_path, clock):
-    return create_app(ServiceConfig(database=tmp_path / "rtron.db"), clock)
+def monotonic(clock):
+    """The clock that nobody sets; it is the other one in tests that set none."""
+    return clock
+
+
+@pytest.fixture
+def app(database_file, clock, monotonic):
+    with open_app(ServiceConfig(database=database_file), clock, monotonic) as app:
+        yield app
 
 
 @pytest.fixture
@@ -85,7 +116,7 @@ def port(app):
 @pytest.fixture
 def client(port):
     """A program without cookies and tokens."""
-    with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60) as client:
+    with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60, verify=TLS) as client:
         yield client
 
 

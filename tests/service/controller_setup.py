@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from rtron.planning import parse_plan
 from rtron.service.controller.risk_controller import RiskController
+from rtron.service.domain.clock import SteadyClock
 from rtron.service.domain.principal import Principal
 from rtron.service.domain.roles import UserRole
 from rtron.service.store.database import Database
@@ -76,8 +77,12 @@ class RecordingChannel:
     pushed: list[tuple[str, Settings]] = field(default_factory=list)
     messages: list[dict] = field(default_factory=list)
 
-    def push(self, robot: str, settings: Settings) -> None:
+    def push(self, robot: str, settings: Settings) -> bool:
         self.pushed.append((robot, settings))
+        return True
+
+    def is_connected(self, _robot: str) -> bool:
+        return True
 
     def broadcast(self, live: dict) -> None:
         self.messages.append(live)
@@ -108,9 +113,15 @@ class ControllerSetup:
     database: Database
     guards: RecordingChannel = field(default_factory=RecordingChannel)
     clock: FixedClock = field(default_factory=FixedClock)
+    monotonic: FixedClock | None = None
 
     def __post_init__(self) -> None:
-        self.controller = RiskController(self.database, self.guards, self.clock)
+        self.controller = RiskController(
+            self.database,
+            self.guards,
+            self.clock,
+            SteadyClock(self.clock, self.monotonic or self.clock),
+        )
 
     def restarted(self) -> "ControllerSetup":
         return ControllerSetup(

@@ -11,9 +11,11 @@ from tempfile import mkdtemp
 import pg8000.dbapi
 from harness import free_port
 
+from rtron.service.store.database import Database
+
 _PROGRAMS = Path("/usr/lib/postgresql")
 _START_S = _STOP_S = 60
-_QUIET = {"fsync": "off", "listen_addresses": "127.0.0.1", "max_connections": "50"}
+_QUIET = {"fsync": "off", "listen_addresses": "127.0.0.1"}
 
 
 def programs():
@@ -25,19 +27,30 @@ def programs():
 class PostgreSQL:
     """The server, until `stop`; the superuser `postgres` needs no password."""
 
-    def __init__(self):
+    def __init__(self, *options):
+        """`options` are those of `initdb`."""
         self._folder = Path(mkdtemp(prefix="rtron-pg-"))
-        self._numbers = count()
+        self._numbers, self._migrated = count(), ""
         self._port = free_port()
         self._user = "postgres" if os.geteuid() == 0 else None
         if self._user:
             shutil.chown(self._folder, self._user)
         self._run(
-            "initdb", "-D", "data", "-U", "postgres", "-A", "trust", "-E", "UTF8", "--no-sync"
+            "initdb",
+            "-D",
+            "data",
+            "-U",
+            "postgres",
+            "-A",
+            "trust",
+            "-E",
+            "UTF8",
+            "--no-sync",
+            *options,
         )
-        options = [f"-c {name}={value}" for name, value in _QUIET.items()]
-        options += [f"-c unix_socket_directories={self._folder}", f"-p {self._port}"]
-        self._pg_ctl("start", _START_S, "-l", "log", "-o", " ".join(options))
+        settings = [f"-c {name}={value}" for name, value in _QUIET.items()]
+        settings += [f"-c unix_socket_directories={self._folder}", f"-p {self._port}"]
+        self._pg_ctl("start", _START_S, "-l", "log", "-o", " ".join(settings))
 
     def stop(self):
         """End the server and remove its folder."""
@@ -46,13 +59,37 @@ class PostgreSQL:
         finally:
             shutil.rmtree(self._folder)
 
+    def empty_database(self):
+        """Return the URL of a new database without tables."""
+        return self._create("template1")
+
     def new_database(self):
-        """Return the URL of a new, empty database."""
+        """Return the URL of a new database that has its tables: a copy takes less than they do."""
+        if not self._migrated:
+            url = self.empty_database()
+            Database(url).close()
+            self._migrated = url.rpartition("/")[2]
+        return self._create(self._migrated)
+
+    def _create(self, template):
         name = f"rtron{next(self._numbers)}"
         with closing(self._connection()) as connection:
             connection.autocommit = True
-            connection.cursor().execute(f"CREATE DATABASE {name}")
+            connection.cursor().execute(f"CREATE DATABASE {name} TEMPLATE {template}")
         return f"postgresql://postgres@127.0.0.1:{self._port}/{name}"
+
+    def limit_files(self, size):
+        """Let no file of the server grow above a size, bytes or "unlimited" (RLIMIT_FSIZE)."""
+        pid = (self._folder / "data/postmaster.pid").read_text().split()[0]
+        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        for each in (pid, *children):
+            command = ["prlimit", "--pid", each, f"--fsize={size}:"]
+            subprocess.run(command, **self._owner(), check=True, capture_output=True)
+
+    def _owner(self):
+        """Return how a process is started as the server's user, who is never root."""
+        groups = [] if self._user else None
+        return {"user": self._user, "group": self._user, "extra_groups": groups}
 
     def _connection(self):
         return pg8000.dbapi.connect("postgres", "127.0.0.1", "postgres", self._port)
@@ -66,9 +103,7 @@ class PostgreSQL:
         done = subprocess.run(
             command,
             cwd=self._folder,
-            user=self._user,
-            group=self._user,
-            extra_groups=[] if self._user else None,
+            **self._owner(),
             env=environ,
             stdout=(out := (self._folder / "output").open("a")),
             stderr=subprocess.STDOUT,

@@ -1,23 +1,29 @@
 """A service for tests: on a database of its own, at a time that the test sets."""
 
 import itertools
-import socket
-import threading
 from contextlib import contextmanager
 
-import uvicorn
-from harness import wait_for
+import httpx
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+from server_thread import serve_app
 
 from rtron.service.config import ServiceConfig
 from rtron.service.domain.roles import AccessScope, UserRole
+from rtron.service.domain.signed_documents import DocumentSigner
+from rtron.service.server.app import create_app
+from rtron.service.server.connection_limit import ConnectionLimit
+from rtron.service.server.handshake_limit import HandshakeSocket
 from rtron.service.server.http import uvicorn_options
 from rtron.service.store.accounts.logins import SessionLifetime, begin_session
 from rtron.service.store.accounts.passwords import hash_password
 from rtron.service.store.accounts.tokens import TokenSpec, create_token
 from rtron.service.store.accounts.users import add_user, find_user, get_user
 
+TLS = httpx.create_ssl_context()
+"""What clients trust, read once: it takes 20 ms."""
 PASSWORD = "correct horse battery"
 SECOND = 1_000_000_000
+SIGNER = DocumentSigner(Ed25519PrivateKey.generate())
 _LIFETIME = SessionLifetime(idle=1 << 60, maximum=1 << 60)
 
 
@@ -58,7 +64,7 @@ class AccountFactory:
             login = begin_session(session, self.service.clock(), user, _LIFETIME)
         return {"Cookie": f"rtron={login.secret}", "X-CSRF-Token": login.csrf}
 
-    def token_headers(self, name, *scopes, robot=None, days=None):
+    def token_headers(self, name, *scopes, robot=None, days=90):
         """Return the headers of a program with a new token."""
         name = f"{name}.{next(self._numbers)}"
         wish = TokenSpec(
@@ -70,18 +76,23 @@ class AccountFactory:
 
 
 @contextmanager
+def open_app(config, *clocks):
+    """Give an app; its database is closed at the end, though the app may never have been served."""
+    app = create_app(config, *clocks)
+    try:
+        yield app
+    finally:
+        app.state.service.database.close()
+
+
+@contextmanager
 def serve_in_thread(app, config=None):
     """Serve an app as `rtron serve` does, in a thread; give its port."""
-    options = uvicorn_options(config or ServiceConfig())
-    listening = socket.create_server(("127.0.0.1", 0))
-    port = listening.getsockname()[1]
-    server = uvicorn.Server(uvicorn.Config(app, **{**options, "port": port}))
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)
-    thread.start()
-    wait_for(lambda: server.started)
-    try:
+    config = config or ServiceConfig()
+
+    def limited(listening):
+        return HandshakeSocket(listening, ConnectionLimit(config.proxies))
+
+    options = uvicorn_options(config)
+    with serve_app(app, options, *([limited] if config.tls else [])) as port:
         yield port
-    finally:
-        server.should_exit = True
-        thread.join(60)
-        assert not thread.is_alive()

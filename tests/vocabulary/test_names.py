@@ -8,6 +8,8 @@ from rtron.vocabulary import (
     PRIVATE_ROOT,
     fits_open_name,
     flow_topic,
+    is_bridge_client,
+    lease_topic,
     matches_node,
     normalise_type,
     output_topic,
@@ -42,6 +44,20 @@ def test_both_generations_spell_one_type(written, spelled):
 )
 def test_only_a_velocity_loses_its_stamp(type, counts_as):
     assert unstamped_type(type) == counts_as
+
+
+@pytest.mark.parametrize(
+    ("node", "expected"),
+    [
+        ("/bridge/phone", True),
+        ("/bridge/hall/phone", True),
+        ("/bridge", False),
+        ("/bridges/a", False),
+        ("/a/bridge/b", False),
+    ],
+)
+def test_clients_of_a_bridge_are_known_by_their_namespace(node, expected):
+    assert is_bridge_client(node) == expected
 
 
 def test_private_topics_stand_below_the_private_root():
@@ -98,3 +114,7 @@ def test_a_canonical_name_stays_what_it_is(name):
 )
 def test_a_name_may_be_one_that_is_known_in_part(name, open_name, fits):
     assert fits_open_name(name, ["/other", open_name]) is fits
+
+
+def test_the_topics_of_a_lease_are_private():
+    assert lease_topic("base", "request") == f"{PRIVATE_ROOT}/leases/base/request"

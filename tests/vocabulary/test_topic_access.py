@@ -4,11 +4,14 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.vocabulary import (
+    GUARD_NODE,
     MSRCN,
     RSRCN,
+    STOPPER_NODE,
     SUPERVISOR_NODE,
     Flow,
     GuardedTopic,
+    LeaseGroup,
     Mode,
     PolicyName,
     StreamKind,
@@ -43,6 +46,14 @@ def test_the_supervisor_stops_only_what_is_a_command():
     assert state["/rtron/cmd_vel/out"] == ((NODE,), ("/base",))
 
 
+def test_the_stopper_of_a_cell_publishes_beside_the_supervisor_where_its_node_hears():
+    made = planned(
+        grcn(T, ["/nav"], ["/base"]), grcn("/arm", ["/nav"], ["/arm_driver"]), cell=("/base",)
+    )
+    assert made["/rtron/cmd_vel/out"] == ((NODE, SUPERVISOR_NODE, STOPPER_NODE), ("/base",))
+    assert STOPPER_NODE not in made["/rtron/arm/out"][0]
+
+
 def test_where_strangers_may_speak_anybody_publishes_the_public_name():
     assert planned(grcn(T, ["/nav"], ["/base"], block_unapproved=False))[T] == ((NODE, "*"), ("*",))
 
@@ -55,6 +66,21 @@ def test_a_node_that_hears_its_own_topic_is_spoken_to_on_its_flow():
 
 def test_what_is_only_observed_is_free():
     assert planned(grcn(T, ["/nav"], ["/base"], mode=Mode.OBSERVE)) == {}
+
+
+def leased(**more):
+    arm = grcn("/arm", ["/nav", "/teleop"], ["/arm_driver"], lease="base", **more)
+    leases = (LeaseGroup(name="base"), LeaseGroup(name="unused"))
+    return planned(grcn(T, ["/nav"], ["/base"], lease="base", **more), arm, leases=leases)
+
+
+def test_the_commanders_of_all_streams_ask_the_guard_for_their_lease():
+    asked = {topic: ends for topic, ends in leased().items() if "leases" in topic}
+    assert asked == {"/rtron/leases/base/request": (("/nav", "/teleop"), (GUARD_NODE,))}
+
+
+def test_nobody_asks_for_the_lease_of_what_is_only_observed():
+    assert leased(mode=Mode.OBSERVE) == {}
 
 
 def test_stages_are_joined_and_the_last_one_speaks():

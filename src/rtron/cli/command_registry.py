@@ -18,6 +18,7 @@ COMMANDS = {
         "plan": "Propose a plan: the coordination nodes for an app.",
         "check": "Check a plan that you edited.",
         "instrument": "Write a launch file that starts the app guarded.",
+        "secure": "Write the keystore with which SROS2 keeps strangers out of a guarded app.",
         "remaps": "List the remaps that put the guard between the nodes of a plan.",
         "replay": "Play a recording through a plan: which messages pass, and which do not.",
         "verify": "Check that all guarded traffic of the running app passes through the guard.",
@@ -25,8 +26,11 @@ COMMANDS = {
     "On the robot": {
         "guard": "Run the guard: enforce a plan between the nodes of an app, until stopped.",
         "master": "Run the ROS master behind a proxy that rejects what the plan forbids.",
+        "cell": "Run a node in a cell: a network of its own, into which only the guard leads.",
         "override": "Suspend an RSRCN or MSRCN for a limited time.",
         "clear": "Let the robot drive again after an intrusion.",
+        "stop": "Stop the robot until a person releases it.",
+        "release": "Release what has stopped the robot; without a source, list it.",
     },
     "Security service": {
         "serve": "Run the security service: collector of the guards, API and console.",
@@ -46,7 +50,13 @@ COMMANDS = {
 }
 """The commands of each part of the help, with the first line of their own."""
 GROUPS = {
+    "On the robot": {
+        "incident": "Show and export what a guard has saved.",
+        "lease": "Show who is in command of a robot, and change it.",
+    },
     "Security service": {
+        "audit": "Check and export the audit log.",
+        "rollout": "Change many robots in stages, and watch them.",
         "settings": "Show and change what a guard enforces.",
         "token": "Create and revoke API tokens.",
         "user": "Add users and reset passwords.",
@@ -54,7 +64,18 @@ GROUPS = {
     "Study": {"functions": "Study the functions of robot apps."},
     "Reference": {"model": "Write models of known nodes."},
 }
-_MODULES = {"clear": "override"}
+_MODULES = {
+    "check": "plan",
+    "clear": "override",
+    "lease": "override",
+    "stop": "override",
+    "release": "override",
+    "remaps": "instrument",
+    "cell": "master",
+    "mission-rules": "explain",
+    "schema": "explain",
+    "upload-graph": "events",
+}
 """The modules that do not have the name of their command."""
 
 

@@ -7,6 +7,7 @@ from rtron.coherence.effective_plan import (
     coordination_node_ids,
 )
 from rtron.coherence.flows import CoherenceProblem
+from rtron.coherence.plan_changes import relaunch_reasons
 from rtron.coherence.plan_checks import coherence_problems
 
 __all__ = [
@@ -16,4 +17,5 @@ __all__ = [
     "coherence_problems",
     "compatible_settings",
     "coordination_node_ids",
+    "relaunch_reasons",
 ]

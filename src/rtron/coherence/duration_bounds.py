@@ -30,8 +30,11 @@ DURATION_RANGES: Mapping[str, tuple[int, int]] = {
     "max_hold": (_SHORTEST_HOLD, _DAY),
     "silent_after": (1, LONGEST_SILENCE),
     "FpsMonitor.silent_after": (1, _MINUTE),
+    "StopButton.silent_after": (SECOND // 20, _MINUTE),
     "present": (1, _DAY),
     "silent": (1, _DAY),
+    "second_person": (SECOND, _HOUR),
+    "ttl": (SECOND // 2, _HOUR),
     "window": (SECOND // 10, _MINUTE),
     "period": (SECOND // 1000, SECOND),
     "Audit.period": (SECOND // 100, SECOND // 10),
@@ -42,6 +45,8 @@ DURATION_RANGES: Mapping[str, tuple[int, int]] = {
     "audit_within": (5 * SECOND, _MINUTE),
     "start_within": (2 * SECOND, 2 * _MINUTE),
     "within": (SECOND // 20, 10 * SECOND),
+    "keep": (0, 10 * _MINUTE),
+    "after": (SECOND // 2, _MINUTE),
 }
 """The least and the greatest duration (ns) under a key, or under one noun's key."""
 

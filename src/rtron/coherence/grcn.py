@@ -14,6 +14,7 @@ from rtron.coherence.flows import (
     successor_problems,
     used_component_problems,
 )
+from rtron.coherence.leases import lease_policy_problems
 from rtron.vocabulary import GRCN, PolicyName, Sharing, matches_node
 
 POLICIES = (
@@ -21,6 +22,7 @@ POLICIES = (
     PolicyName.FIFO_QUEUE,
     PolicyName.PRIORITY_QUEUE,
     PolicyName.PREEMPTION,
+    PolicyName.LEASE,
 )
 PRIORITY_POLICIES = (PolicyName.PRIORITY_QUEUE, PolicyName.PREEMPTION)
 
@@ -45,6 +47,8 @@ def grcn_policy_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
     yield from policy_problems(grcn, "a GRCN", grcn.policy, POLICIES)
     if grcn.policy in PRIORITY_POLICIES:
         yield from priority_problems(grcn.flows, grcn.policy)
+    if grcn.policy is PolicyName.LEASE:
+        yield from lease_policy_problems(grcn)
     yield from command_duration_problems(grcn)
     if grcn.sharing is Sharing.MERGE and grcn.policy is not PolicyName.BLOCK:
         why = f"the publishers of {grcn.topic} each own a part (merge), they take no turns"

@@ -27,7 +27,7 @@ from rtron.vocabulary import (
     ros2_entity_name,
 )
 
-_FIRST_NODE_ONLY = ("silent_after", "on_silence", "on_error")
+_FIRST_NODE_ONLY = ("silent_after", "on_silence", "on_error", "rank")
 _DEFAULT = Flow(name="", publisher="")
 
 

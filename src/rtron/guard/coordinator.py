@@ -37,8 +37,9 @@ from rtron.guard.core.stream import GuardedStream
 from rtron.guard.core.stream_endpoints import StreamContext
 from rtron.guard.core.stream_settings import StreamUpdate
 from rtron.guard.intrusion_latch import IntrusionLatch
-from rtron.guard.transport.common.protocol import Output, Transport
+from rtron.guard.transport.common.protocol import Output, Peer, Transport
 from rtron.messages.common.encoding import Encoding
+from rtron.policies.authority.command_lease import LeaseAnswer
 from rtron.policies.mission.rule_status import RuleStatus
 from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SECOND, Mode, Stream
 
@@ -70,6 +71,8 @@ class Coordinator:
         """The reason of the emergency stop in force, "" if there is none."""
         self.on_observed: Callable[[], None] = lambda: None
         """Called when an event or a frame was observed."""
+        self.on_lease_answer: Callable[[str, str, LeaseAnswer], None] = _ignore_answer
+        """Called when a lease was asked for something: its name, who asked for what, the answer."""
         self.other_statuses: Callable[[], list[Status]] = list
         """Tells the state of the streams that another process of the guard carries."""
         self._transport = transport
@@ -128,6 +131,10 @@ class Coordinator:
             *emergency_statuses(self.emergency, dry_run=self._dry_run),
             *alarm_statuses(self.alarms, now),
         ]
+
+    def follow_events(self, on_event: Callable[[str, Peer, bytes], None]) -> None:
+        """Call `on_event` with the topic, the publisher and the message of each event."""
+        self._inputs.on_event = on_event
 
     def lost_events(self) -> dict[str, int]:
         """Return how many events did not reach the guard, by the topic where any was lost."""
@@ -292,3 +299,7 @@ def _publish_active(stream: GuardedStream, active: Output, encoding: Encoding) -
     text = active_text(stream)
     log.info("%s: %s", stream.spec.topic, text)
     active.publish(string_message(encoding, text), latched_by=GUARD_NODE)
+
+
+def _ignore_answer(_lease: str, _what: str, _answer: LeaseAnswer) -> None:
+    """Do nothing about an answer."""

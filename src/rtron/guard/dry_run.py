@@ -5,6 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.authority.latched_stops import LatchedStops
+from rtron.guard.authority.lease_controller import LeaseController
+from rtron.guard.authority.lease_topics import LeaseTopics
+from rtron.guard.authority.service_leases import ServiceLeases
+from rtron.guard.cell.access import GUARD
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.event_loop import EventLoop
@@ -14,6 +19,7 @@ from rtron.guard.measurement.run import RunMeasurement, WriteFigures
 from rtron.guard.middleware import open_middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import (
+    INTERRUPTS,
     GraphPart,
     Part,
     open_control_socket,
@@ -50,7 +56,7 @@ def run_dry(
     """
     raise_file_limit()
     loop = EventLoop()
-    middleware = open_middleware(plan, master, loop, supervisor.session)
+    middleware = open_middleware(plan, master, loop, supervisor.session, GUARD)
     transport = middleware.transport
     measuring = RunMeasurement(plan, transport) if figures else None
     observations = measuring.observations if measuring else observations_of(plan)
@@ -62,21 +68,31 @@ def run_dry(
         handover=supervisor.handover_state,
     )
     parts: list[Part] = [GraphPart(coordinator.open, transport), DeliveryEcho(transport)]
+    leases = LeaseController(coordinator, transport)
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport))
         settings_at_start(settings, link)
-        parts.append(ServiceLink(plan, coordinator, settings, loop, link))
+        parts.append(_service_link(ServiceLink(plan, coordinator, settings, loop, link), leases))
     response = AlarmResponse(coordinator, transport, plan.audit.on_foreign, dry_run=True)
     parts.append(middleware.create_auditor(response, None))
     supervisor.attach(loop, coordinator)
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
     transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
-    handler = create_request_handler(coordinator, transport)
+    parts.append(LeaseTopics(leases, transport))
+    stops = LatchedStops(coordinator, transport, plan)
+    handler = create_request_handler(coordinator, transport, leases, stops)
     if socket := open_control_socket(loop, plan, control, handler):
         parts.append(socket)
     if measuring and figures:
         measuring.measure(coordinator.streams)
         measuring.write_periodically(figures)
-    run_parts(loop, [*parts, supervisor])
+    run_parts(loop, [*parts, supervisor], until=INTERRUPTS)
     if measuring and figures:
         figures(measuring.figures())
+
+
+def _service_link(link: ServiceLink, controller: LeaseController) -> ServiceLink:
+    """Let persons at the service say who is in command, as far as a dry run goes."""
+    leases = ServiceLeases(controller, link.record)
+    link.on_lease_command = lambda command: link.receive(leases.carry_out(command))
+    return link

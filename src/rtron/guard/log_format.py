@@ -2,6 +2,9 @@
 
 `2026-11-26T08:29:46.123Z WARNING supervisor: the guard stands still`
 
+Names and reasons that strangers chose are in these lines: what could steer a terminal, hide, turn
+around what stands beside it, or begin a line that looks like one of ours is written out.
+
 A terminal or a pipe that nobody reads stops who writes to it. So a thread writes the lines: who
 logs never waits, and a robot is stopped whether somebody reads of it or not.
 """
@@ -13,6 +16,10 @@ from contextlib import suppress
 from logging.handlers import QueueHandler
 from queue import Full, Queue
 from threading import Thread
+from typing import Any
+
+from rtron.guard.log_limit import LogLimit
+from rtron.sanitize import sanitize
 
 _LINE = "%(asctime)s.%(msecs)03dZ %(levelname)s {}%(message)s"
 _TIME = "%Y-%m-%dT%H:%M:%S"
@@ -44,6 +51,7 @@ class LogQueue(QueueHandler):
         self._format = formatter.format
         self._dropped = 0
         self._reported = 0
+        self.addFilter(LogLimit())
         Thread(target=self._write, name="log", daemon=True).start()
 
     def enqueue(self, record: logging.LogRecord) -> None:
@@ -84,8 +92,18 @@ def _lost_lines(number: int) -> logging.LogRecord:
     return logging.LogRecord(__name__, logging.WARNING, "", 0, text, (number,), None)
 
 
+class _NeutralFormatter(logging.Formatter):
+    """Writes a record on one line, and what follows of an exception indented below it."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - logging's
+        return sanitize(super().formatMessage(record))
+
+    def formatException(self, ei: Any) -> str:  # noqa: N802, ANN401 - logging's
+        return "\n".join(f"  {sanitize(line)}" for line in super().formatException(ei).split("\n"))
+
+
 def log_formatter(process: str = "") -> logging.Formatter:
     """Return the format of log lines; the clock is UTC, so that logs of several robots fit."""
-    formatter = logging.Formatter(_LINE.format(f"{process}: " if process else ""), _TIME)
+    formatter = _NeutralFormatter(_LINE.format(f"{process}: " if process else ""), _TIME)
     formatter.converter = time.gmtime
     return formatter

@@ -8,6 +8,7 @@ from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.intruder_links import IntruderLinks
 from rtron.guard.audit.ros1.planned_listeners import PlannedListeners
+from rtron.guard.cell.access import WATCH
 from rtron.guard.lanes.bulk.joined_nodes import JoinedNodes
 from rtron.guard.lanes.exchange.messages import NodesReport
 from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transport
@@ -140,7 +141,9 @@ class Ros2Middleware:
         from rtron.guard.audit.ros2.intruder_readers import IntruderReaders  # noqa: PLC0415
 
         enforced = [each for each in build_streams(self._plan) if each.mode is Mode.ENFORCE]
-        types = {each.topic: normalise_type(each.type) for each in enforced}
+        cells = self._plan.cell  # what leads there alone, nobody outside can say
+        read = [each for each in enforced if not set(each.successors) <= set(cells)]
+        types = {each.topic: normalise_type(each.type) for each in read}
         response.listener = readers = IntruderReaders(self.transport, types, response)
         return readers
 
@@ -156,12 +159,17 @@ class Ros2Middleware:
 
 
 def open_middleware(
-    plan: Plan, address: str, loop: EventLoop, session: Ros2Session | None = None
+    plan: Plan,
+    address: str,
+    loop: EventLoop,
+    session: Ros2Session | None = None,
+    role: bytes = WATCH,
 ) -> Middleware:
     """Return the middleware of a plan, at a master or in a domain; see `open_transport`.
 
-    `session` is in the domain already.
+    `session` is in the domain already. `role` is that of `open_ros1_transport`.
     """
     if plan.ros == 1:
-        return Ros1Middleware(plan, open_ros1_transport(address, loop), loop)
-    return Ros2Middleware(plan, open_ros2_transport(address, loop, session), loop)
+        return Ros1Middleware(plan, open_ros1_transport(plan, address, loop, role), loop)
+    transport = open_ros2_transport(address, loop, session, plan=plan, role=role)
+    return Ros2Middleware(plan, transport, loop)

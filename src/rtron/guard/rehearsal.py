@@ -127,6 +127,10 @@ class _StreamCopy(GuardedStream):
         self.learn_codec(stream.codec)
         self.endpoints.outputs.open()
 
+    def _is_neutral(self, message: object) -> bool:  # noqa: ARG002
+        """Take the message for neutral: the stream has passed it already."""
+        return True
+
 
 class _StillMission(MissionMonitor):
     """The rules of a mission as they stand: a rehearsal neither updates nor meets them."""

@@ -15,7 +15,7 @@ from rtron.guard.node_shutdown import ShutdownSequence
 from rtron.guard.rehearsal import Rehearsal
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
     from pathlib import Path
 
     from rtron.guard.coordinator import Coordinator
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 _SWITCH_S = 1e-4
+INTERRUPTS = signal.SIGINT, signal.SIGTERM
+"""What ends a process that stands alone."""
 
 
 class Part(Protocol):
@@ -40,9 +42,14 @@ class Part(Protocol):
         ...
 
 
-def run_parts(loop: EventLoop, parts: Sequence[Part]) -> None:
-    """Open `parts`, run the loop until SIGINT or SIGTERM, then close them, the last one first."""
-    for number in (signal.SIGINT, signal.SIGTERM):
+def run_parts(
+    loop: EventLoop, parts: Sequence[Part], *, until: Collection[int] = (signal.SIGTERM,)
+) -> None:
+    """Open `parts`, run the loop until one of these signals, then close them, the last one first.
+
+    SIGINT is the supervisor's, where there is one: it ends the processes in order.
+    """
+    for number in until:
         signal.signal(number, lambda *_: loop.post(loop.stop))
     for part in parts:
         part.open()
@@ -71,7 +78,7 @@ def run_coordinator(
     transport.set_shutdown_handler(ShutdownSequence(coordinator, transport, loop).handle)
     graph = GraphPart(coordinator.open, transport)
     rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
-    run_parts(loop, [graph, *audit, rehearsal])
+    run_parts(loop, [graph, *audit, rehearsal], until=INTERRUPTS)
 
 
 def open_control_socket(

@@ -21,6 +21,7 @@ from rtron.vocabulary import (
     Ros1ActionTopic,
     WatchedFlow,
     action_name,
+    is_bridge_client,
     matches_node,
     normalise_type,
     ros1_topic_name,
@@ -242,6 +243,8 @@ def _check_publisher(
     where: str, pattern: str, topic: str, publishers: Sequence[str], app: _AppGraph
 ) -> Iterator[PlanProblem]:
     if any(matches_node(pattern, node) for node in publishers):
+        return
+    if is_bridge_client(pattern):  # `rtron bridge check` knows these
         return
     if any(matches_node(pattern, node) for node in app.nodes):
         who = f"{', '.join(publishers)} does" if publishers else "nobody does"

@@ -59,6 +59,7 @@ _PER_FRAME = (
     "stereo_msgs/DisparityImage",
     "theora_image_transport/Packet",
 )
+_LARGE = (*_IMAGES, "sensor_msgs/PointCloud", "sensor_msgs/PointCloud2")
 
 
 def is_image(message_type: str) -> bool:
@@ -69,3 +70,8 @@ def is_image(message_type: str) -> bool:
 def is_sent_per_frame(message_type: str) -> bool:
     """Tell whether such a message comes for every frame, whatever is to be seen in it."""
     return normalise_type(message_type) in _PER_FRAME
+
+
+def is_large(message_type: str) -> bool:
+    """Tell whether such a message usually has megabytes: a picture or a point cloud."""
+    return normalise_type(message_type) in _LARGE

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 
 from rtron.coherence.duration_bounds import duration_doubts
+from rtron.planning.app_topics import is_large
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.planning.queue_sizes import queue_doubts
 from rtron.vocabulary import (
@@ -15,9 +16,11 @@ from rtron.vocabulary import (
     Plan,
     PolicyName,
     StopProfile,
+    StreamKind,
     matches_node,
 )
 
+_AMONG_COMMANDS = "pictures and point clouds are carried beside commands, which wait for them"
 _BY_PRIORITY = (PolicyName.PREEMPTION, PolicyName.PRIORITY_QUEUE)
 
 
@@ -32,6 +35,7 @@ def void_value_warnings(plan: Plan) -> Iterator[PlanProblem]:
         yield from _steeper_stop(plan.rsrcn, plan.stop)
     yield from (_warning(where, message) for where, message in duration_doubts(plan))
     yield from (_warning(where, message) for where, message in queue_doubts(plan))
+    yield from (_warning(where, message) for where, message in _large_commands(plan))
     modes = [node.mode for node in (*plan.grcn, plan.rsrcn, plan.msrcn) if node]
     if Mode.ENFORCE not in modes:
         yield _warning("plan", "nothing enforces: the guard only watches; set `mode: enforce`")
@@ -40,6 +44,19 @@ def void_value_warnings(plan: Plan) -> Iterator[PlanProblem]:
 def _void_values(grcn: GRCN) -> Iterator[str]:
     if grcn.flows and all(flow.block for flow in grcn.flows):
         yield "every flow is blocked: nothing passes"
+    if grcn.lease and grcn.policy is not PolicyName.LEASE:
+        yield f"`lease: {grcn.lease}` has no effect: the policy is {grcn.policy}, not Lease"
+
+
+def _large_commands(plan: Plan) -> Iterator[tuple[str, str]]:
+    """Yield the large messages that the process of the commands would carry: where, and why."""
+    for grcn in plan.grcn:
+        if is_large(grcn.type) and grcn.kind is not StreamKind.STATE:
+            yield f"GRCN {grcn.id}", f"{_AMONG_COMMANDS}: say `kind: state`"
+    for topic in plan.msrcn.aflows if plan.msrcn else ():
+        if is_large(topic.type):
+            help = "put the rule on a topic of small messages"
+            yield f"MSRCN on {topic.topic}", f"{_AMONG_COMMANDS}: {help}"
 
 
 def _steeper_stop(rsrcn: RSRCN, stop: StopProfile) -> Iterator[PlanProblem]:

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
+from rtron.policies.authority.command_lease import CommandLease
+from rtron.policies.authority.lease import Lease
 from rtron.policies.block import Block
 from rtron.policies.policy import Policy, Release
 from rtron.policies.preemption import Preemption
@@ -26,11 +28,26 @@ _LIMIT_POLICIES: Mapping[PolicyName, Callable[[PolicySettings, FrameMonitors], P
     PolicyName.CONSTRAIN: Constrain,
     PolicyName.SAFE_CONSTRAIN: SafeConstrain,
 }
-POLICIES: Mapping[PolicyName, Callable[..., Policy]] = {**_FLOW_POLICIES, **_LIMIT_POLICIES}
+POLICIES: Mapping[PolicyName, Callable[..., Policy]] = {
+    **_FLOW_POLICIES,
+    **_LIMIT_POLICIES,
+    PolicyName.LEASE: Lease,
+}
 
 
-def build_policy(settings: PolicySettings, monitors: FrameMonitors | None = None) -> Policy:
-    """Return the policy that `settings` name; `monitors` are what Safe is about."""
+def build_policy(
+    settings: PolicySettings,
+    monitors: FrameMonitors | None = None,
+    leases: Mapping[str, CommandLease] | None = None,
+) -> Policy:
+    """Return the policy that `settings` name.
+
+    `monitors` are what Safe is about, `leases` what Lease is: one that is not there has no
+    commander.
+    """
+    if settings.policy is PolicyName.LEASE:
+        unknown = CommandLease(settings.lease, (), ttl=0)
+        return Lease(settings, (leases or {}).get(settings.lease, unknown))
     limit = _LIMIT_POLICIES.get(settings.policy)
     return (
         limit(settings, monitors or FrameMonitors())

@@ -33,7 +33,8 @@ class PolicyState:
     `last_message_times` are the fresh flows, and when the last message of each came (ns).
     `held_messages` are in queue order. `has_lease`: the policy knows which flow, if any, has the
     output. `last_output` is the flow and the message that went out last, behind all stages.
-    `last_sent` is the velocity that went out last, also in a stop, and when (ns).
+    `last_sent` is the velocity that went out last, also in a stop, and when (ns). `neutral_grant`
+    is the number of the grant of a lease whose holder has been neutral.
     """
 
     last_message_times: Mapping[str, int] = field(default_factory=dict)
@@ -43,3 +44,4 @@ class PolicyState:
     velocity_request: VelocityRequest | None = None
     last_output: tuple[str, bytes] | None = None
     last_sent: tuple[Velocity, int] | None = None
+    neutral_grant: int | None = None

@@ -165,7 +165,7 @@ class StreamKind(StringEnum):
 
 
 class PolicyName(StringEnum):
-    """The policies of the paper's table."""
+    """The policies of the paper's table, and Lease."""
 
     BLOCK = "Block"
     FIFO_QUEUE = "FIFO_Queue"
@@ -174,6 +174,17 @@ class PolicyName(StringEnum):
     SAFE = "Safe"
     CONSTRAIN = "Constrain"
     SAFE_CONSTRAIN = "Safe+Constrain"
+    LEASE = "Lease"
+
+
+class CommanderRank(StringEnum):
+    """Who goes before whom in command of a robot, the highest first."""
+
+    EMERGENCY = "emergency"
+    OPERATOR_ON_SITE = "operator_on_site"
+    REMOTE_OPERATOR = "remote_operator"
+    AUTONOMY = "autonomy"
+    AGENT = "agent"
 
 
 class OnSilence(StringEnum):

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rtron.vocabulary.enums import Decision, Mode, PolicyName, StringEnum
+from rtron.vocabulary.enums import CommanderRank, Decision, Mode, PolicyName, StringEnum
 
 
 class AlarmKind(StringEnum):
@@ -24,6 +24,7 @@ class AlarmKind(StringEnum):
     UNDELIVERED = "undelivered"
     GUARD = "guard"
     SUPERVISOR = "supervisor"
+    AUDIT_LOG = "audit log"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,6 +46,7 @@ class EventKind(StringEnum):
 
     GUARD = "guard"
     OWNER = "owner"
+    LEASE = "lease"
     VERDICT = "verdict"
     STOP = "stop"
     RULE = "rule"
@@ -73,7 +75,8 @@ class GuardEvent:
     which there was something: `{"streams": {topic: {"flows": {flow: [passed, held, dropped,
     modified]}, "speed": m/s or null, "limit": m/s or null, "latency": [mean, worst] in us or
     null, "lost": [before, behind the guard]}}, "fps": {fps_monitor: rate}}`. Of `alarm` and
-    `settled` the alarm itself; of `lost` `{"events": n}`, the number of those that were dropped.
+    `settled` the alarm itself; of `lease` which one and who holds it now, as its status topic has
+    it; of `lost` `{"events": n}`, the number of those that were dropped.
     """
 
     run: str
@@ -107,13 +110,33 @@ class VerdictCounts:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LeaseStatus:
+    """Who holds a lease, "" for nobody, since when and why, and until when without a renewal.
+
+    `grant` is another number with each holder, 0 for nobody; `given_by` a person with the rank, ""
+    if the holder has asked for it.
+    """
+
+    name: str
+    holder: str = ""
+    rank: CommanderRank | None = None
+    since: int = 0
+    until: int = 0
+    reason: str = ""
+    grant: int = 0
+    given_by: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class StreamState:
     """Who controls a guarded topic now, and why.
 
     `owner` is a flow, "" while idle; `stopping` says why the robot is being stopped. `speed` is of
     the last velocity that went out and `limit` what it may be, m/s. `latency` is how long messages
     took through the guard in the last second: mean and worst, us. `lost_behind` counts the messages
-    that left the guard and did not reach a subscriber, as far as the middleware tells.
+    that left the guard and did not reach a subscriber, as far as the middleware tells. `lease` says
+    who holds the lease that the flows need, since when and why; "" if they need none.
+    `lease_status` says the same for programs.
     """
 
     topic: str
@@ -128,6 +151,8 @@ class StreamState:
     limit: float | None = None
     latency: tuple[float, float] | None = None
     lost_behind: int = 0
+    lease: str = ""
+    lease_status: LeaseStatus | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,11 +165,40 @@ class RuleState:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OpenRequest:
+    """What a client of the bridge asks for, word for word, and a person must approve first.
+
+    `digest` names it, with its content, for ever. Unanswered it ends at `until`.
+    """
+
+    number: int
+    digest: str
+    client: str
+    what: str
+    content: str
+    until: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpenRequests:
+    """The requests of a bridge's clients that wait for a person: `count`, some of them `shown`.
+
+    People at the service may answer who have one of `roles` there, or one of `names`.
+    """
+
+    count: int = 0
+    shown: tuple[OpenRequest, ...] = ()
+    roles: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class GuardState:
     """All of a guard at one moment.
 
     `fps` is by fps_monitor; `bits` are the eflows', None while nobody knows one. `lost_events` are
-    the messages that eflows did not get, by topic.
+    the messages that eflows did not get, by topic. `requests` are of the app's bridge, which the
+    link process asks; None if none answers.
     """
 
     at: int
@@ -157,3 +211,4 @@ class GuardState:
     alarms: tuple[Alarm, ...] = ()
     overridden: tuple[str, ...] = ()
     stopped: bool = False
+    requests: OpenRequests | None = None

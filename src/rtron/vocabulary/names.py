@@ -7,6 +7,14 @@ PRIVATE_ROOT = "/rtron"
 GUARD_NODE = "/rtron_guard"
 BULK_NODE = "/rtron_bulk"
 SUPERVISOR_NODE = "/rtron_supervisor"
+VERIFY_NODE = "/rtron_verify"
+BRIDGE_ROOT = "/bridge"
+"""The namespace of the nodes of a bridge's clients."""
+CELL_ROOT = f"{PRIVATE_ROOT}/cell"
+GATEWAY_NODE = f"{CELL_ROOT}/gateway"
+"""Who publishes and calls in a cell what comes from outside."""
+STOPPER_NODE = f"{CELL_ROOT}/stopper"
+"""Who stops the robot in a cell when the guard is gone."""
 
 
 def normalise_type(message_type: str) -> str:
@@ -20,6 +28,11 @@ def unstamped_type(message_type: str) -> str:
     return twist if normalise_type(message_type) == twist + "Stamped" else message_type
 
 
+def is_bridge_client(node: str) -> bool:
+    """Tell whether a node is that of a bridge's client, which no scan and no launch file has."""
+    return node.startswith(f"{BRIDGE_ROOT}/")
+
+
 def flow_topic(topic: str, flow: str) -> str:
     """Return the private topic that a flow's publisher is remapped to."""
     return f"{PRIVATE_ROOT}{topic}/{flow}"
@@ -28,6 +41,11 @@ def flow_topic(topic: str, flow: str) -> str:
 def output_topic(topic: str) -> str:
     """Return the private topic that the successors are remapped to."""
     return f"{PRIVATE_ROOT}{topic}/out"
+
+
+def lease_topic(lease: str, part: str) -> str:
+    """Return a topic of a lease: `request`, `answer` or `status`."""
+    return f"{PRIVATE_ROOT}/leases/{lease}/{part}"
 
 
 def matches_node(pattern: str, node: str) -> bool:

@@ -7,6 +7,7 @@ quantities are floats in SI units: m, m/s, m/s2, rad, rad/s, rad/s2, and metres 
 from dataclasses import dataclass
 
 from rtron.vocabulary.enums import (
+    CommanderRank,
     Domain,
     FrameSource,
     Mode,
@@ -34,6 +35,7 @@ class Flow:
     goes first. `timeout` (ns) is how long others wait for this flow (Priority_Queue) or how long
     its action may take (FIFO_Queue). `on_silence` is what happens when the flow has moved the robot
     and then says nothing for `silent_after` (ns), `on_error` when a message cannot be judged.
+    `rank` is that of the publisher where the flow needs a lease.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Flow:
     silent_after: int = SECOND // 2
     on_silence: OnSilence = OnSilence.STOP
     on_error: OnError = OnError.STOP
+    rank: CommanderRank = CommanderRank.AGENT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,7 +111,8 @@ class GRCN:
     one action may hold the output. `done`: a topic whose message ends the action in progress, or an
     action of ROS 2 that goals without an id become.
     `queue_size`: messages kept for a waiting flow or a slow subscriber. `uses` are the components
-    of a Twist that the base obeys: the others are set to 0. Without it the base obeys all.
+    of a Twist that the base obeys: the others are set to 0. Without it the base obeys all. `lease`
+    is the name of the lease that the flows need (Lease).
     """
 
     id: str
@@ -128,6 +132,43 @@ class GRCN:
     done: str | None = None
     block_unapproved: bool = True
     uses: tuple[str, ...] = ()
+    lease: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LeaseGroup:
+    """A lease, shared by the GRCNs that name it; it holds for `ttl` (ns) unless it is renewed.
+
+    `service` is the rank of persons at the security service; None: they only look.
+    """
+
+    name: str
+    ttl: int = 5 * SECOND
+    service: CommanderRank | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StopButton:
+    """A button that stops the robot: `publisher` says on `topic` whether it is pressed (Bool).
+
+    With `silent_after` (ns) the robot is stopped, too, while it has said nothing for that time.
+    """
+
+    name: str
+    topic: str
+    publisher: str
+    silent_after: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StopSources:
+    """What stops the robot until persons release it, beside a person on the robot.
+
+    With `second_person` (ns) another person must release each stop, too, within that time.
+    """
+
+    buttons: tuple[StopButton, ...] = ()
+    second_person: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -283,6 +324,19 @@ class Supervision:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class IncidentRecording:
+    """What the guard keeps on disk of what it does.
+
+    The last `keep` (ns, 0: nothing) are in a ring. What has to be explained is saved with what came
+    within `after` (ns) of its cause. Ring and incidents take `megabytes` at most.
+    """
+
+    keep: int = 60 * SECOND
+    after: int = 5 * SECOND
+    megabytes: int = 256
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MessageDefinition:
     """A message type that RTron does not know: its definition, as `rosmsg show -r` writes it.
 
@@ -299,7 +353,8 @@ class Plan:
     """What stands between whom in the guarded app, and under which policies.
 
     `accept_unenforceable` names what cannot be reached and was accepted by the developer, as the
-    plan's reader reported it. `revision` counts the settings.
+    plan's reader reported it. `cell` names the nodes that only the guard reaches, each in a network
+    of its own. `revision` counts the settings.
     """
 
     app: str
@@ -309,8 +364,12 @@ class Plan:
     rsrcn: RSRCN | None = None
     msrcn: MSRCN | None = None
     fps_monitor: tuple[FpsMonitor, ...] = ()
+    leases: tuple[LeaseGroup, ...] = ()
+    stop_sources: StopSources = StopSources()
     stop: StopProfile = StopProfile()
     audit: Audit = Audit()
     supervision: Supervision = Supervision()
+    incidents: IncidentRecording = IncidentRecording()
     messages: tuple[MessageDefinition, ...] = ()
+    cell: tuple[str, ...] = ()
     accept_unenforceable: tuple[str, ...] = ()

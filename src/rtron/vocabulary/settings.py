@@ -49,7 +49,10 @@ class NodeSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TimedOverride:
-    """What a coordination node forbids passes until `until` (wall clock, ns); who said so, why."""
+    """What a coordination node forbids passes until `until` (ns); who said so, why.
+
+    By the wall clock in the service, on the robot by the machine's time since its start.
+    """
 
     by: str
     reason: str
@@ -67,9 +70,14 @@ class EmergencyStop:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """All that differs from the plan, by the id of the coordination node; `revision` counts up."""
+    """All that differs from the plan, by the id of the coordination node; `revision` counts up.
+
+    `plan` is the SHA-256 of the plan document that a roll-out has put in the place of the one the
+    guard was started with; "" is that one.
+    """
 
     revision: int = 0
     nodes: Mapping[str, NodeSettings] = field(default_factory=dict)
     overrides: Mapping[str, TimedOverride] = field(default_factory=dict)
     stop: EmergencyStop | None = None
+    plan: str = ""

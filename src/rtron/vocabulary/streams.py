@@ -52,6 +52,7 @@ class PolicySettings:
     max_accel_limit: float | None = None
     lowest: float = 0.0
     rules: tuple[StageRule, ...] = ()
+    lease: str = ""
     revision: int = 0
 
 
@@ -122,6 +123,7 @@ def _grcn_stream(grcn: GRCN, revision: int) -> Stream:
         max_age=grcn.max_age,
         max_hold=grcn.max_hold,
         queue_size=grcn.queue_size,
+        lease=grcn.lease,
         revision=revision,
     )
     return Stream(

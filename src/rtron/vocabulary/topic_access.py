@@ -1,7 +1,7 @@
 """Who may publish and hear what in the guarded app: the topics of a plan's enforced streams."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from rtron.vocabulary.action import (
@@ -16,9 +16,12 @@ from rtron.vocabulary.action import (
 )
 from rtron.vocabulary.enums import Mode, StreamKind
 from rtron.vocabulary.names import (
+    GUARD_NODE,
     PRIVATE_ROOT,
+    STOPPER_NODE,
     SUPERVISOR_NODE,
     flow_topic,
+    lease_topic,
     matches_node,
     output_topic,
 )
@@ -62,7 +65,29 @@ class ServiceAccess:
 def list_topic_access(plan: Plan) -> tuple[TopicAccess, ...]:
     """Return every topic that an enforced stream of a plan uses, each once."""
     enforced = (stream for stream in build_streams(plan) if stream.mode is Mode.ENFORCE)
-    return tuple(topic for stream in enforced for topic in _topic_access(stream))
+    topics = (topic for stream in enforced for topic in _topic_access(stream))
+    return (*(_with_stopper(topic, plan.cell) for topic in topics), *_lease_requests(plan))
+
+
+def _lease_requests(plan: Plan) -> Iterator[TopicAccess]:
+    """Yield the topics on which commanders ask for leases; each belongs to the first stream."""
+    for lease in plan.leases:
+        grcns = [grcn for grcn in plan.grcn if grcn.lease == lease.name]
+        if grcns and grcns[0].mode is Mode.ENFORCE:
+            commanders = dict.fromkeys(flow.publisher for grcn in grcns for flow in grcn.flows)
+            yield TopicAccess(
+                topic=lease_topic(lease.name, "request"),
+                stream_topic=grcns[0].topic,
+                publishers=tuple(commanders),
+                subscribers=(GUARD_NODE,),
+            )
+
+
+def _with_stopper(topic: TopicAccess, cell: tuple[str, ...]) -> TopicAccess:
+    """Let the stopper of a cell publish where the supervisor does."""
+    if SUPERVISOR_NODE not in topic.publishers or not any(map(topic.may_subscribe, cell)):
+        return topic
+    return replace(topic, publishers=(*topic.publishers, STOPPER_NODE))
 
 
 def list_service_access(plan: Plan) -> tuple[ServiceAccess, ...]:

@@ -46,7 +46,7 @@ class UnguardedPath:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verification:
-    """The paths, what is wrong beside them, and what no path leads through.
+    """The paths, what is wrong beside them, what no path leads through, and what was tried in vain.
 
     What was not seen is not closed: it may run where nobody looked. `without` takes out what is
     known to be switched off.
@@ -55,6 +55,7 @@ class Verification:
     paths: tuple[GuardedPath, ...]
     problems: tuple[str, ...]
     unguarded: tuple[UnguardedPath, ...]
+    proven: tuple[str, ...] = ()
 
     @property
     def is_closed(self) -> bool:

@@ -14,7 +14,9 @@ from rtron.planning.instrument import (
     instrument_ros2,
     write_guarded_launch,
 )
+from rtron.planning.instrument.common.cells import Cell, plan_cells
 from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.ros2.enclaves import Enclaves
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.plan_file.yaml_parser import read_text
 from rtron.sources.graph_json import graph_to_json, read_graph
@@ -25,7 +27,7 @@ from rtron.sources.launch.common.undeclared_arguments import undeclared_argument
 from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.workspace import read_workspace
-from rtron.vocabulary import Plan
+from rtron.vocabulary import InteractionGraph, Plan
 from rtron.workflows.app_environment import given_environment, robot_environment
 from rtron.workflows.check_plan import require_fit
 
@@ -38,7 +40,9 @@ class InstrumentRequest:
     """A launch file with its arguments, the plan that guards it, and where the result goes.
 
     Packages are looked for in `folders`, then as ROS does. The guard checks the plan against the
-    app's `graph` whenever it starts.
+    app's `graph` whenever it starts. With a `keystore`, each process of the graph starts in its
+    enclave. `cells` are nodes that run in a cell, beside those of the plan, and `cell_options`
+    those of `rtron cell`.
     """
 
     launch: str
@@ -47,6 +51,9 @@ class InstrumentRequest:
     plan: Path
     output: Path
     graph: Path | None = None
+    keystore: Path | None = None
+    cells: Sequence[str] = ()
+    cell_options: Sequence[str] = ()
     env: Sequence[str] = ()
     env_all: bool = False
 
@@ -73,10 +80,16 @@ def instrument(request: InstrumentRequest) -> InstrumentResult:
     """Write the guarded launch of an app; raise InputError if the launch file or plan is unfit."""
     text = read_text(request.plan)
     plan = parse_plan(text, str(request.plan))
+    text, plan = _with_cells(text, plan, request)
     source = _find_launch(request)
     _check_launch_generation(source.path, plan, str(request.plan))
+    if request.keystore and plan.ros == 1:
+        raise InputError("ROS 1 has no enclaves", help="leave --keystore out; see `rtron master`")
     guarded = _instrument_ros1 if plan.ros == 1 else _instrument_ros2
-    launch = guarded(request, source, plan, GuardFiles(text, _graph_text(request, plan)))
+    graph = _read_graph(request, plan)
+    files = GuardFiles(text, json.dumps(graph_to_json(graph)) if graph else "")
+    cells = plan_cells(graph, plan, request.cell_options) if graph else ()
+    launch = guarded(request, source, plan, files, cells)
     notes = (*launch.notes, *(f"{note.what} {note.why}" for note in source.environ.notes()))
     launch = replace(launch, notes=notes)
     write_guarded_launch(launch)
@@ -97,7 +110,11 @@ def _find_launch(request: InstrumentRequest) -> _Launch:
 
 
 def _instrument_ros1(
-    request: InstrumentRequest, source: _Launch, plan: Plan, guard: GuardFiles
+    request: InstrumentRequest,
+    source: _Launch,
+    plan: Plan,
+    guard: GuardFiles,
+    cells: Sequence[Cell],
 ) -> GuardedLaunch:
     from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - ROS 2 does without it
 
@@ -109,17 +126,37 @@ def _instrument_ros1(
         guard,
         started=_started_launches(app),
         packages=source.packages,
+        cells=cells,
     )
     return _with_undeclared(launch, source, app.trees[0].declared)
 
 
-def _graph_text(request: InstrumentRequest, plan: Plan) -> str:
-    """Return the app's graph for the guard; InputError if the plan does not fit it."""
+def _with_cells(text: str, plan: Plan, request: InstrumentRequest) -> tuple[str, Plan]:
+    """Return a plan, and its text, with the cells of a request; InputError if it has others."""
+    added = tuple(dict.fromkeys(request.cells))
+    if added and plan.cell and set(added) != set(plan.cell):
+        help = "leave --cell out, or change the plan"
+        raise InputError(f"has `cell: [{', '.join(plan.cell)}]`", path=str(request.plan), help=help)
+    cells = plan.cell or added
+    if cells and request.graph is None:
+        help = "add --graph: `rtron scan` writes it"
+        raise InputError("a cell needs the app's graph, which tells what passes", help=help)
+    if len(cells) > 1 and "--user" in request.cell_options:
+        help = "leave --cell-user out, and write `--user` into the script of each"
+        raise InputError(f"{', '.join(cells)} need a user each", help=help)
+    if not added or plan.cell:
+        return text, plan
+    text = f"{text.rstrip()}\ncell: [{', '.join(added)}]\n"
+    return text, parse_plan(text, str(request.plan))
+
+
+def _read_graph(request: InstrumentRequest, plan: Plan) -> InteractionGraph | None:
+    """Return the app's graph, if it is given; InputError if the plan does not fit it."""
     if request.graph is None:
-        return ""
+        return None
     graph = read_graph(request.graph)
     require_fit(plan, graph)
-    return json.dumps(graph_to_json(graph))
+    return graph
 
 
 def _started_launches(app: "StaticApp") -> Sequence[RuntimeLaunchTree]:
@@ -131,11 +168,26 @@ def _started_launches(app: "StaticApp") -> Sequence[RuntimeLaunchTree]:
 
 
 def _instrument_ros2(
-    request: InstrumentRequest, source: _Launch, plan: Plan, guard: GuardFiles
+    request: InstrumentRequest,
+    source: _Launch,
+    plan: Plan,
+    guard: GuardFiles,
+    cells: Sequence[Cell],
 ) -> GuardedLaunch:
+    if cells and request.keystore:
+        raise InputError("SROS2 and a cell do not work together", help="choose one of the two")
     tree = read_ros2_launch(source.path, source.arguments, source.environ, source.packages)
-    launch = instrument_ros2(tree, plan, request.output, guard)
+    enclaves = _enclaves(request, plan)
+    launch = instrument_ros2(tree, plan, request.output, guard, enclaves, cells)
     return _with_undeclared(launch, source, tree.declared)
+
+
+def _enclaves(request: InstrumentRequest, plan: Plan) -> Enclaves | None:
+    if request.keystore is None:
+        return None
+    from rtron.workflows.secure import find_enclaves  # noqa: PLC0415 - cryptography loads slowly
+
+    return find_enclaves(request.keystore, request.graph, plan)
 
 
 def _with_undeclared(

@@ -3,7 +3,7 @@
 import json
 import ssl
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from http.client import HTTPException
 from pathlib import Path
@@ -13,6 +13,7 @@ from urllib.parse import quote, urlencode, urlsplit
 from urllib.request import HTTPRedirectHandler, HTTPSHandler, ProxyHandler, Request, build_opener
 
 from rtron.errors import InputError, RTronError, SourceError
+from rtron.guard.system.durable_file import replace_file
 
 _API = "/api/v1"
 _TIMEOUT_S = 10.0
@@ -132,6 +133,21 @@ def open_service_client(
         help = "give the address of `rtron serve`, for example https://robots.example:8600"
         raise InputError(f"{service!r} is no address of a service", help=help)
     return SecurityServiceClient(service, _token(token_file), ca)
+
+
+def renew_token_file(client: SecurityServiceClient, path: Path) -> str:
+    """Renew a client's token, which is in a file; return what was done.
+
+    InputError if the file cannot be replaced: its token then holds to its own end.
+    """
+    answer = client.post("tokens", "renewal", body={})
+    try:
+        replace_file(path.resolve(), f"{answer['secret']}\n".encode())
+    except OSError as error:
+        help = "put the token into a folder in which you may write"
+        raise InputError(error.strerror or "cannot be written", path=str(path), help=help) from None
+    replace(client, token=answer["secret"]).get("me")
+    return f"{answer['name']} is renewed\n"
 
 
 def _token(path: Path | None) -> str:

@@ -117,3 +117,30 @@ def test_anything_else_is_2(rtron, plan_file, started, tmp_path):
     assert rtron("guard", "--plan", tmp_path / "none.yaml").code == 2
     assert rtron("guard").code == 2
     assert started == []
+
+
+def test_the_plan_that_a_roll_out_has_brought_goes_before_that_of_the_start(
+    rtron, plan_file, started, linked, tmp_path
+):
+    folder, given = tmp_path / "plans", []
+
+    def supervise(plan, *_, link, **__):
+        given.append((plan, link.plans))
+        sys.exit(0)
+
+    sys.modules["rtron.guard.supervision.programs"].supervise = supervise
+    text = plan_file.read_text()
+    changed = f"{text}\nrevision: 7\n"
+    for document in ("", changed):
+        if document:
+            (folder / "plan.yaml").write_text(document)
+        rtron("guard", "--plan", plan_file, "--plans", folder)
+    (first, plans), (second, same) = given
+    assert (first, same.start) == (plans.start, plans.start)
+    assert (first.revision, second.revision) == (0, 7)
+
+
+def test_plans_come_from_a_service(rtron, plan_file, started, tmp_path):
+    ran = rtron("guard", "--plan", plan_file, "--plans", tmp_path / "plans")
+    assert (ran.code, started) == (2, [])
+    assert "--plans without --service" in ran.err

@@ -9,21 +9,23 @@ from threading import Thread
 import pytest
 from controller_setup import hello, plan
 from harness import free_port, wait_for
-from service_app import AccountFactory, serve_in_thread
+from service_app import AccountFactory, open_app, serve_in_thread
 
 from rtron.cli.support.settings_arguments import KEYS, parse_patch
 from rtron.errors import InputError
 from rtron.service.config import ServiceConfig
-from rtron.service.server.app import create_app
 from rtron.service.store.events import EventBatch, add_events
 from rtron.service.store.robots import find_robot
 from rtron.vocabulary import EventKind, GuardEvent, GuardEventLevel
 from rtron.wire.common.link_protocol import Applied
 
+WHY = ("--reason", "a test")
+
 
 @pytest.fixture
 def app(tmp_path):
-    return create_app(ServiceConfig(database=tmp_path / "rtron.db"))
+    with open_app(ServiceConfig(database=tmp_path / "rtron.db")) as app:
+        yield app
 
 
 @pytest.fixture
@@ -71,7 +73,7 @@ def test_get_shows_what_is_in_force(call):
 
 
 def test_get_one_node_in_full(call):
-    call("settings", "set", "drive", "flow1.priority=7", "release_after=0.2")
+    call("settings", "set", "drive", "flow1.priority=7", "release_after=0.2", *WHY)
     out = call("settings", "get", "drive").out
     assert "flow1.priority  7           plan: 2" in out
     assert "release_after   0.2 s       plan: 0.5 s" in out
@@ -88,7 +90,7 @@ def test_get_as_json(call):
 
 def test_set_changes_all_at_once(call, service):
     words = ["policy=Priority_Queue", "flow1.timeout=200ms", "flow2.block=true"]
-    ran = call("settings", "set", "drive", *words, "--reason", "a test")
+    ran = call("settings", "set", "drive", *words, *WHY)
     assert (ran.code, ran.out) == (
         0,
         "revision 1: sent; the guard has not answered yet\n",
@@ -100,8 +102,8 @@ def test_set_changes_all_at_once(call, service):
 
 
 def test_set_takes_back(call):
-    call("settings", "set", "drive", "policy=Block", "flow1.priority=9")
-    call("settings", "set", "drive", "policy=plan", "flow1.priority=plan")
+    call("settings", "set", "drive", "policy=Block", "flow1.priority=9", *WHY)
+    call("settings", "set", "drive", "policy=plan", "flow1.priority=plan", *WHY)
     document = json.loads(call("settings", "get", "--format", "json").out)
     assert (document["settings"]["revision"], document["settings"]["settings"]["nodes"]) == (2, {})
 
@@ -137,10 +139,19 @@ def test_set_takes_back(call):
     ],
 )
 def test_what_is_refused_has_help(call, service, words, role, told, help):
-    ran = call("settings", "set", *words, role=role)
+    ran = call("settings", "set", *words, *WHY, role=role)
     assert (ran.code, ran.out) == (2, "")
     assert told in ran.err
     assert help in ran.err
+    assert service.controller.handle_hello("r2", hello(plan())).revision == 0
+
+
+def test_a_change_needs_a_reason(call, service):
+    without = call("settings", "set", "drive", "policy=Block")
+    assert (without.code, "--reason" in without.err) == (2, True)
+    unseen = call("settings", "set", "drive", "policy=Block", "--reason", "\u200b\u200b\u200b")
+    assert (unseen.code, unseen.out) == (2, "")
+    assert "a change of settings needs a reason" in unseen.err
     assert service.controller.handle_hello("r2", hello(plan())).revision == 0
 
 
@@ -161,13 +172,13 @@ def answering(service, revision, error=""):
 def test_set_waits_for_the_guard(call, service, error, code, told):
     guard = answering(service, 1, error)
     guard.start()
-    ran = call("settings", "set", "drive", "policy=Block", "--wait", "--timeout", "30")
+    ran = call("settings", "set", "drive", "policy=Block", "--wait", "--timeout", "30", *WHY)
     guard.join()
     assert (ran.code, ran.out) == (code, told)
 
 
 def test_set_does_not_wait_for_ever(call):
-    ran = call("settings", "set", "drive", "policy=Block", "--wait", "--timeout", "0.2")
+    ran = call("settings", "set", "drive", "policy=Block", "--wait", "--timeout", "0.2", *WHY)
     assert (ran.code, ran.out) == (1, "revision 1: sent; the guard has not answered yet\n")
 
 

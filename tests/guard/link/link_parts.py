@@ -5,15 +5,19 @@ import contextlib
 import threading
 from dataclasses import dataclass, field
 
+from harness import wait_for
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import serve
 
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.link.link_client import LinkClient
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.relay import Relay
-from rtron.vocabulary import EventKind, GuardEvent, Plan
+from rtron.vocabulary import EventKind, GuardEvent, GuardState, Plan, Settings
 from rtron.wire.common.link_protocol import (
     Events,
     Hello,
+    StateReport,
     Stored,
     decode_from_guard,
     encode_event,
@@ -41,6 +45,36 @@ def options(folder, service="http://127.0.0.1:1"):
     made = LinkOptions(service=service, token_file=token, robot="r1", state=folder / "state")
     made.prepare()
     return made
+
+
+class Guard:
+    """A guard's end in a loop of its own, turned by whoever waits."""
+
+    def __init__(self, made, run="run", revision=0):
+        self.loop = EventLoop()
+        self.run, self.revision = run, revision
+        self.settings = []
+        self.line = LinkClient(
+            self.loop, made.address, self.greeting, self.state, self.settings.append
+        )
+        self.line.open()
+
+    def greeting(self):
+        return hello(self.run, settings=Settings(revision=self.revision))
+
+    def state(self):
+        return StateReport(state=GuardState(at=1, revision=self.revision))
+
+    def until(self, condition, what):
+        def turned():
+            self.loop.step(0.01)
+            return condition()
+
+        wait_for(turned, what=what)
+
+    def close(self):
+        self.line.close()
+        self.loop.close()
 
 
 @dataclass

@@ -7,17 +7,18 @@ import time
 
 import pytest
 from harness import wait_for
-from link_parts import TOKEN, Service, event, hello, options, running_relay, serving
+from link_parts import TOKEN, Guard, Service, event, options, running_relay, serving
 
 from rtron.errors import SourceError
-from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.link import service_connection
 from rtron.guard.link.event_counter import EventCounter, former_runs
-from rtron.guard.link.link_client import MAX_PENDING_EVENTS, LinkClient
+from rtron.guard.link.link_client import MAX_PENDING_EVENTS
 from rtron.guard.link.settings_file import read_settings, write_settings
+from rtron.guard.system.machine_time import MachineTime, machine_time
 from rtron.vocabulary import (
+    SECOND,
     EmergencyStop,
     EventKind,
-    GuardState,
     NodeSettings,
     PolicyName,
     Settings,
@@ -25,44 +26,19 @@ from rtron.vocabulary import (
 )
 from rtron.wire.common.link_protocol import (
     Applied,
+    CommandResponse,
     Events,
+    EventsRefused,
     Hello,
+    LeaseCommand,
     NewSettings,
+    StateDelta,
     StateReport,
+    Stored,
     encode_to_guard,
 )
 
 SETTINGS = Settings(revision=4, nodes={"grcn": NodeSettings(policy=PolicyName.BLOCK)})
-
-
-class Guard:
-    """A guard's end in a loop of its own, turned by whoever waits."""
-
-    def __init__(self, made, run="run", revision=0):
-        self.loop = EventLoop()
-        self.run, self.revision = run, revision
-        self.settings = []
-        self.line = LinkClient(
-            self.loop, made.address, self.greeting, self.state, self.settings.append
-        )
-        self.line.open()
-
-    def greeting(self):
-        return hello(self.run, settings=Settings(revision=self.revision))
-
-    def state(self):
-        return StateReport(state=GuardState(at=1, revision=self.revision))
-
-    def until(self, condition, what):
-        def turned():
-            self.loop.step(0.01)
-            return condition()
-
-        wait_for(turned, what=what)
-
-    def close(self):
-        self.line.close()
-        self.loop.close()
 
 
 @pytest.fixture
@@ -104,6 +80,34 @@ def test_events_reach_the_service_once_and_in_order(made, service, guard):
     assert service.headers == [f"Bearer {TOKEN}"]
     assert [each.robot for each in service.of(Hello)] == ["r1"]
     assert service.of(StateReport)
+
+
+LEASE_COMMAND = LeaseCommand(number=5, lease="base", do="end", by="ann", grant=1, reason="lunch")
+
+
+def test_a_command_for_a_lease_reaches_the_guard_and_its_response_the_service(made, service, guard):
+    response = CommandResponse(number=5, granted=True, reason="done")
+    with running_relay(made):
+        guard.until(lambda: service.of(Hello), "the hello")
+        assert service.of(Hello)[0].takes_lease_commands
+        service.say(LEASE_COMMAND)
+        guard.until(lambda: guard.settings == [LEASE_COMMAND], "the command")
+        guard.line.send(response)
+        guard.until(lambda: service.of(CommandResponse) == [response], "the response")
+
+
+def test_a_command_for_a_lease_does_not_wait_for_the_next_guard(made, service, guard):
+    with running_relay(made) as relay:
+        guard.until(lambda: service.of(Hello), "the hello")
+        guard.line.close()
+        wait_for(lambda: relay._guard_writer is None, what="the end of the guard's connection")
+        service.say(LEASE_COMMAND)
+        service.say(NewSettings(settings=SETTINGS, now=1))
+        wait_for(lambda: read_settings(made.settings_file, machine_time()), what="the settings")
+        again = Guard(made, "again")
+        again.until(lambda: again.settings, "the settings")
+        assert [type(each) for each in again.settings] == [NewSettings]
+        again.close()
 
 
 def test_events_wait_for_a_service_that_is_away(made, guard):
@@ -153,14 +157,14 @@ def test_settings_reach_the_guard_and_the_disk(made, service, guard):
         service.say(NewSettings(settings=SETTINGS, now=time.time_ns()))
         guard.until(lambda: guard.settings, "the settings")
         assert guard.settings[0].settings == SETTINGS
-        assert read_settings(made.settings_file, time.time_ns()) == SETTINGS
+        assert read_settings(made.settings_file, machine_time()) == SETTINGS
         guard.line.send(Applied(revision=4))
         guard.until(lambda: service.of(Applied), "the answer")
     assert service.of(Applied) == [Applied(revision=4)]
 
 
 def test_a_guard_that_returns_is_given_the_last_settings(made, service, guard):
-    write_settings(made.settings_file, SETTINGS, 1)
+    write_settings(made.settings_file, SETTINGS, machine_time())
     with running_relay(made):
         guard.until(lambda: guard.settings, "the settings")
         assert guard.settings[0].settings == SETTINGS
@@ -174,18 +178,18 @@ def test_a_guard_that_returns_is_given_the_last_settings(made, service, guard):
 
 
 def test_refused_settings_are_not_kept(made, service, guard):
-    write_settings(made.settings_file, Settings(revision=3), 1)
+    write_settings(made.settings_file, Settings(revision=3), machine_time())
     with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
         service.say(NewSettings(settings=SETTINGS, now=time.time_ns()))
         guard.until(lambda: len(guard.settings) == 2, "the settings")
         guard.line.send(Applied(revision=4, error="no such flow"))
         guard.until(lambda: service.of(Applied), "the answer")
-    assert read_settings(made.settings_file, time.time_ns()) == Settings(revision=3)
+    assert read_settings(made.settings_file, machine_time()) == Settings(revision=3)
 
 
 def test_a_stop_outlives_the_refusal_of_what_came_with_it(made, service, guard):
-    write_settings(made.settings_file, Settings(revision=3), 1)
+    write_settings(made.settings_file, Settings(revision=3), machine_time())
     stop = EmergencyStop(by="ada", reason="smoke", at=3)
     with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
@@ -194,7 +198,7 @@ def test_a_stop_outlives_the_refusal_of_what_came_with_it(made, service, guard):
         guard.until(lambda: len(guard.settings) == 2, "the settings")
         guard.line.send(Applied(revision=4, error="no such flow"))
         guard.until(lambda: service.of(Applied), "the answer")
-    assert read_settings(made.settings_file, time.time_ns()) == Settings(revision=3, stop=stop)
+    assert read_settings(made.settings_file, machine_time()) == Settings(revision=3, stop=stop)
 
 
 def test_a_full_disk_keeps_no_stop_from_the_robot(made, service, guard, monkeypatch, caplog):
@@ -242,20 +246,31 @@ def test_the_first_settings_refused_leave_none(made, service, guard):
         guard.until(lambda: guard.settings, "the settings")
         guard.line.send(Applied(revision=4, error="no such flow"))
         guard.until(lambda: service.of(Applied), "the answer")
-    assert read_settings(made.settings_file, time.time_ns()) is None
+    assert read_settings(made.settings_file, machine_time()) is None
 
 
-def test_an_override_ends_by_our_clock_whatever_the_services_says(made, service, guard):
-    override = TimedOverride(by="ada", reason="docking", until=60_000_000_000)
+def test_an_override_ends_by_the_machines_time_whatever_wall_clocks_say(
+    made, service, guard, monkeypatch
+):
+    override = TimedOverride(by="ada", reason="docking", until=60 * SECOND)
     settings = Settings(revision=5, overrides={"rsrcn": override})
+    wall = time.time_ns
     with running_relay(made):
         guard.until(lambda: service.of(Hello), "the greeting")
-        before = time.time_ns()
+        before = machine_time().now
         service.say(NewSettings(settings=settings, now=0))
         guard.until(lambda: guard.settings, "the settings")
-        after = time.time_ns()
-    until = guard.settings[0].settings.overrides["rsrcn"].until
-    assert before <= until - 60_000_000_000 <= after
+        after = machine_time().now
+        until = guard.settings[0].settings.overrides["rsrcn"].until
+        assert before <= until - 60 * SECOND <= after
+        monkeypatch.setattr(time, "time_ns", lambda: wall() - 7200 * SECOND)
+        again = Guard(made)
+        guard.close()
+        again.until(lambda: again.settings, "the settings again")
+        again.close()
+    assert again.settings[0].settings.overrides["rsrcn"].until == until
+    assert again.settings[0].now <= machine_time().now
+    assert read_settings(made.settings_file, machine_time()) == again.settings[0].settings
 
 
 def test_what_a_killed_guard_took_with_it_is_told(made, service, guard):
@@ -274,6 +289,20 @@ def test_what_a_killed_guard_took_with_it_is_told(made, service, guard):
     lost = service.events()[-1]
     assert lost.values == {"events": 3, "run": "killed"}
     assert not made.counter_folder.exists()
+
+
+@pytest.mark.parametrize(("takes_deltas", "kind"), [(True, StateDelta), (False, StateReport)])
+def test_a_service_gets_what_differs_only_if_it_takes_that(
+    made, service, guard, takes_deltas, kind
+):
+    with running_relay(made):
+        guard.until(lambda: service.of(StateReport), "the state")
+        service.say(NewSettings(settings=SETTINGS, now=0, takes_state_deltas=takes_deltas))
+        guard.until(lambda: guard.settings, "the settings")
+        known = len(service.of(kind))
+        guard.line.send(guard.state())
+        guard.until(lambda: len(service.of(kind)) > known, "the next state")
+    assert bool(service.of(StateDelta)) == takes_deltas
 
 
 def test_the_service_sees_that_the_guard_is_gone(made, service, guard):
@@ -354,26 +383,30 @@ def listens(made):
 def test_settings_that_cannot_be_read_are_none(tmp_path, text):
     path = tmp_path / "settings.json"
     path.write_bytes(text)
-    assert read_settings(path, 0) is None
+    assert read_settings(path, machine_time()) is None
 
 
 def test_settings_are_kept_whole(tmp_path):
     path = tmp_path / "settings.json"
     stop = EmergencyStop(by="ada", reason="smoke", at=3)
-    write_settings(path, Settings(revision=9, stop=stop), 7)
-    assert read_settings(path, 7) == Settings(revision=9, stop=stop)
-    message = encode_to_guard(NewSettings(settings=Settings(revision=9, stop=stop), now=7))
-    assert path.read_bytes() == message
+    write_settings(path, Settings(revision=9, stop=stop), MachineTime(7, "boot"))
+    assert read_settings(path, MachineTime(7, "boot")) == Settings(revision=9, stop=stop)
+    assert read_settings(path, MachineTime(1, "other")) == Settings(revision=9, stop=stop)
+    message = NewSettings(settings=Settings(revision=9, stop=stop), now=7, boot="boot")
+    assert path.read_bytes() == encode_to_guard(message)
     assert [each.name for each in tmp_path.iterdir()] == ["settings.json"]
 
 
-def test_no_override_goes_on_by_a_clock_that_was_set_back(tmp_path):
+@pytest.mark.parametrize(
+    "later", [MachineTime(100, "other"), MachineTime(6, "boot"), MachineTime(8, "")]
+)
+def test_no_override_goes_on_where_nobody_knows_what_is_left_of_it(tmp_path, later):
     path = tmp_path / "settings.json"
     override = TimedOverride(by="ada", reason="docking", until=9)
     settings = Settings(revision=5, overrides={"rsrcn": override})
-    write_settings(path, settings, 7)
-    assert read_settings(path, 7) == settings
-    assert read_settings(path, 6) == Settings(revision=5)
+    write_settings(path, settings, MachineTime(7, "boot"))
+    assert read_settings(path, MachineTime(8, "boot")) == settings
+    assert read_settings(path, later) == Settings(revision=5)
 
 
 def test_a_run_that_cannot_be_kept_is_counted_all_the_same(tmp_path, caplog):
@@ -381,3 +414,23 @@ def test_a_run_that_cannot_be_kept_is_counted_all_the_same(tmp_path, caplog):
     assert [counter.next(), counter.next()] == [1, 2]
     assert "will not be counted" in caplog.text
     assert list(former_runs(tmp_path / "none", "run")) == []
+
+
+def test_events_that_the_service_refuses_come_again_on_the_same_connection(tmp_path, monkeypatch):
+    monkeypatch.setattr(service_connection, "_REFUSED_PAUSE_S", 0.05)
+    with serving(Service(confirms=False)) as service:
+        made = options(tmp_path, service.url)
+        guard = Guard(made)
+        with running_relay(made):
+            for number in range(1, 6):
+                guard.line.queue_event(event(number))
+            guard.until(lambda: len(service.events()) >= 5, "the events")
+            assert service.of(Hello)[0].takes_refusals
+            service.say(Stored(run="run", number=2))
+            service.say(EventsRefused())
+            guard.until(lambda: len(service.events()) >= 8, "the events again")
+            guard.line.queue_event(event(6))
+            guard.until(lambda: len(service.events()) >= 9, "the next event")
+            assert [each.number for each in service.events()] == [1, 2, 3, 4, 5, 3, 4, 5, 6]
+            assert len(service.of(Hello)) == 1
+        guard.close()

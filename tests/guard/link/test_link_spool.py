@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+from harness import is_open
 from link_parts import encoded_events, event
 
 from rtron.errors import InputError
@@ -118,6 +119,7 @@ def test_a_file_that_is_no_database_is_told(tmp_path):
     with pytest.raises(InputError, match="not a database") as error:
         Spool(path)
     assert "--state-dir" in error.value.help
+    assert not is_open(path)
 
 
 WRITER = """

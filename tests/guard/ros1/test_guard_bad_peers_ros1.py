@@ -184,6 +184,7 @@ def test_what_was_said_before_the_driver_came_waits_a_moment_for_it(guard):
             assert [driver.frame(), driver.frame()] == [twist(0), twist(1)]
 
 
+@pytest.mark.long
 def test_a_subscriber_that_does_not_read_delays_nobody(guard):
     with guard.subscribe(), guard.subscribe() as driver, guard.nav() as nav:
         wait_for(lambda: nav.connections, what="the guard's connection")

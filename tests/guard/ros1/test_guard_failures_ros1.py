@@ -154,6 +154,7 @@ def told(ros1):
     return "\n".join(f"{n} {m}".replace('"', "") for n, m in zip(names, said, strict=True))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("event", "yaml"),
     [
@@ -287,6 +288,7 @@ SPINNING = "{linear: {x: 0.2}, angular: {x: 31.0}}"
 FLOW1, FLOW2 = "/cmd_vel:=/rtron/cmd_vel/flow1", "/cmd_vel:=/rtron/cmd_vel/flow2"
 
 
+@pytest.mark.long
 def test_a_turn_that_no_base_drives_does_not_keep_the_robot_going(ros1):
     """Each part of a stop ends in its time, and all within the bound of the plan."""
     plan = limited(PolicyName.SAFE_CONSTRAIN, MOVING, threshold=0.02, max_vel_limit=0.22)
@@ -310,6 +312,7 @@ def test_a_turn_that_no_base_drives_does_not_keep_the_robot_going(ros1):
     assert all(one >= other for one, other in pairwise(row[3] for row in wave))
 
 
+@pytest.mark.long
 def test_what_the_base_does_not_use_never_reaches_it(ros1):
     plan = drive_plan()
     (node,) = plan.grcn
@@ -358,6 +361,7 @@ def test_a_navigation_whose_connection_closes_is_dead_at_once(ros1, driven):
     assert_ramped_to_rest(speeds(driven), guard)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("policy", [PolicyName.PREEMPTION, PolicyName.PRIORITY_QUEUE])
 def test_the_next_in_order_drives_when_a_connection_closes(ros1, driven, policy):
     """It says less to the guard meanwhile than in the time that a silence takes."""

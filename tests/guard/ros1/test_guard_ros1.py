@@ -68,6 +68,7 @@ def test_without_the_guard_the_flood_arrives_among_navigation(unguarded, rate):
     assert len(unguarded.driven.navigation()) > navigated
 
 
+@pytest.mark.long
 def test_nothing_of_a_node_started_by_hand_arrives_active_or_idle(guarded):
     nav = guarded.navigate()
     guarded.attack_by_hand(1000)
@@ -98,6 +99,7 @@ def test_without_the_guard_a_node_started_by_hand_drives_active_or_idle(unguarde
     assert unguarded.driven.turns() >= idle_from + MANY
 
 
+@pytest.mark.long
 def test_a_lower_flow_has_the_driver_while_nobody_higher_speaks(guarded):
     guarded.attack(50)
     wait_for(guarded.driven.turns, what="the only flow that speaks")
@@ -117,6 +119,7 @@ def test_a_latched_map_reaches_a_late_subscriber(ros1):
         assert "data: [0, 100, -1, 0, 100, -1]" in said
 
 
+@pytest.mark.long
 def test_the_tools_of_ros_see_a_coordination_node(guarded):
     ros1 = guarded.ros1
     guarded.navigate()

@@ -7,6 +7,7 @@ import signal
 import struct
 import sys
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -135,6 +136,20 @@ def test_what_is_no_number_never_passes(guard, outside):
     assert_only_navigation_arrived(driver, 0.5, 0.25, 0.125, 0.0625)
 
 
+@pytest.mark.long
+def test_what_the_base_does_not_use_never_passes(ros2, outside):
+    plan = ros2.folder / "rtron.yaml"
+    plan.write_text(written(replace(driving("nav"), uses=("linear.x", "angular.z"))))
+    guard = ros2.rtron("guard", "--plan", plan)
+    wait_for(lambda: "guarding 1 topics" in guard.log, what="the guard")
+    driver = outside.listener("/driver", OUT)
+    nav = outside.publisher("/nav", NAV)
+    tumbling = FRONT + struct.pack("<6d", 0.2, 3, 3, 31, 31, 0)
+    outside.say_until(nav, tumbling, lambda: twist(0.2) in driver, "the navigation")
+    assert_only_navigation_arrived(driver, 0.2)
+
+
+@pytest.mark.long
 def test_garbage_in_what_no_policy_reads_never_passes(guard, outside):
     heard = outside.listener("/speaker", WORDS_OUT, STRING)
     nav = outside.publisher("/nav", WORDS, STRING)
@@ -153,6 +168,7 @@ def test_garbage_in_what_no_policy_reads_never_passes(guard, outside):
     wait_for(lambda: f"{WORDS}: /nav a message is dropped" in guard.log, what="the event")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("topic", [NAV, "/cmd_vel"])
 def test_two_types_on_one_topic(guard, outside, stand, topic):
     driver = outside.listener("/driver", OUT)
@@ -169,6 +185,7 @@ def test_two_types_on_one_topic(guard, outside, stand, topic):
     assert f"{topic}: /teleop is ignored: it publishes std_msgs/msg/String" in guard.log
 
 
+@pytest.mark.long
 def test_publishers_and_subscribers_that_do_not_fit(guard, outside):
     """One that asks for more than is offered hears nothing; others are served all the same."""
     best_effort = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -11,6 +11,7 @@ from rclpy._rclpy_pybind11 import RCLError
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rclpy_nodes import STRING, TWIST, twist
+from rmw_marks import needs_fast_dds
 from ros2_plans import driving, telling, written
 
 from rtron.vocabulary import flow_topic, output_topic
@@ -38,6 +39,7 @@ def words(heard):
     return [bytes(each)[8:].rstrip(b"\0").decode() for each in heard]
 
 
+@pytest.mark.long
 def test_a_burst_of_a_state_arrives_whole(ros2, stand):
     topic = "/map_part"
     guard = start_guard(ros2, telling(topic, STRING, "/reader", "mapper"))
@@ -84,6 +86,7 @@ def has_taken(publisher, message):
     return True
 
 
+@needs_fast_dds("without sequence numbers, what is replaced in a queue is not known")
 def test_commands_that_newer_ones_replace_before_the_guard_takes_them_are_counted(ros2, stand):
     guard = start_guard(ros2, driving("nav"))
     place = stand()

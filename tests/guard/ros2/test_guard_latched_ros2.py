@@ -76,7 +76,7 @@ def test_a_guard_that_was_killed_is_followed_by_one_that_does_nothing_again(ros2
     plan = ros2.folder / "rtron.yaml"
     plan.write_text(PLAN)
     guard = ros2.rtron("guard", "--plan", plan)
-    wait_for(lambda: "guarding 2 topics" in guard.log or guard.ended, what="the guard")
+    robot.wait_for(lambda: "guarding 2 topics" in guard.log or guard.ended, "the guard")
     assert not guard.ended, guard.log
     robot.wait_for(lambda: len(goals) == 3 and twist(6) in driven, "what was kept")
     robot.say_until(drive, twist(0.5), lambda: twist(0.5) in driven, "the command of the moment")
@@ -116,6 +116,7 @@ def test_after_a_restart_of_the_whole_what_was_kept_is_old(ros2, stand):
     assert twist(6) not in driven
 
 
+@pytest.mark.long
 def test_a_guard_that_was_stalled_does_not_do_what_has_waited(ros2, stand):
     robot, app = stand(), stand()
     driven = robot.listener("/robot", output_topic("/cmd_vel"))

@@ -96,6 +96,7 @@ def test_an_event_of_an_installed_type_blocks(ros2, arm):
     assert not guard.ended, guard.log
 
 
+@pytest.mark.long
 def test_a_turn_that_no_base_drives_does_not_keep_the_robot_going(ros2, arm, stand):
     """Each part of a stop ends in its time, and all within the bound of the plan."""
     plan, stop = ros2.folder / "rtron.yaml", StopProfile()

@@ -11,6 +11,7 @@ from itertools import accumulate, pairwise
 import pytest
 from frozen_threads import frozen, threads_named
 from harness import wait_for
+from log_lines import assert_each_has_a_time
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from rclpy_nodes import STRING, kept, twist
@@ -18,19 +19,33 @@ from rmw_marks import RMW
 from ros2_harness import LASTING
 from ros2_plans import driving, written
 
-from rtron.vocabulary import SECOND, Durability, Reliability, flow_topic, output_topic
+from rtron.vocabulary import (
+    SECOND,
+    Durability,
+    Reliability,
+    Supervision,
+    flow_topic,
+    output_topic,
+)
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = pytest.mark.ros2
 PLAN = written(driving("nav", "teleop"))
-PATIENT = written(driving("teleop", "nav", silent_after=10 * SECOND))
+PATIENT = written(
+    driving("teleop", "nav", silent_after=10 * SECOND),
+    supervision=Supervision(stall_after=SECOND // 5),
+)
 """What one word sets in motion is not stopped while the driver, on a busy machine, is awaited."""
 TOPIC = "/cmd_vel"
 NAV, OUT = flow_topic(TOPIC, "nav"), output_topic(TOPIC)
 EVIL = "9.0"
 DDS_THREADS = "recv" if "cyclonedds" in RMW else "dds."
 """How the names of the threads begin that bring what others send."""
+MOST_LOST = 250
+"""Commands, 50 a second, that a restart with a spare may cost: of 21 on two cores, at load average
+7 to 24, 18 cost 9 to 43, and three cost 149, 158 and 185.
+"""
 SETTLED = 300
 """Words of the navigation, 50 a second, after which the guard knows whose a name is."""
 
@@ -139,16 +154,22 @@ def stops(driver):
     )
 
 
+def guards_of(supervisor):
+    """Return the processes that have guarded, one after the other."""
+    return [int(pid) for pid in re.findall(r"the guard begins, process (\d+)", supervisor.log)]
+
+
 def guard_of(supervisor):
     """Return the process that guards now."""
-    return int(re.findall(r"the guard begins, process (\d+)", supervisor.log)[-1])
+    return guards_of(supervisor)[-1]
 
 
 def wait_for_spare(supervisor):
-    """Wait until the guard that begins next is ready."""
+    """Wait until the guard that begins next is ready; return its process."""
+    ready = re.compile(r"the next guard is ready, process (\d+)")
     guards = "the guard begins"
-    wait_for(
-        lambda: "the next guard is ready" in supervisor.log.rpartition(guards)[2], what="a spare"
+    return int(
+        wait_for(lambda: ready.search(supervisor.log.rpartition(guards)[2]), what="a spare")[1]
     )
 
 
@@ -170,6 +191,7 @@ def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
     wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
 
 
+@pytest.mark.long
 def test_a_guard_stops_the_robot_while_its_middleware_stands_still_and_its_loop_runs(ros2, guard):
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     supervisor = guard()
@@ -186,7 +208,8 @@ def test_a_guard_stops_the_robot_while_its_middleware_stands_still_and_its_loop_
     wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, delivered again")
 
 
-def test_a_guard_that_has_a_spare_is_back_within_a_second_and_no_relic_stops_the_robot(ros2, guard):
+@pytest.mark.long
+def test_a_guard_that_has_a_spare_is_followed_by_it_and_no_relic_stops_the_robot(ros2, guard):
     """The commands are numbered: what is missing between two is how long it took."""
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     supervisor = guard()
@@ -194,12 +217,13 @@ def test_a_guard_that_has_a_spare_is_back_within_a_second_and_no_relic_stops_the
     wait_for(lambda: numbers(driver), what="the navigation")
     lost = []
     for _ in range(3):
-        wait_for_spare(supervisor)
+        spare = wait_for_spare(supervisor)
         before = len(numbers(driver))
         kill_guard(supervisor, driver)
         wait_for(lambda before=before: len(numbers(driver)) > before + 20, what="the navigation")
         lost.append(max(b - a for a, b in pairwise(numbers(driver)[before - 1 : before + 20])))
-    assert min(lost) <= 50, "commands that were lost at 50 a second"
+        assert spare in guards_of(supervisor)
+    assert max(lost) <= MOST_LOST, lost
     assert "impostor" not in supervisor.log
     assert "unapproved" not in supervisor.log
 
@@ -213,6 +237,18 @@ def numbers(driver):
     return sorted({round(speed) for speed in accumulate(told, max)})
 
 
+@pytest.mark.long
+def test_every_process_of_the_guard_logs_with_times(ros2, guard):
+    process = guard()
+    bulk, gone = "the bulk process is there", "bulk: the command process is gone"
+    wait_for(lambda: bulk in process.log, what="the bulk process")
+    os.kill(guard_of(process), signal.SIGKILL)
+    wait_for(lambda: gone in process.log, what="what the bulk process says")
+    texts = ("supervisor: the guard guards", "guarding 1 topics", bulk, gone)
+    assert_each_has_a_time(process.log, *texts)
+
+
+@pytest.mark.long
 def test_the_lower_flow_does_not_go_first_after_a_restart(ros2, guard):
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     supervisor = guard(written(replace(driving("nav", "teleop"), release_after=5 * SECOND)))
@@ -236,11 +272,12 @@ def test_a_navigation_that_leaves_is_silent_at_once(ros2, guard, stand):
     nav = speaker(ros2, "/nav", NAV, "0.5", "20")
     wait_for(lambda: speeds(driver)["0.5"] > 5, what="the navigation")
     nav.stop()
-    robot.wait_for(lambda: any(b"stopping" in each for each in active), "the stop")
-    assert any(b"stopping: nav has lost its publisher" in each for each in active)
+    why = b"stopping: nav has lost its publisher"
+    robot.wait_for(lambda: any(why in each for each in active), "the stop")
     wait_for(lambda: driver.log.rstrip().endswith("speed 0.0"), what="rest")
 
 
+@pytest.mark.long
 def test_a_navigation_that_was_killed_is_followed_by_the_next(ros2, guard):
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     guard()
@@ -251,6 +288,7 @@ def test_a_navigation_that_was_killed_is_followed_by_the_next(ros2, guard):
     wait_for(lambda: speeds(driver)["0.7"], what="the next, before the lease of the first is over")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("is_followed", [True, False])
 def test_the_next_guard_knows_that_a_navigation_was_killed_before(ros2, guard, is_followed):
     """It has never seen the process that has ended; the killed one's lease lasts for ever."""

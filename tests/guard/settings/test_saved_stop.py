@@ -11,6 +11,7 @@ from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.settings_file import write_settings
 from rtron.guard.settings.in_force import SettingsInForce
 from rtron.guard.settings.saved_stop import SavedStop
+from rtron.guard.system.machine_time import machine_time
 from rtron.vocabulary import EmergencyStop, Settings
 
 STOP = EmergencyStop(by="ann", reason="a child", at=WALL)
@@ -28,7 +29,7 @@ class Watching:
         self.part.open()
 
     def write(self, settings):
-        write_settings(self.options.settings_file, settings, WALL)
+        write_settings(self.options.settings_file, settings, machine_time())
 
     def stops(self):
         self.loop.step(0.05)

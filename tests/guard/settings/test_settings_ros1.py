@@ -151,6 +151,7 @@ def test_an_emergency_stop_holds_until_it_is_taken_back(base):
     drive.wait_for(1.0)
 
 
+@pytest.mark.long
 def test_a_rule_that_is_deselected_and_selected_again(base):
     guard, drive, light = base
     light.turn("red")

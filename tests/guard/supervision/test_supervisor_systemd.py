@@ -26,6 +26,7 @@ def test_signs_of_life_stop_while_the_guard_stands_still(ros1, systemd):
     wait_for(lambda: systemd.has("READY=1"), what="READY")
     assert systemd.lines().index(SERVING) < systemd.lines().index(ALIVE)
     wait_for(lambda: systemd.lines().count(ALIVE) > 3, what="signs of life")
+    ros1.wait_for_nodes(GUARD_NODE)
     since = len(systemd.lines())
     os.kill(ros1.ask(ros1.uri_of(GUARD_NODE), "getPid"), signal.SIGSTOP)
     wait_for(lambda: systemd.has("STATUS=guard stalled", since), what="the stall")

@@ -280,11 +280,7 @@ class RclpyActionApp:
         self.two = self.client(TWO, "flow2")
 
     def keep(self, part):
-        """Take a part, and wait until all parts know each other, before the next one comes.
-
-        Where participants of one process discover each other while another one joins, Fast DDS
-        3.2 may never give the endpoints of one to it: about one start in eighty.
-        """
+        """Take a part, and wait until all parts know each other, before the next one comes."""
         self._parts.append(part)
         wait_for(self._is_settled, what="all participants to know each other")
         return part

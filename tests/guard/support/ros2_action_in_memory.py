@@ -23,6 +23,7 @@ class Reply:
 
     def __init__(self, token=""):
         self.token = token
+        self.is_reachable = True
         self.answers = []
 
     def __call__(self, *answer):

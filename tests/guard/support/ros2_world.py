@@ -1,5 +1,6 @@
 """The guard's transport in a ROS 2 domain, and nodes of rclpy that stand outside."""
 
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from transport_worlds import RosWorld
@@ -75,6 +76,10 @@ class Ros2Publisher:
 
     def say(self, message):
         self._publisher.publish(message)
+
+    def is_acknowledged(self, limit_s):
+        """Return whether every reader has all that was said, in that time."""
+        return self._publisher.wait_for_all_acked(Duration(seconds=limit_s))
 
     def leave(self):
         self._node.destroy_publisher(self._publisher)

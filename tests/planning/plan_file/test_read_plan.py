@@ -374,3 +374,22 @@ def test_a_successor_behind_a_pattern_is_refused(tmp_path):
     )
     with pytest.raises(PlanError, match="may be one node"):
         read_plan(path)
+
+
+def test_a_cell_is_for_a_successor_of_an_enforcing_node():
+    driver = LEAST.replace("    flows:", "    successors: [/base]\n    flows:")
+    assert parse_plan(f"{driver}cell: [/base]\n").cell == ("/base",)
+    why = "no coordination node that enforces has the successor"
+    assert faults(f"{driver}cell: [/arm]\n") == [f"my.yaml:9: {why} /arm"]
+    assert faults(f"{driver.replace('enforce', 'observe')}cell: [/base]\n") == [
+        f"my.yaml:9: {why} /base"
+    ]
+    assert parse_plan(f"{driver}ros: 2\ncell: [/base]\n").cell == ("/base",)
+
+
+@pytest.mark.parametrize("node", ["/base", "/teleop"])
+def test_a_cell_of_ros2_is_for_no_end_of_an_action(node):
+    action = LEAST.replace("    flows:", "    successors: [/base]\n    flows:")
+    action = action.replace("/cmd_vel", "/dock\n    type: dock_msgs/action/Dock")
+    why = f"my.yaml:11: the action /dock cannot be carried into the cell of {node}: ROS 2"
+    assert why in faults(f"{action}ros: 2\ncell: [{node}]\n")

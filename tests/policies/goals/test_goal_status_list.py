@@ -5,6 +5,7 @@ from rtron.policies.goals.registry import Goal, GoalRegistry, GoalStage
 from rtron.policies.goals.status_list import (
     LOST_TIMEOUT,
     TERMINAL_STATUSES,
+    UNREAD_TIMEOUT,
     add_discovered_goal,
     compare_status_list,
     lost_goals,
@@ -96,6 +97,27 @@ def test_goals_are_lost_after_a_while(late, gone):
     waiting = Goal(b"w", 0, "flow1", "/one")
     made = goals(sent(b"a", seen=5), waiting, sent(b"b", seen=6))
     assert ids(lost_goals(made, 5 + LOST_TIMEOUT + late)) == gone
+
+
+@pytest.mark.parametrize(("late", "gone"), [(-1, []), (0, [b"a"])])
+def test_a_goal_that_was_never_listed_is_lost_later(late, gone):
+    made = goals(Goal(b"a", 0, "flow1", "/one"))
+    made.mark_sent(made.find(b"a"), 5)
+    assert ids(lost_goals(made, 5 + UNREAD_TIMEOUT + late)) == gone
+
+
+def test_a_goal_that_was_listed_once_is_lost_as_soon_as_any():
+    made = goals(Goal(b"a", 0, "flow1", "/one"))
+    made.mark_sent(made.find(b"a"), 5)
+    compare_status_list(made, {b"a": ACTIVE}, 7)
+    assert ids(lost_goals(made, 7 + LOST_TIMEOUT)) == [b"a"]
+
+
+def test_what_a_server_had_not_read_is_lost_with_it():
+    made = goals(Goal(b"a", 0, "flow1", "/one"))
+    made.mark_sent(made.find(b"a"), 5)
+    made.forget_unread()
+    assert ids(lost_goals(made, 5 + LOST_TIMEOUT)) == [b"a"]
 
 
 def test_a_found_goal_keeps_its_stamp():

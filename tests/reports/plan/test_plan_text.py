@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 from rtron.planning.problem import PlanProblem
 from rtron.reports.plan.plan_text import plan_text
 from rtron.vocabulary import (
@@ -7,12 +9,14 @@ from rtron.vocabulary import (
     SECOND,
     Area,
     Audit,
+    CommanderRank,
     Domain,
     EventFlow,
     Flow,
     FpsMonitor,
     FrameSource,
     GuardedTopic,
+    LeaseGroup,
     MissionRule,
     Mode,
     OnError,
@@ -22,7 +26,9 @@ from rtron.vocabulary import (
     Point,
     PolicyName,
     Sharing,
+    StopButton,
     StopProfile,
+    StopSources,
     StreamKind,
     Supervision,
     Transform,
@@ -243,3 +249,27 @@ def test_the_goals_of_an_action_stand_for_all_of_its_topics(printed):
     msrcn = MSRCN(id="msrcn", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, aflows=(topic,))
     text = printed(plan_text(Plan(app="app", msrcn=msrcn)))
     assert "  with cancel, status, feedback, result: /act is one action\n" in text
+
+
+def test_leases_ranks_and_stop_sources_are_told(printed):
+    (base, tf) = PLAN.grcn
+    flows = (replace(base.flows[0], rank=CommanderRank.OPERATOR_ON_SITE),)
+    leased = replace(base, policy=PolicyName.LEASE, lease="base", flows=flows)
+    button = StopButton(name="red", topic="/estop", publisher="/estop_driver")
+    plan = replace(
+        PLAN,
+        grcn=(leased, tf),
+        leases=(LeaseGroup(name="base"),),
+        stop_sources=StopSources(buttons=(button,), second_person=60 * SECOND),
+    )
+    text = printed(plan_text(plan))
+    for told in (
+        "rank operator_on_site, priority 2",
+        "Leases (1)",
+        "base  for /cmd_vel; it ends 5 s after it was renewed last",
+        "red  /estop_driver on /estop",
+        "a second person must release each stop within 60 s",
+    ):
+        assert told in text
+    assert "Leases" not in printed(plan_text(PLAN))
+    assert "Stop sources" not in printed(plan_text(PLAN))

@@ -11,24 +11,11 @@ import rospy
 from geometry_msgs.msg import Twist
 
 
-class Connected(rospy.SubscribeListener):
-    """Keeps whether anybody has connected yet."""
-
-    def __init__(self):
-        self.yet = False
-
-    def peer_subscribe(self, topic_name, topic_publish, peer_publish):
-        self.yet = True
-
-
 def main():
     rospy.init_node("nav")
-    connected = Connected()
-    publisher = rospy.Publisher(
-        "/cmd_vel", Twist, subscriber_listener=connected, queue_size=100, tcp_nodelay=True
-    )
-    look = rospy.Rate(200)
-    while not connected.yet and not rospy.is_shutdown():
+    publisher = rospy.Publisher("/cmd_vel", Twist, queue_size=100, tcp_nodelay=True)
+    look = rospy.Rate(200)  # a listener of the publisher may come after its first subscriber
+    while not publisher.get_num_connections() and not rospy.is_shutdown():
         look.sleep()
     rate, message, count = rospy.Rate(10), Twist(), 0
     message.angular.z = 0.5

@@ -2,68 +2,23 @@ import hashlib
 import hmac
 import json
 import ssl
-from contextlib import contextmanager
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from queue import Queue
-from threading import Thread
 
 import pytest
 from harness import wait_for
 from sqlalchemy import text
+from webhook_receiver import run_receiver
 
 from rtron.errors import InputError, SourceError
 from rtron.service.alerts import worker
 from rtron.service.alerts.dispatcher import DuplicateFilter
 from rtron.service.alerts.webhook_call import signature
 from rtron.service.alerts.webhook_url import parse_webhook_url, resolve_address
+from rtron.service.domain.rollouts.alerts import rollout_message
+from rtron.service.domain.schemas import EventView
 
 HOOKS = "/api/v1/webhooks"
 MINUTE = 60_000_000_000
 EVENT = {"id": 1, "robot": "car1", "kind": "alarm", "level": "error", "node": "", "topic": "/scan"}
-
-
-class WebhookReceiver:
-    """A web server that keeps what it gets, and answers what the test says."""
-
-    def __init__(self):
-        self.calls = Queue()
-        self.answers = []
-        receiver = self
-
-        class Handler(BaseHTTPRequestHandler):
-            def do_POST(self):
-                body = self.rfile.read(int(self.headers["Content-Length"]))
-                receiver.calls.put((self.path, dict(self.headers), body))
-                status = receiver.answers.pop(0) if receiver.answers else 204
-                self.send_response(status)
-                if status == 302:
-                    self.send_header("Location", f"http://127.0.0.1:{receiver.port}/elsewhere")
-                self.send_header("Content-Length", "0")
-                self.end_headers()
-
-            def log_message(self, *_):
-                pass
-
-        self.server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-        self.port = self.server.server_address[1]
-
-    def call(self):
-        return self.calls.get(timeout=60)
-
-
-@contextmanager
-def run_receiver(tls=None):
-    receiver = WebhookReceiver()
-    if tls:
-        receiver.server.socket = tls.wrap_socket(receiver.server.socket, server_side=True)
-    thread = Thread(target=receiver.server.serve_forever, args=(0.01,))
-    thread.start()
-    try:
-        yield receiver
-    finally:
-        receiver.server.shutdown()
-        thread.join()
-        receiver.server.server_close()
 
 
 @pytest.fixture
@@ -116,6 +71,33 @@ def test_an_alert_is_posted_and_signed(clock, hook, tell, receiver):
     signed = hmac.new(secret.encode(), f"{seconds}.".encode() + body, hashlib.sha256).hexdigest()
     assert headers["X-RTron-Signature"] == f"sha256={signed}"
     assert signature(secret + "x", int(seconds), body) != f"sha256={signed}"
+
+
+def test_a_rollout_that_goes_back_is_an_alert(app, clock, hook, tell, receiver):
+    hook("error")
+    broadcast = app.state.service.hub.broadcast
+    for message in (rollout_message(7), rollout_message(7, "why"), rollout_message(8, "why")):
+        broadcast(message)
+    events = [json.loads(receiver.call()[2])["event"] for _ in range(2)]
+    assert [each["node"] for each in events] == ["rollout/7", "rollout/8"]
+    assert events[0] == {
+        "id": 0,
+        "robot": "",
+        "at": clock.now,
+        "kind": "rollout",
+        "level": "error",
+        "node": "rollout/7",
+        "topic": "",
+        "flow": "",
+        "publisher": "",
+        "policy": "",
+        "decision": "",
+        "reason": "why",
+        "revision": 0,
+        "values": {},
+    }
+    assert events[0].keys() == EventView.model_fields.keys()
+    assert receiver.calls.empty()
 
 
 def test_only_what_is_bad_enough_is_sent(hook, tell, receiver):
@@ -212,6 +194,20 @@ def test_after_its_removal_a_webhook_is_silent(hook, tell, receiver, client, adm
     assert receiver.call()[0] == "/second"
 
 
+def test_a_webhook_in_place_of_another_gets_the_alerts_and_the_other_none(
+    hook, tell, receiver, client, admin, clock
+):
+    made = hook()
+    tell()
+    receiver.call()
+    client.delete(f"{HOOKS}/{made['id']}", headers=admin)
+    hook(path="/second")
+    clock.sleep(1)
+    tell(id=2, topic="/b")
+    assert receiver.call()[0] == "/second"
+    assert receiver.calls.empty()
+
+
 def test_tls_is_checked_under_the_hosts_name(monkeypatch, tell, client, admin, certificate):
     """The address was looked up before; the certificate is for the name, and is not trusted."""
     monkeypatch.setattr(worker, "RETRY_DELAYS_S", ())
@@ -231,7 +227,21 @@ def test_tls_is_checked_under_the_hosts_name(monkeypatch, tell, client, admin, c
         "http://169.254.169.254/latest/meta-data",
         "http://[fe80::1]/",
         "http://[fd00:ec2::254]/",
+        "http://[fd00:ec2::23]/",
+        "http://[fd20:ce::254]/",
         "http://[::ffff:169.254.169.254]/",
+        "http://[::169.254.169.254]/",
+        "http://[64:ff9b::a9fe:a9fe]/",
+        "http://[64:ff9b:1::a9fe:a9fe]/",
+        "http://[64:ff9b:1:a9fe:a9:fe00:0:1]/",
+        "http://[64:ff9b:1:ffa9:fe:a9fe:0:1]/",
+        "http://[64:ff9b:1:ffff:a9:fea9:fe00:1]/",
+        "http://[::ffff:0:a9fe:a9fe]/",
+        "http://[2001:db8::5efe:a9fe:a9fe]/",
+        "http://[2001:db8::200:5efe:a9fe:a9fe]/",
+        "http://[2002:a9fe:a9fe::1]/",
+        "http://[2001:0:a9fe:a9fe::1]/",
+        "http://[2001:0:7f00:1::5601:5601]/",
         "http://100.100.100.200/",
         "http://0.0.0.0/",
         "http://[::]/",

@@ -1,17 +1,17 @@
 """A served collector, and guards that talk to it over real WebSockets."""
 
-import socket
 import time
 from contextlib import asynccontextmanager, contextmanager
-from threading import Thread
 
-import uvicorn
 from fastapi import FastAPI
+from server_thread import LIMIT_S, serve_app
+from service_app import SIGNER
 from websockets.sync.client import connect
 
 from rtron.service.collector.data_collector import ConnectionTimeouts, DataCollector
 from rtron.service.collector.websocket_endpoint import router
 from rtron.service.config import ServiceConfig
+from rtron.service.domain.clock import SteadyClock
 from rtron.service.live.hub import Hub
 from rtron.service.server.http import uvicorn_options as serving
 from rtron.service.store.retention import RetentionLimits
@@ -25,7 +25,6 @@ from rtron.wire.common.link_protocol import (
     encode_from_guard,
 )
 
-LIMIT_S = 60
 TOKENS = {"secret-one": "one", "secret-two": "two"}
 
 
@@ -64,10 +63,13 @@ class CollectorServer:
     def __init__(self, database, **patience):
         self.hub, self.controller, self.tokens = Hub(), FakeController(), dict(TOKENS)
         self.collector = DataCollector(
+            signer=SIGNER,
+            steady_clock=SteadyClock(time.time_ns, time.monotonic_ns),
             database=database,
             hub=self.hub,
             handshake=self.controller,
             authenticate=self.tokens.get,
+            find_valid_tokens=lambda tokens: self.tokens.keys() & tokens,
             clock=time.time_ns,
             retention=RetentionLimits(),
             timeouts=ConnectionTimeouts(**patience),
@@ -81,19 +83,8 @@ class CollectorServer:
         app = FastAPI(lifespan=self._running)
         app.include_router(router)
         app.state.collector = self.collector
-        listening = socket.create_server(("127.0.0.1", 0))
-        self.port = listening.getsockname()[1]
-        options = {**serving(ServiceConfig()), "host": "127.0.0.1", "port": self.port}
-        server = uvicorn.Server(uvicorn.Config(app, **options))
-        thread = Thread(target=server.run, kwargs={"sockets": [listening]})
-        thread.start()
-        wait_until(lambda: server.started)
-        try:
+        with serve_app(app, {**serving(ServiceConfig()), "host": "127.0.0.1"}) as self.port:
             yield self
-        finally:
-            server.should_exit = True
-            thread.join(LIMIT_S)
-            assert not thread.is_alive()
 
     @asynccontextmanager
     async def _running(self, app):

@@ -14,9 +14,9 @@ def world(database):
 
 
 @pytest.fixture
-def short_timeouts(tmp_path):
+def short_timeouts(database_file):
     """Serve a collector that waits for nobody."""
-    database = Database(tmp_path / "rtron.db")
+    database = Database(database_file)
     with CollectorServer(
         database, hello=0.2, silence=0.4, sending=0.3, token=0.1
     ).serving() as served:
@@ -25,9 +25,9 @@ def short_timeouts(tmp_path):
 
 
 @pytest.fixture
-def small(tmp_path):
+def small(database_file):
     """Serve a collector on SQLite."""
-    database = Database(tmp_path / "rtron.db")
+    database = Database(database_file)
     with CollectorServer(database).serving() as served:
         yield served
     database.close()

@@ -1,5 +1,4 @@
 import asyncio
-import json
 import time
 from contextlib import suppress
 from dataclasses import replace
@@ -25,21 +24,33 @@ from rtron.errors import InputError, SourceError
 from rtron.service.collector.close_codes import CloseCode
 from rtron.service.collector.state_throttle import MAX_STATE_BYTES
 from rtron.service.controller.risk_controller import RiskController
+from rtron.service.domain.clock import SteadyClock
 from rtron.service.domain.principal import Principal
 from rtron.service.domain.roles import UserRole
 from rtron.service.live.hub import Hub
 from rtron.service.store.database import Database
 from rtron.service.store.event_pages import EventFilter, event_page
-from rtron.vocabulary import EventKind, GuardEvent, GuardEventLevel, GuardState, Settings
+from rtron.vocabulary import (
+    EventKind,
+    GuardEvent,
+    GuardEventLevel,
+    GuardState,
+    Mode,
+    Settings,
+    StreamState,
+)
 from rtron.wire.common.link_protocol import (
     MAX_EVENTS,
     MAX_MESSAGE_BYTES,
     Applied,
     Events,
+    EventsRefused,
+    StateDelta,
     StateReport,
     Stored,
     encode_from_guard,
 )
+from rtron.wire.common.state_deltas import state_delta
 
 
 def event(number=1, **values):
@@ -199,7 +210,9 @@ def test_a_state_is_bounded(small, more):
 def test_a_guard_gets_its_settings_though_nothing_can_be_written(tmp_path):
     """A stop that could not be stored reaches also a guard that connects again."""
     database, hub = Database(tmp_path / "rtron.db"), Hub()
-    controller = RiskController(database, hub, time.time_ns)
+    controller = RiskController(
+        database, hub, time.time_ns, SteadyClock(time.time_ns, time.monotonic_ns)
+    )
     world = CollectorServer(database)
     world.hub, world.controller = hub, controller
     world.collector = replace(world.collector, hub=hub, handshake=controller)
@@ -236,7 +249,7 @@ def test_a_token_that_cannot_be_looked_up_ends_nothing(short_timeouts):
         raise OperationalError("", None, Exception())
 
     with short_timeouts.guard() as socket:
-        object.__setattr__(short_timeouts.collector, "authenticate", away)
+        object.__setattr__(short_timeouts.collector.token_watch, "_find_valid", away)
         assert looked.wait(LIMIT_S)
         assert send_events(socket, events(1, 1)) == ("run", 1)
 
@@ -350,6 +363,42 @@ def test_a_failure_of_the_controller_ends_that_connection_only(small, caplog):
         assert send_events(socket, events(1, 1)) == ("run", 1)
 
 
+def test_a_state_goes_on_with_what_differs(small):
+    with small.guard() as socket:
+        before = GuardState(at=5, revision=3, streams=(_stream("/a", ""), _stream("/b", "")))
+        after = replace(before, at=6, streams=(_stream("/a", ""), _stream("/b", "flow1")))
+        send_message(socket, StateReport(state=before))
+        send_message(socket, state_delta(before, after))
+        wait_until(lambda: small.hub.state("one") == after)
+
+
+@pytest.mark.parametrize("is_first", [True, False])
+def test_a_delta_that_does_not_fit_ends_the_connection(small, is_first):
+    with small.guard() as socket:
+        if not is_first:
+            send_message(socket, StateReport(state=GuardState(at=5, revision=3)))
+        streams = (_stream("/unknown", ""),)
+        send_message(socket, StateDelta(state=GuardState(at=6, revision=3, streams=streams)))
+        assert closed(socket) == CloseCode.MALFORMED
+
+
+def test_deltas_cannot_swell_a_state(small):
+    topics = [f"/{number}" for number in range(20)]
+    with small.guard() as socket:
+        before = GuardState(at=5, revision=3, streams=tuple(_stream(topic, "") for topic in topics))
+        send_message(socket, StateReport(state=before))
+        for topic in topics:
+            streams = (_stream(topic, "x" * (MAX_STATE_BYTES // 4)),)
+            message = StateDelta(state=GuardState(at=6, revision=3, streams=streams))
+            with suppress(ConnectionClosed):
+                send_message(socket, message)
+        assert closed(socket) == CloseCode.TOO_BIG
+
+
+def _stream(topic, owner):
+    return StreamState(topic=topic, nodes=(), mode=Mode.ENFORCE, owner=owner)
+
+
 def test_who_says_nothing_is_dropped(short_timeouts):
     with short_timeouts.connect() as socket:
         assert closed(socket) == CloseCode.TOO_SLOW
@@ -401,6 +450,21 @@ def test_what_is_not_committed_is_not_acknowledged(world):
     assert stored(world) == [1, 2, 3, 4, 5]
 
 
+def test_a_guard_that_takes_refusals_stays_connected(world):
+    with world.guard(takes_refusals=True) as socket:
+        with world.collector.database.session() as session:
+            session.execute(text("ALTER TABLE events RENAME TO gone"))
+        send_message(socket, Events(events=tuple(events(1, 5))))
+        assert receive_message(socket) == EventsRefused()
+        with world.collector.database.session() as session:
+            session.execute(text("ALTER TABLE gone RENAME TO events"))
+        send_message(socket, Events(events=tuple(events(6, 9))))
+        world.hub.push("one", Settings(revision=7))
+        assert receive_message(socket).settings.revision == 7
+        assert send_events(socket, events(1, 9)) == ("run", 9)
+    assert stored(world) == list(range(1, 10))
+
+
 def test_what_was_lost_is_counted_over_restarts(tmp_path):
     database = Database(tmp_path / "rtron.db")
     lost = event(1, kind=EventKind.LOST, values={"events": 12})
@@ -422,7 +486,7 @@ def test_who_listens_hears_what_is_live(small):
         with small.hub.listen() as listener:
             ready.set()
             async for live in listener:
-                heard.append(json.loads(json.dumps(live)))
+                heard.append(live)
                 if live["type"] == "connection" and not live["connected"]:
                     return
 
@@ -437,7 +501,7 @@ def test_who_listens_hears_what_is_live(small):
     thread.join(LIMIT_S)
     assert [live["type"] for live in heard] == ["connection", "event", "state", "connection"]
     assert heard[1]["event"]["reason"] == "once"
-    assert heard[2]["state"]["revision"] == 3
+    assert heard[2]["state"].revision == 3
 
 
 def test_of_very_many_the_gravest_are_told(small):

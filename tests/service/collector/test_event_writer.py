@@ -1,6 +1,8 @@
 import asyncio
 from threading import Event
 
+from sqlalchemy.exc import OperationalError
+
 from rtron.service.collector.event_writer import (
     MAX_QUEUED_BYTES,
     MAX_TRANSACTION_EVENTS,
@@ -111,3 +113,54 @@ def test_one_bad_batch_does_not_harm_the_others():
         return answers
 
     assert run(work()) == {"a": True, "b": False, "c": True}
+
+
+def test_what_comes_a_moment_later_shares_the_next_transaction():
+    async def work():
+        groups, stored = [], []
+
+        def store(batches):
+            groups.append(len(batches))
+            return ()
+
+        taken = EventWriter(store, lambda added, events: None)
+        running = asyncio.create_task(taken.run())
+        loop, now = asyncio.get_running_loop(), asyncio.get_running_loop().time()
+        loop.time = lambda: now  # a moment has not passed, however busy the machine is
+        for index in range(3):
+            done = asyncio.Event()
+            stored.append(done)
+            await taken.put(QueuedBatch(BATCH, 1, lambda _stored, done=done: done.set()))
+            if index == 0:
+                await done.wait()
+            for _ in range(100):  # turns of the loop, in which a writer that does not wait stores
+                await asyncio.sleep(0)
+        del loop.time
+        await asyncio.gather(*(each.wait() for each in stored))
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+        return groups
+
+    assert run(work()) == [1, 2]
+
+
+def test_if_the_database_is_the_reason_nothing_is_tried_again():
+    async def work():
+        calls, answers, done = [], [], asyncio.Event()
+
+        def store(batches):
+            calls.append(len(batches))
+            raise OperationalError("INSERT", {}, Exception("database or disk is full"))
+
+        def answer(is_stored):
+            answers.append(is_stored)
+            if len(answers) == 3:
+                done.set()
+
+        taken = EventWriter(store, lambda added, events: None)
+        for _ in range(3):
+            await taken.put(QueuedBatch(BATCH, 1, answer))
+        await served(taken, done.wait())
+        return calls, answers
+
+    assert run(work()) == ([3], [False] * 3)

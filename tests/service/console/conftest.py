@@ -2,16 +2,20 @@
 
 import os
 import shutil
+import time
+from pathlib import Path
 
 import httpx
 import pytest
+from console_fleet import NAMES, Fleet, store_robots
 from console_guard import SimulatedGuard
 from console_robot import FIXTURE, plan
 from harness import wait_for
-from service_app import PASSWORD, AccountFactory, serve_in_thread
+from service_app import PASSWORD, TLS, AccountFactory, serve_in_thread
 
 from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
+from rtron.service.store.database import Database
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 ARGUMENTS = (
@@ -54,18 +58,29 @@ class Console:
     def call(self, method, path, name="ada", **more):
         """Call the API in the name of somebody."""
         url = f"{self.base}/api/v1{path}"
-        return httpx.request(
-            method, url, headers=self.people.session_headers(name), timeout=60, **more
-        )
+        headers = self.people.session_headers(name)
+        return httpx.request(method, url, headers=headers, timeout=60, verify=TLS, **more)
 
     def close(self):
         for guard in self.guards:
             guard.close()
 
 
+@pytest.fixture(scope="session")
+def fleet_file(migrated_file, tmp_path_factory):
+    """Make a database file with 1,000 robots for tests to copy: each takes milliseconds."""
+    path = Path(shutil.copy(migrated_file, tmp_path_factory.mktemp("fleet")))
+    database = Database(path)
+    store_robots(database, NAMES, time.time_ns())
+    database.close()
+    return path
+
+
 @pytest.fixture
-def console(tmp_path):
-    app = create_app(ServiceConfig(database=tmp_path / "rtron.db"))
+def console(request, database_file):
+    if "silent_fleet" in request.fixturenames:
+        shutil.copy(request.getfixturevalue("fleet_file"), database_file)
+    app = create_app(ServiceConfig(database=database_file))
     with serve_in_thread(app) as port:
         made = Console(app, port)
         yield made
@@ -78,6 +93,19 @@ def guard(console):
     return console.guard()
 
 
+@pytest.fixture
+def silent_fleet(console):
+    """A fleet of 1,000 robots, each of which has told its state once."""
+    return Fleet(console.app.state.service)
+
+
+@pytest.fixture
+def fleet(silent_fleet):
+    """A fleet of 1,000 robots that tell their states each second."""
+    with silent_fleet.speaking():
+        yield silent_fleet
+
+
 @pytest.fixture(scope="session")
 def chromium():
     if not (CHROMIUM and DRIVER):
@@ -85,7 +113,7 @@ def chromium():
     webdriver = pytest.importorskip("selenium.webdriver", reason="needs Selenium")
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     for argument in (*ARGUMENTS, *(["--no-sandbox"] if os.geteuid() == 0 else [])):
         options.add_argument(argument)
     browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
@@ -99,7 +127,7 @@ def page(console, chromium):
     from console_page import Page  # noqa: PLC0415 - needs selenium
 
     chromium.get_log("browser")
-    chromium.delete_all_cookies()
+    chromium.execute_cdp_cmd("Network.clearBrowserCookies", {})
     opened = Page(chromium, console.base, PASSWORD)
     yield opened
     chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

@@ -1,5 +1,7 @@
 """The console as a person uses it: looks for words and presses what has a name."""
 
+import json
+
 from selenium.common.exceptions import (
     ElementClickInterceptedException,
     ElementNotInteractableException,
@@ -97,6 +99,11 @@ class Page:
         field = self.control(label)
         field.find_element(By.CSS_SELECTOR, f'option[value="{value}"]').click()
 
+    def choose_field(self, label, value):
+        """Choose in the field with these words above it."""
+        path = f"//label[span='{label}']//option[@value='{value}']"
+        self.until(lambda: self.browser.find_element(By.XPATH, path).click() or True, label)
+
     def reason(self, text):
         self._type("#dialog-reason", text)
 
@@ -110,6 +117,16 @@ class Page:
             return True
 
         self.until(act, selector)
+
+    def websocket_frames(self):
+        """Return the texts that came over WebSockets since the last call."""
+        logged = [json.loads(line["message"]) for line in self.browser.get_log("performance")]
+        messages = [each["message"] for each in logged]
+        return [
+            each["params"]["response"]["payloadData"]
+            for each in messages
+            if each["method"] == "Network.webSocketFrameReceived"
+        ]
 
     def rows(self, selector="tbody tr"):
         return [row.text for row in self.all(selector)]

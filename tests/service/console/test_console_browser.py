@@ -79,6 +79,31 @@ def test_the_policy_is_changed_after_one_has_seen_what_it_will_do(guard, page):
     assert guard.settings[-1].nodes["grcn_cmd_vel"].policy.value == "Block"
 
 
+HELD_ANSWER = """
+const send = window.fetch;
+const gate = new Promise((resolve) => { window.letGo = resolve; });
+window.fetch = async (url, options) => {
+  const answer = await send(url, options);
+  if (options?.method === "PATCH") await gate;
+  return answer;
+};
+"""
+
+
+def test_a_guard_that_answers_before_the_service_does_is_not_pending_again(guard, page):
+    page.login("dev", "robots/turtle1/nodes/grcn_cmd_vel")
+    page.browser.execute_script(HELD_ANSWER)
+    page.type_value("priority of flow1", 9)
+    page.press("Review and put in force …")
+    page.reason("it comes first")
+    page.press("Put in force", "dialog")
+    page.wait_for_text("revision 1")
+    page.wait_for_text("applied", ".head")
+    page.browser.execute_script("window.letGo()")
+    page.until(lambda: not page.all("dialog"))
+    assert "applied" in page.text(".head")
+
+
 def test_pending_becomes_refused_with_the_guards_words(guard, page):
     page.login("dev", "robots/turtle1/nodes/grcn_cmd_vel")
     page.type_value("priority of flow1", 9)
@@ -233,6 +258,7 @@ def test_an_override_counts_down_and_can_be_ended(guard, page):
     page.wait_for_text("dev: to the workshop")
     assert guard.settings[-1].overrides["rsrcn"].reason == "to the workshop"
     page.press("End it now")
+    page.reason("it is docked")
     page.press("End it now", "dialog")
     page.until(lambda: not guard.settings[-1].overrides)
     page.wait_for_text("What this node forbids passes for that time")
@@ -280,6 +306,26 @@ def test_the_graph_is_filtered_by_kind_and_domain(console, guard, page):
     page.choose("Kind of risk", "")
     page.choose("Domain", "Control")
     page.until(lambda: 0 < len(page.all(".picture .box")) < everything)
+
+
+@pytest.mark.parametrize(("width", "height"), [(1300, 900), (390, 844)])
+def test_the_graph_opens_readable(console, guard, page, width, height):
+    """The size on the screen of the words in it, which are 12 px high at full size."""
+    console.upload()
+    size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+    page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.login("ada", "robots/turtle1/graph")
+    page.until(lambda: "scale(1)" in page.find(".world").get_attribute("transform"))
+    assert "/cmd_vel" in page.browser.execute_script("""
+        const seen = document.querySelector(".picture").getBoundingClientRect();
+        return [...document.querySelectorAll(".picture text")].filter((text) => {
+            const at = text.getBoundingClientRect();
+            const isInWidth = at.left >= seen.left && at.right <= seen.right;
+            return isInWidth && at.top >= seen.top && at.bottom <= seen.bottom;
+        }).map((text) => text.textContent);
+    """)
+    page.press("All")
+    page.until(lambda: "scale(1)" not in page.find(".world").get_attribute("transform"))
 
 
 @pytest.mark.long

@@ -5,9 +5,9 @@ from rtron.service.store.database import Database
 
 
 @pytest.fixture
-def world(tmp_path):
+def world(database_file):
     """A controller that has met no robot yet."""
-    made = ControllerSetup(Database(tmp_path / "rtron.db"))
+    made = ControllerSetup(Database(database_file))
     yield made
     made.database.close()
 

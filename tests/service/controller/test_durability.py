@@ -1,14 +1,17 @@
 """What was answered outlives a power cut: SQLite has waited for the disk."""
 
+import time
 from contextlib import contextmanager
+from threading import Thread
 
 import pytest
-from controller_setup import DEVELOPER, ControllerSetup, hello, plan
+from controller_setup import DEVELOPER, ControllerSetup, hello, plan, plan_with
 
 from rtron.service.domain.schemas import SettingsChange
 from rtron.service.store.database import Database
 
 _NORMAL, _FULL = 1, 2
+_LIMIT_S = 120
 
 
 def synchronous(session):
@@ -38,11 +41,11 @@ def test_after_a_durable_one_that_failed_nothing_waits(database):
 
 
 class Watched(Database):
-    """Notes how each transaction was committed."""
+    """Notes how each transaction that writes was committed."""
 
     @contextmanager
-    def session(self):
-        with super().session() as session:
+    def write_session(self, **options):
+        with super().write_session(**options) as session:
             yield session
             self.__dict__.setdefault("seen", []).append(synchronous(session))
 
@@ -50,8 +53,37 @@ class Watched(Database):
 def test_settings_are_stored_durably(tmp_path):
     world = ControllerSetup(Watched(tmp_path / "rtron.db"))
     world.controller.handle_hello("r2", hello(plan()))
-    change = SettingsChange(revision=0, nodes={"drive": {"policy": "Block"}})
+    change = SettingsChange(revision=0, nodes={"drive": {"policy": "Block"}}, reason="why")
     world.controller.change(DEVELOPER, "r2", change)
     world.controller.start_emergency_stop(DEVELOPER, "r2", "fire")
     assert world.database.seen == [_FULL] * 3
     world.database.close()
+
+
+def test_a_hello_that_says_nothing_new_does_not_wait_for_the_disk(tmp_path):
+    world = ControllerSetup(Watched(tmp_path / "rtron.db"))
+    for _ in range(2):
+        world.controller.handle_hello("r2", hello(plan()))
+    world.controller.handle_hello("r2", hello(plan_with("small", "other"), app="other"))
+    assert world.database.seen == [_FULL, _NORMAL, _FULL]
+    world.database.close()
+
+
+def test_an_urgent_transaction_goes_before_those_that_wait(database):
+    order, waiting = [], []
+
+    def write(name, *, urgent):
+        with database.write_session(urgent=urgent):
+            order.append(name)
+
+    with database.write_session():
+        for name, urgent in (("events", False), ("stop", True), ("hello", False)):
+            waiting.append(Thread(target=write, args=(name,), kwargs={"urgent": urgent}))
+            waiting[-1].start()
+        deadline = time.monotonic() + _LIMIT_S
+        while len(database._writer._changed._waiters) < len(waiting):
+            assert time.monotonic() < deadline, "they do not wait"
+    for thread in waiting:
+        thread.join(_LIMIT_S)
+    assert order[0] == "stop"
+    assert sorted(order) == ["events", "hello", "stop"]

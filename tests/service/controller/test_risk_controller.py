@@ -18,6 +18,7 @@ from controller_setup import (
     plan,
     plan_with,
 )
+from pydantic import ValidationError
 from sqlalchemy import select
 from sqlalchemy.exc import OperationalError
 
@@ -26,11 +27,13 @@ from rtron.service.controller.robot_snapshot import load_snapshot
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
 from rtron.service.domain.revisions import StaleRevisionError
 from rtron.service.domain.schemas import (
+    OverrideEnd,
     OverrideRequest,
     ReleaseRequest,
     SettingsChange,
     SettingsOutcome,
 )
+from rtron.service.store.chain_check import check_database
 from rtron.service.store.database import Database
 from rtron.service.store.robots import coordination_nodes
 from rtron.service.store.settings import list_settings, settings_view
@@ -136,7 +139,9 @@ def test_a_change_is_stored_sent_and_told(controller_on_each_database):
     assert controller_on_each_database.guards.messages[-1]["view"] == view.model_dump(mode="json")
     assert newest(controller_on_each_database) == view
     assert nodes(controller_on_each_database)[0].policy_settings["policy"] == "Block"
-    assert audit(controller_on_each_database)[-1].detail == {
+    detail = dict(audit(controller_on_each_database)[-1].detail)
+    assert detail.pop("settings")["revision"] == 1
+    assert detail == {
         "revision": 0,
         "nodes": '{"drive": {"policy": "Block"}}',
         "reason": "why",
@@ -468,6 +473,10 @@ def test_an_override_that_is_over_does_not_go_out(met):
         hello(replace(plan(), grcn=(plan().grcn[0],) * 2)),
         hello(replace(plan(), grcn=(replace(plan().grcn[0], id="a" * 201),))),
         hello(plan(), app="a" * 201),
+        hello(plan(), app="a\0"),
+        replace(hello(plan()), run="r" * 41),
+        replace(hello(plan()), run=""),
+        replace(hello(plan()), run="\0"),
         hello(plan(), revision=-1),
         hello(plan(), revision=1 << 50),
     ],
@@ -477,6 +486,14 @@ def test_a_hello_that_no_guard_says_is_refused(world, odd):
         world.controller.handle_hello("r2", odd)
     with pytest.raises(NotFoundError):
         newest(world)
+
+
+def test_the_guard_of_a_robot_with_the_longest_name_is_met(database):
+    world, robot = ControllerSetup(database), "r" * 100
+    world.controller.handle_hello(robot, hello(plan()))
+    with database.session() as session:
+        assert set(session.scalars(select(AuditRow.who))) == {f"guard:{robot}"[:100]}
+        assert check_database(session, {}, ()).is_whole
 
 
 def test_the_apps_of_a_robot_are_counted(world):
@@ -501,7 +518,7 @@ def test_both_may_override_for_a_while(met, who, node):
     assert view.settings.overrides == {
         node: TimedOverride(by=who.name, reason="docking", until=until)
     }
-    assert met.controller.end_override(who, "r2", node).settings.overrides == {}
+    assert met.controller.end_override(who, "r2", node, "docked").settings.overrides == {}
     assert [settings.revision for _, settings in met.guards.pushed] == [1, 2]
 
 
@@ -521,13 +538,13 @@ def test_nobody_else_and_nothing_else(met, who, node, error):
     with pytest.raises(error):
         met.controller.start_override(who, "r2", node, request)
     with pytest.raises(error):
-        met.controller.end_override(who, "r2", node)
+        met.controller.end_override(who, "r2", node, "docked")
     assert met.guards.pushed == []
 
 
 def test_what_is_not_overridden_has_no_end(met):
     with pytest.raises(NotFoundError, match="speed is not overridden"):
-        met.controller.end_override(DEVELOPER, "r2", "speed")
+        met.controller.end_override(DEVELOPER, "r2", "speed", "docked")
 
 
 # The emergency stop.
@@ -591,6 +608,47 @@ def test_the_end_needs_a_reason(met, reason):
     with pytest.raises(InputError, match="needs a reason"):
         release(met, DEVELOPER, reason=reason)
     assert newest(met).settings.stop
+
+
+UNSEEN = ["\u200b" * 5, "\x01\x02\x03\x04", "\u00ad\u202e \u200b"]
+
+
+@pytest.mark.parametrize("reason", ["", "ok", *UNSEEN])
+def test_a_change_and_the_end_of_an_override_need_a_reason(met, reason):
+    met.controller.start_override(
+        END_USER, "r2", "speed", OverrideRequest(duration=9, reason="dock")
+    )
+    for deed in (
+        lambda: met.controller.change(DEVELOPER, "r2", change(1, reason=reason)),
+        lambda: met.controller.end_override(
+            END_USER, "r2", "speed", OverrideEnd(reason=reason).reason
+        ),
+    ):
+        with pytest.raises(InputError, match="needs a reason"):
+            deed()
+    assert (newest(met).revision, list(newest(met).settings.overrides)) == (1, ["speed"])
+    refused = [(row.action, row.outcome) for row in audit(met)[-2:]]
+    assert refused == [
+        ("settings", "refused: a change of settings needs a reason"),
+        ("override.end", "refused: the end of an override needs a reason"),
+    ]
+
+
+@pytest.mark.parametrize("reason", UNSEEN)
+def test_what_nobody_can_see_is_no_reason(met, reason):
+    met.controller.start_emergency_stop(DEVELOPER, "r2", "")
+    with pytest.raises(InputError, match="needs a reason"):
+        release(met, DEVELOPER, reason=reason)
+    with pytest.raises(ValidationError, match="say why"):
+        OverrideRequest(duration=1, reason=reason)
+    assert newest(met).settings.stop
+
+
+def test_a_change_without_a_right_is_refused_where_it_changes_nothing(met):
+    before = newest(met).revision
+    with pytest.raises(ForbiddenError, match="may not"):
+        met.controller.change(ADMIN, "r2", change(before, {"drive": {"policy": None}}))
+    assert newest(met).revision == before
 
 
 def test_nothing_to_release(met):
@@ -881,3 +939,28 @@ def test_flows_settings_are_told_in_the_risk_model(met):
     view = met.controller.change(DEVELOPER, "r2", change(0, flows))
     assert view.settings.nodes["drive"].flows == {"flow1": FlowSettings(block=True)}
     assert nodes(met)[0].policy_settings["flows"][0]["block"] is True
+
+
+WHOLE = [
+    ("drive", {"flows": {"flow1": None}}, DEVELOPER, END_USER),
+    ("drive", {"flows": None}, DEVELOPER, END_USER),
+    ("speed", {"flows": {"vflow1": None}}, DEVELOPER, END_USER),
+    ("mission", {"flows": {"aflow1": None}}, END_USER, DEVELOPER),
+    ("mission", {"rules": {"watched": None}}, END_USER, DEVELOPER),
+    ("mission", {"rules": None}, END_USER, DEVELOPER),
+]
+
+
+@pytest.mark.parametrize(("node", "patch", "who_may", "who_may_not"), WHOLE)
+def test_null_for_a_whole_flow_or_rule_takes_a_right_where_nothing_is_set_too(
+    met, node, patch, who_may, who_may_not
+):
+    with pytest.raises(ForbiddenError):
+        met.controller.change(who_may_not, "r2", change(0, {node: patch}))
+    assert met.controller.change(who_may, "r2", change(0, {node: patch})).revision == 0
+
+
+def test_null_for_the_rules_of_a_node_that_has_none_is_nobodys(met):
+    for who in (DEVELOPER_AND_END_USER, ADMIN):
+        with pytest.raises(ForbiddenError):
+            met.controller.change(who, "r2", change(0, {"drive": {"rules": None}}))

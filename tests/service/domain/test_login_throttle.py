@@ -115,6 +115,42 @@ def test_two_networks_are_two(address, other):
     assert network_prefix(address) != network_prefix(other)
 
 
+def test_what_others_guess_behind_the_same_address_delays_no_known_browser():
+    throttle = LoginThrottle()
+    throttle.add_known("mary", "10.0.0.1")
+    fail(throttle, "mary", "10.0.0.1", 0, 20)
+    assert throttle.begin_attempt("mary", "10.0.0.1", 0) > 0
+    assert throttle.begin_attempt("mary", "10.0.0.1", 0, browser="b") == 0
+    assert throttle.rank("mary", "10.0.0.1", browser="b") == 0
+
+
+def test_a_known_browser_has_as_many_guesses_as_an_address():
+    throttle = LoginThrottle()
+    waits = [throttle.begin_attempt("mary", f"10.0.0.{n}", 0, browser="b") for n in range(50)]
+    assert waits.count(0) == ADDRESS_BACKOFF.free_failures
+
+
+def test_guesses_of_other_names_delay_nobody_at_a_known_address():
+    throttle = LoginThrottle()
+    throttle.add_known("mary", "10.0.0.1")
+    fail(throttle, "john", "10.0.0.1", 0, 20)
+    assert throttle.begin_attempt("john", "10.0.0.1", 0) > 0
+    assert throttle.begin_attempt("mary", "10.0.0.1", 0) == 0
+
+
+@pytest.mark.parametrize(
+    ("guesser", "elsewhere"),
+    [("2001:db8:1:{:x}::1", "2001:db8:2::1"), ("10.0.0.{}", "10.0.1.1")],
+)
+def test_who_has_a_whole_network_comes_after_the_others(guesser, elsewhere):
+    """Each of its addresses is new, and so many that none is remembered."""
+    throttle = LoginThrottle()
+    for number in range(1, 200):
+        throttle.begin_attempt("mary", guesser.format(number), 0)
+    assert throttle.rank("mary", guesser.format(201)) > 100
+    assert throttle.rank("mary", elsewhere) == 1
+
+
 def test_what_nobody_judged_is_taken_back():
     throttle = LoginThrottle()
     fail(throttle, "mary", "10.0.0.1", 0, ADDRESS_BACKOFF.free_failures - 1)

@@ -21,6 +21,7 @@ def app(ros1, service):
     return LinkedApp(ros1, service)
 
 
+@pytest.mark.long
 def test_who_is_in_control_is_to_be_seen(app):
     app.navigate()
     wait_for(lambda: app.stream().get("owner") == "flow1", what="the owner in the state")

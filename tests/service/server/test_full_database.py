@@ -11,6 +11,16 @@ from rtron.vocabulary import Plan
 from rtron.wire.common.link_protocol import Hello
 
 
+class RecordingLink:
+    """A guard's connection that keeps what is sent."""
+
+    def __init__(self):
+        self.pushed = []
+
+    def push(self, settings):
+        self.pushed.append(settings)
+
+
 @pytest.fixture
 def database(app):
     return app.state.service.database
@@ -46,13 +56,23 @@ def test_a_guard_is_let_in(app, database, people, clock):
 def test_the_stop_is_sent(app, client, database, people, clock):
     headers = people.session_headers("mary", "end_user")
     clock.sleep(100)
-    sent = []
-    app.state.service.hub.push = lambda robot, settings: sent.append((robot, settings.stop.by))
+    link = RecordingLink()
+    app.state.service.hub.register("car1", link, dry_run=False)
     with read_only(database):
         answer = client.post("/api/v1/robots/car1/stop", headers=headers)
     assert answer.status_code == 503
     assert "the stop is sent, but not stored" in answer.json()["error"]
-    assert sent == [("car1", "mary")]
+    assert [settings.stop.by for settings in link.pushed] == ["mary"]
+
+
+@pytest.mark.usefixtures("car1")
+def test_a_stop_for_a_robot_that_is_away_is_not_said_to_be_sent(client, database, people, clock):
+    headers = people.session_headers("mary", "end_user")
+    clock.sleep(100)
+    with read_only(database):
+        answer = client.post("/api/v1/robots/car1/stop", headers=headers)
+    assert answer.status_code == 503
+    assert "the stop waits for the robot, and is not stored" in answer.json()["error"]
 
 
 def test_it_is_ready_while_it_can_write(client, database, admin):

@@ -6,20 +6,22 @@ import socket
 import stat
 import subprocess
 import sys
+import time
 
 import httpx
 import pytest
 from harness import free_port, wait_for
+from service_app import TLS
 from systemd_socket import SystemdSocket
 
 from rtron.cli.main import main
 from rtron.errors import InputError
 from rtron.service.config import ServiceConfig
+from rtron.service.domain.one_time_codes import code_at, step_at
 from rtron.service.server.app import create_app
 from rtron.service.server.instance_lock import hold_instance_lock
 from rtron.service.store.accounts.passwords import verify_password
 from rtron.service.store.accounts.users import get_user
-from rtron.service.store.database import Database
 
 
 @pytest.fixture(autouse=True)
@@ -30,7 +32,7 @@ def state_home(tmp_path, monkeypatch):
 def start_rtron(folder, *arguments):
     command = [sys.executable, "-m", "rtron", *map(str, arguments)]
     return subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, timeout=60, check=False
+        command, cwd=folder, capture_output=True, text=True, timeout=120, check=False
     )
 
 
@@ -61,23 +63,30 @@ class ServeProcess:
             self.process = subprocess.Popen(command, cwd=folder, stderr=said, stdout=said)
 
     def __enter__(self):
-        wait_for(self._is_ready, 60)
+        try:
+            wait_for(self._is_ready)
+        except BaseException:
+            self.end()
+            raise
         return self
 
     def __exit__(self, *_):
+        self.end()
+
+    def end(self):
         self.process.kill()
-        self.process.wait(60)
+        self.process.wait(120)
 
     def _is_ready(self):
         assert self.process.poll() is None, self.said.read_text()
         try:
-            return httpx.get(f"{self.url}/readyz", timeout=5).status_code == 200
+            return httpx.get(f"{self.url}/readyz", timeout=5, verify=TLS).status_code == 200
         except httpx.HTTPError:
             return False
 
     def login(self, password):
         login = {"name": "admin", "password": password}
-        return httpx.post(f"{self.url}/api/v1/login", json=login, timeout=60).status_code
+        return httpx.post(f"{self.url}/api/v1/login", json=login, timeout=120).status_code
 
 
 def test_the_first_start_tells_the_password_once(tmp_path):
@@ -89,7 +98,7 @@ def test_the_first_start_tells_the_password_once(tmp_path):
         assert f"database: {tmp_path / 'rtron' / 'rtron.db'}\n" in said
         assert serving.login(password) == 200
         serving.process.send_signal(signal.SIGTERM)
-        assert serving.process.wait(60) == 0
+        assert serving.process.wait(120) == 0
     assert stat.S_IMODE((tmp_path / "rtron" / "rtron.db").stat().st_mode) == 0o600
     with ServeProcess(tmp_path, "--log-level", "debug") as serving:
         assert serving.login(password) == 200
@@ -98,7 +107,7 @@ def test_the_first_start_tells_the_password_once(tmp_path):
         assert serving.login(password) == 401
         assert serving.login(reset.stdout.strip()) == 200
         serving.process.send_signal(signal.SIGINT)
-        assert serving.process.wait(60) == 0
+        assert serving.process.wait(120) == 0
         said = serving.said.read_text()
         assert password not in said
         assert reset.stdout.strip() not in said
@@ -136,17 +145,16 @@ def test_a_port_that_is_taken_is_told(tmp_path):
         wait_for(lambda: "password" in serving.said.read_text())
 
 
-def test_one_service_at_a_time_on_each_kind_of_database(database):
-    other = Database(database.url.render_as_string(hide_password=False))
+def test_one_service_at_a_time_on_a_file(tmp_path):
+    path = tmp_path / "rtron.db"
     with (
-        hold_instance_lock(database),
+        hold_instance_lock(path),
         pytest.raises(InputError, match="another"),
-        hold_instance_lock(other),
+        hold_instance_lock(path),
     ):
         pass
-    with hold_instance_lock(other):
+    with hold_instance_lock(path):
         pass
-    other.close()
 
 
 @pytest.mark.parametrize(
@@ -191,7 +199,7 @@ def test_without_the_extra_it_says_what_to_install(tmp_path):
     for words in (["serve"], ["user", "password", "admin"], ["token", "revoke", "x"]):
         command = [sys.executable, "-c", code, *words]
         ran = subprocess.run(
-            command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+            command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False
         )
         assert ran.returncode == 2
         assert "the security service needs fastapi" in ran.stderr
@@ -228,6 +236,45 @@ def test_a_guards_token_is_made_before_the_first_start(tmp_path, here):
     assert here("token", "revoke", "car1")[0] == 0
     assert service.collector.authenticate(secret) is None
     service.service.database.close()
+
+
+def test_a_program_renews_the_token_in_its_file(tmp_path, here):
+    with ServeProcess(tmp_path) as serving:
+        assert here("token", "create", "ci", "--scope", "read", "--token-file", "t")[0] == 0
+        first = (tmp_path / "t").read_text()
+        words = ["token", "renew", "--service", serving.url, "--token-file"]
+        assert here(*words, "t") == (0, "ci is renewed\n", "")
+        second = (tmp_path / "t").read_text()
+        assert stat.S_IMODE((tmp_path / "t").stat().st_mode) == 0o600
+        for secret, status in ((first, 401), (second, 200)):
+            headers = {"Authorization": f"Bearer {secret.strip()}"}
+            url = f"{serving.url}/api/v1/robots"
+            assert httpx.get(url, headers=headers, timeout=120).status_code == status
+        (tmp_path / "old").write_text(first)
+        code, _, err = here(*words, "old")
+        assert (code, "unknown, over or revoked" in err) == (2, True)
+
+
+def test_a_second_factor_is_enrolled_and_removed_on_the_database(tmp_path):
+    assert start_rtron(tmp_path, "user", "add", "mary", "--role", "admin").returncode == 0
+    command = [sys.executable, "-m", "rtron", "user", "second-factor", "mary"]
+
+    def run(answer):
+        pipe, is_key = subprocess.PIPE, lambda line: line.startswith("key: ")
+        with subprocess.Popen(
+            command, cwd=tmp_path, stdin=pipe, stdout=pipe, stderr=pipe, text=True
+        ) as process:
+            key = next(filter(is_key, process.stderr), "key: none").split()[1]
+            out, err = process.communicate(answer(key) + "\n", timeout=120)
+        return process.returncode, out, err
+
+    code, out, err = run(lambda _: "not a code")
+    assert (code, out, "the code is wrong" in err) == (2, "", True)
+    code, out, err = run(lambda key: code_at(key, step_at(time.time_ns())))
+    assert (code, len(out.splitlines())) == (0, 11)
+    assert run(lambda _: "")[0] == 2
+    removed = start_rtron(tmp_path, "user", "second-factor", "mary", "--remove")
+    assert (removed.returncode, "password alone" in removed.stdout) == (0, True)
 
 
 def test_a_file_that_is_there_is_not_overwritten_and_no_token_made(tmp_path, here):

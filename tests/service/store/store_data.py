@@ -1,11 +1,35 @@
 """Robots and events for tests of the store."""
 
+from service_app import SIGNER
+
+from rtron.service.store.chain_pruning import ChainCutter
 from rtron.service.store.events import EventBatch, add_events
+from rtron.service.store.partitions.event_partitions import begin_partition
+from rtron.service.store.retention import prune_events
 from rtron.service.store.robots import register_robot
 from rtron.service.store.tables import AppRow, CoordinationNodeRow
 from rtron.vocabulary import Decision, EventKind, GuardEvent
 
 SECOND = 1_000_000_000
+
+
+def prune(database, limits, now, refused=None, signer=SIGNER):
+    """Let the retention delete; yield how many events it has deleted after each transaction.
+
+    `refused` gets what is wrong with the chains that it leaves as they are.
+    """
+    cutter = ChainCutter(signer, lambda: now)
+    yield from prune_events(database, limits, now, cutter)
+    if refused is not None:
+        refused.update(cutter.refused)
+
+
+def age_partitions(database):
+    """Let new events go into another partition on PostgreSQL, and those there may be dropped."""
+    if not database.is_sqlite:
+        with database.own_connection(60) as connection:
+            begin_partition(connection)
+            begin_partition(connection)
 
 
 def new_robot(database, name="robot", nodes=()):

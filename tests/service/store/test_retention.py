@@ -1,15 +1,25 @@
+"""What is forgotten on SQLite; of PostgreSQL tells `test_event_partitions.py`."""
+
 import pytest
 from sqlalchemy import func, select
-from store_data import make_event, new_robot, store_events
+from store_data import make_event, new_robot, prune, store_events
 
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.store.audit import record_event
-from rtron.service.store.retention import BATCH_EVENTS, RetentionLimits, prune_events, used_bytes
+from rtron.service.store.database import Database
+from rtron.service.store.retention import BATCH_EVENTS, RetentionLimits, used_bytes
 from rtron.service.store.tables import AuditRow, EventRow, SettingsRow
 from rtron.vocabulary import EventKind
 
 DAY = 86_400_000_000_000
 MUCH = 1 << 40
+
+
+@pytest.fixture
+def database(tmp_path):
+    made = Database(tmp_path / "rtron.db")
+    yield made
+    made.close()
 
 
 def remaining_events(database):
@@ -24,7 +34,7 @@ def test_what_is_too_old_goes_in_slices(database, count):
     robot = new_robot(database)
     store_events(database, robot, [make_event(n) for n in range(1, count + 1)], now=0)
     store_events(database, robot, [make_event(count + 1)], now=DAY)
-    slices = list(prune_events(database, RetentionLimits(max_days=1, max_bytes=MUCH), 2 * DAY))
+    slices = list(prune(database, RetentionLimits(max_days=1, max_bytes=MUCH), 2 * DAY))
     assert remaining_events(database) == [count + 1]
     assert max(slices) <= BATCH_EVENTS
     assert sum(slices) == count
@@ -33,9 +43,9 @@ def test_what_is_too_old_goes_in_slices(database, count):
 def test_age_is_by_the_clock_of_the_service(database):
     robot = new_robot(database)
     store_events(database, robot, [make_event(1, at=0), make_event(2, at=1 << 62)], now=3 * DAY)
-    list(prune_events(database, RetentionLimits(max_days=1, max_bytes=MUCH), 4 * DAY))
+    list(prune(database, RetentionLimits(max_days=1, max_bytes=MUCH), 4 * DAY))
     assert remaining_events(database) == [1, 2]
-    list(prune_events(database, RetentionLimits(max_days=1, max_bytes=MUCH), 4 * DAY + 1))
+    list(prune(database, RetentionLimits(max_days=1, max_bytes=MUCH), 4 * DAY + 1))
     assert remaining_events(database) == []
 
 
@@ -58,7 +68,7 @@ def size(database):
 def shrink(database, bound):
     """Forget, as the service does again and again, until what is used is within a bound."""
     for _ in range(50):
-        list(prune_events(database, RetentionLimits(max_days=1000, max_bytes=bound), 2))
+        list(prune(database, RetentionLimits(max_days=1000, max_bytes=bound), 2))
         if size(database) <= bound:
             return remaining_events(database)
     raise AssertionError("it does not become small enough")
@@ -78,7 +88,7 @@ def test_too_much_takes_counts_first_and_the_oldest(database, part):
 
 def test_within_bounds_nothing_goes(database):
     fill(database)
-    list(prune_events(database, RetentionLimits(max_days=1000, max_bytes=size(database)), 2))
+    list(prune(database, RetentionLimits(max_days=1000, max_bytes=size(database)), 2))
     assert len(remaining_events(database)) == 6000
 
 
@@ -89,7 +99,7 @@ def test_settings_and_audit_stay(database):
         settings = {"by": "me", "reason": "", "outcome": "applied", "error": "", "answered": None}
         session.add(SettingsRow(app_id=1, revision=1, document={}, at=0, **settings))
     store_events(database, robot, [make_event(1)], now=0)
-    list(prune_events(database, RetentionLimits(max_days=1, max_bytes=0), 1000 * DAY))
+    list(prune(database, RetentionLimits(max_days=1, max_bytes=0), 1000 * DAY))
     assert remaining_events(database) == []
     with database.session() as session:
         for table in (AuditRow, SettingsRow):
@@ -99,7 +109,7 @@ def test_settings_and_audit_stay(database):
 def test_others_write_between_slices(database):
     robot = new_robot(database)
     store_events(database, robot, [make_event(n) for n in range(1, 3 * BATCH_EVENTS)], now=0)
-    slices = prune_events(database, RetentionLimits(max_days=1, max_bytes=MUCH), 2 * DAY)
+    slices = prune(database, RetentionLimits(max_days=1, max_bytes=MUCH), 2 * DAY)
     next(slices)
     store_events(database, robot, [make_event(3 * BATCH_EVENTS)], now=2 * DAY)
     list(slices)

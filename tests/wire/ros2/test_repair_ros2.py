@@ -12,8 +12,8 @@ SAYS = """
 import rclpy
 from geometry_msgs.msg import Twist
 from rclpy.duration import Duration
-from rtron.wire.ros2.discovery_tuning import enable_fast_announcements
-enable_fast_announcements()
+from rtron.wire.ros2.discovery_tuning import configure_fast_dds
+configure_fast_dds("rmw_fastrtps_cpp")
 rclpy.init()
 publisher = rclpy.create_node("speaker").create_publisher(Twist, "/cmd_vel", 10)
 while not publisher.get_subscription_count():

@@ -30,16 +30,17 @@ _SPEEDS = {"min": 0.25, "max": 8.0}
 
 
 class CaseName(str, Enum):
-    """A case study of the paper, or all of them."""
+    """A case study, or all of them."""
 
     GR = "gr"
     RSR = "rsr"
     MSR = "msr"
+    AGENT = "agent"
     ALL = "all"
 
 
 def demo(  # noqa: PLR0913 - one for each option
-    case: Annotated[CaseName, typer.Argument(help="The case study, or all three.")],
+    case: Annotated[CaseName, typer.Argument(help="The case study, or all four.")],
     *,
     ros: Annotated[
         RosGeneration,
@@ -65,19 +66,21 @@ def demo(  # noqa: PLR0913 - one for each option
 ) -> Outcome:
     """Attack a simulated robot, without the guard and with it.
 
-    Real ROS nodes drive a TurtleBot3 in a simulated world. Two third-party
-    packages are malicious, as in the paper:
+    Real ROS nodes drive a TurtleBot3 in a simulated world. In three cases two
+    third-party packages are malicious, as in the paper; in the fourth an agent
+    behind a bridge is talked into it:
 
     gr    one of two publishers of /cmd_vel turns the robot into a wall
     rsr   the maximal velocity is too high for the camera's frame rate
     msr   a malicious goal lies in an area without network
+    agent it speeds into that area while a person drives; with its incident
 
     Each case runs without an attack, with it, and with attack and guard. The
     commands scan, plan and instrument add the guard; with `all`, one plan
-    covers all three cases.
+    covers all four cases.
 
     $ rtron demo gr                        one case, half a minute
-    $ rtron demo all --ros 1               all three, on ROS 1
+    $ rtron demo all --ros 1               all four, on ROS 1
     $ rtron demo rsr --no-guard            only the attack
     $ rtron demo msr --console             with the console
     $ rtron demo gr --runs 5 --seed 10     in worlds 10 to 14

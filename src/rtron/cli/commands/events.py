@@ -1,24 +1,28 @@
-"""`rtron events`."""
+"""`rtron events` and `rtron upload-graph`."""
 
 import json
 import sys
+from collections import Counter
 from collections.abc import Mapping
+from datetime import datetime
 from enum import Enum
-from typing import Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import Outcome, print_part
-from rtron.cli.support.service_options import (
-    DEFAULT_SERVICE,
-    CaOption,
-    ServiceOption,
-    TokenOption,
-    connect_to_service,
-)
+from rtron.cli.support.service_options import RobotOption, calls_service
+from rtron.sanitize import sanitize
+from rtron.vocabulary import SECOND
+
+if TYPE_CHECKING:
+    from rtron.workflows.service_client import SecurityServiceClient
 
 _PAGE = 1000
+_LONGEST_GRAPH = 16 << 20
+_MARKS = {"info": " ", "warning": "!", "error": "E"}
 
 
 class EventLevel(str, Enum):
@@ -29,10 +33,10 @@ class EventLevel(str, Enum):
     ERROR = "error"
 
 
+@calls_service
 def events(  # noqa: PLR0913 - one for each option
+    client: "SecurityServiceClient",
     *,
-    service: ServiceOption = DEFAULT_SERVICE,
-    token_file: TokenOption = None,
     robot: Annotated[str | None, typer.Option(metavar="NAME", help="Only this robot.")] = None,
     node: Annotated[
         str | None, typer.Option(metavar="ID", help="Only this coordination node.")
@@ -45,7 +49,6 @@ def events(  # noqa: PLR0913 - one for each option
     number: Annotated[
         int, typer.Option("--number", "-n", min=0, max=_PAGE, help="The number of past events.")
     ] = 20,
-    ca: CaOption = None,
     format: Annotated[
         TextOrJson, typer.Option(help="A line of text or of JSON for each event.")
     ] = TextOrJson.TEXT,
@@ -63,7 +66,6 @@ def events(  # noqa: PLR0913 - one for each option
     """
     from rtron.workflows.service_events import follow_events
 
-    client = connect_to_service(service, token_file, ca)
     event_filter = {"robot": robot, "node": node, "kind": kind, "level": level.value}
     stored_events = client.get("events", **event_filter, limit=number or 1)["events"]
     shown = list(reversed(stored_events[:number]))
@@ -83,6 +85,48 @@ def _warn_of_lost_connection(error: Exception) -> None:
 
 
 def _format_event(event: Mapping[str, Any], format: TextOrJson) -> str:
-    from rtron.reports.event_line import event_line
+    return (json.dumps(event) if format is TextOrJson.JSON else _event_line(event)) + "\n"
 
-    return (json.dumps(event) if format is TextOrJson.JSON else event_line(event)) + "\n"
+
+def _event_line(event: Mapping[str, Any]) -> str:
+    """Return an event, as the API shows it, on one line that a terminal survives; local time."""
+    at = datetime.fromtimestamp(event["at"] // SECOND).astimezone()
+    what = event["decision"] or event["kind"]
+    source = " ".join(filter(None, (event["node"], event["topic"], event["flow"])))
+    who = f" by {event['publisher']}" if event["publisher"] else ""
+    reason = f": {event['reason']}" if event["reason"] else ""
+    mark = _MARKS.get(event["level"], "?")
+    head = f"{at:%m-%d %H:%M:%S} {mark} {event['robot']} {what}"
+    return sanitize(f"{head} {source}{who}{reason}".rstrip())
+
+
+@calls_service
+def upload_graph(
+    client: "SecurityServiceClient",
+    graph: Annotated[
+        Path,
+        typer.Argument(metavar="GRAPH.json", help="The interaction graph; - is standard input."),
+    ],
+    *,
+    robot: RobotOption = "",
+) -> Outcome:
+    """Upload the interaction graph of a robot's app for the console.
+
+    Without it the console draws only the nodes of the plan. The service finds
+    the risks of the graph. Needs the role developer.
+
+    $ rtron scan src --launch pkg/app.launch --format graph -o graph.json
+    $ rtron upload-graph graph.json --robot car1 --token-file me.token
+
+    Exit code: 0 stored, 2 rejected.
+    """
+    from rtron.reports.text_layout import counted
+    from rtron.sources.bounded_file import read_bounded
+
+    data = read_bounded(graph, _LONGEST_GRAPH)
+    name = client.resolve_robot(robot)
+    risks = client.put("robots", name, "graph", data=data)["risks"]
+    kinds = Counter(risk["kind"] for risk in risks)
+    kind_counts = ", ".join(f"{number} {kind}" for kind, number in sorted(kinds.items()))
+    summary = f"{counted(len(risks), 'risk')}{f': {kind_counts}' if kind_counts else ''}"
+    return Outcome(f"{name} has the graph; {summary}\n")

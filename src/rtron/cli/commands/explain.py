@@ -1,16 +1,19 @@
-"""`rtron explain`."""
+"""`rtron explain`, `rtron mission-rules` and `rtron schema`: what RTron knows, to be read."""
 
 import sys
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Annotated
+from enum import Enum
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rtron.cli.support.outcome import Outcome
-from rtron.errors import InputError
+from rtron.cli.support.outcome import Outcome, as_json
+from rtron.errors import InputError, suggestion
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rich.text import Text
 
     from rtron.vocabulary import PolicyName
@@ -144,3 +147,75 @@ def _list_pages() -> "list[Text]":
         line(("Policies", "bold")),
         *columns(policies, ("cyan",), indent=2),
     ]
+
+
+def _complete_mission(incomplete: str) -> list[str]:
+    from rtron.planning.missions import MISSIONS
+
+    return [name for name in MISSIONS if name.startswith(incomplete)]
+
+
+def mission_rules(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="NAME", help="The mission.", autocompletion=_complete_mission),
+    ] = None,
+) -> Outcome:
+    """Show example rules for a robot's mission; without a name, list them.
+
+    Each is a complete plan: events, their meaning, and the actions that they
+    forbid. Copy its rules.
+
+    $ rtron mission-rules
+    $ rtron mission-rules recharge
+    $ rtron mission-rules recharge > rtron.yaml && rtron check rtron.yaml
+    """
+    from rtron.planning.missions import MISSIONS, mission_text
+    from rtron.reports.text_layout import Report
+
+    if name is None:
+        return Outcome(Report(lambda _: _list_missions()))
+    if name not in MISSIONS:
+        raise InputError(f"no mission {name}", help=suggestion(name, MISSIONS))
+    return Outcome(mission_text(name))
+
+
+def _list_missions() -> "list[Text]":
+    from rtron.planning.missions import MISSIONS, mission_summary
+    from rtron.reports.text_layout import columns, line
+
+    rows = [(name, mission_summary(name)) for name in MISSIONS]
+    return [line(("Missions", "bold")), *columns(rows, ("cyan",), indent=2)]
+
+
+class Document(str, Enum):
+    """A document that RTron reads."""
+
+    PLAN = "plan"
+    GRAPH = "graph"
+    CONFIG = "config"
+
+
+def schema(
+    document: Annotated[Document, typer.Argument(help="The document to describe.")],
+) -> Outcome:
+    """Print the JSON Schema of a plan, a graph, or a configuration.
+
+    These are rtron.yaml, graph.json and rtron.toml. Give the schema
+    to your editor: it then completes and checks the file while you write. A plan
+    that `rtron plan` proposes names its schema, and editors with the YAML
+    language server find it.
+
+    $ rtron schema plan > rtron.schema.json
+    """
+    from rtron.planning.plan_file.json_schema import plan_json_schema
+    from rtron.sources.graph_json import graph_json_schema
+    from rtron.sources.ignores.config_file import config_json_schema
+    from rtron.workflows.scan import RULE_NAMES
+
+    schemas: dict[Document, Callable[[], dict[str, Any]]] = {
+        Document.PLAN: plan_json_schema,
+        Document.GRAPH: graph_json_schema,
+        Document.CONFIG: lambda: config_json_schema(RULE_NAMES),
+    }
+    return Outcome(as_json(schemas[document]()))

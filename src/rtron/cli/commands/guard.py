@@ -2,9 +2,10 @@
 
 import logging
 import socket
+import sys
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rtron.guard.link.options import LinkOptions
+    from rtron.guard.link.plan_folder import PlanFolder
     from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan
 
 log = logging.getLogger(__name__)
@@ -30,10 +32,32 @@ Robot = Annotated[
     str,
     typer.Option(metavar="NAME", envvar="RTRON_ROBOT", help="This robot's name in the service."),
 ]
+ClientCertificate = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        envvar="RTRON_CLIENT_CERT",
+        help="This robot's certificate for a service with --client-ca, PEM.",
+    ),
+]
+ClientKey = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE", envvar="RTRON_CLIENT_KEY", help="The certificate's private key, PEM."
+    ),
+]
 StateFolder = Annotated[
     Path | None,
     typer.Option(metavar="DIR", help="The folder for the last settings and events not yet sent."),
 ]
+
+
+class LinkCertificates(NamedTuple):
+    """The files of the link's TLS, PEM: whom it trusts, and what the guard shows."""
+
+    ca: Path | None
+    certificate: Path | None
+    key: Path | None
 
 
 def build_link_options(
@@ -42,7 +66,8 @@ def build_link_options(
     token_file: Path | None,
     robot: str,
     state: Path | None,
-    ca: Path | None,
+    tls: LinkCertificates,
+    plans: "PlanFolder | None" = None,
 ) -> "LinkOptions":
     """Return the link's options, all of them checked; InputError if one cannot be used."""
     from rtron.guard.link.options import LinkOptions, state_folder
@@ -55,13 +80,22 @@ def build_link_options(
         token_file=token_file.absolute(),
         robot=robot or socket.gethostname(),
         state=(state or state_folder(app)).absolute(),
-        ca=ca.absolute() if ca else None,
+        ca=_absolute(tls.ca),
+        certificate=_absolute(tls.certificate),
+        key=_absolute(tls.key),
+        report_command=(sys.executable, "-m", "rtron", "incident", "report"),
+        plans=plans,
     )
     options.token()
+    options.check_tls()
     options.prepare()
     if options.url:
         warn_if_unencrypted(service)
     return options
+
+
+def _absolute(path: Path | None) -> Path | None:
+    return path.absolute() if path else None
 
 
 class LogLevel(str, Enum):
@@ -102,6 +136,16 @@ def guard(  # noqa: PLR0913 - one for each option
     robot: Robot = "",
     state_dir: StateFolder = None,
     ca: CaOption = None,
+    client_cert: ClientCertificate = None,
+    client_key: ClientKey = None,
+    plans: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            envvar="RTRON_PLANS",
+            help="Take plans of roll-outs, and keep the newest here.",
+        ),
+    ] = None,
     log_level: Annotated[
         LogLevel, typer.Option(help="How much to log; each line has its time, in UTC.")
     ] = LogLevel.INFO,
@@ -133,6 +177,10 @@ def guard(  # noqa: PLR0913 - one for each option
     unreachable service delays nothing: the last settings stay active, and
     events wait on disk, in --state-dir.
 
+    With --plans the service may also bring another plan, which needs no new
+    launch: other policies, rules, limits, times, priorities and ranks. The
+    newest accepted one is in force after each start.
+
     A supervisor process starts the guard. If the guard crashes or hangs, the
     supervisor stops the robot and restarts the guard.
 
@@ -149,9 +197,20 @@ def guard(  # noqa: PLR0913 - one for each option
     run_writer = _run_file_writer(measurements) if measurements else None
     guard_plan = read_plan(plan)
     start_logging(log_level.value.upper())
+    folder = _plan_folder(plans, guard_plan, service)
+    if folder:
+        _, guard_plan = folder.accepted()
     _check_plan(guard_plan, graph)
     link = (
-        build_link_options(guard_plan.app, service, token_file, robot, state_dir, ca)
+        build_link_options(
+            guard_plan.app,
+            service,
+            token_file,
+            robot,
+            state_dir,
+            LinkCertificates(ca, client_cert, client_key),
+            folder,
+        )
         if service
         else None
     )
@@ -164,6 +223,19 @@ def guard(  # noqa: PLR0913 - one for each option
         figures=run_writer,
         link=link,
     )
+
+
+def _plan_folder(folder: Path | None, start: "Plan", service: str) -> "PlanFolder | None":
+    from rtron.guard.link.plan_folder import PlanFolder
+    from rtron.workflows.plan_text import read_checked_plan
+
+    if folder is None:
+        return None
+    if not service:
+        raise InputError("--plans without --service", help="plans come from a service")
+    made = PlanFolder(folder=folder.absolute(), start=start, read=read_checked_plan)
+    made.prepare()
+    return made
 
 
 def _check_plan(plan: "Plan", graph: Path | None) -> None:

@@ -1,4 +1,4 @@
-"""`rtron plan`."""
+"""`rtron plan`, and `rtron check` for a plan that somebody has edited."""
 
 from pathlib import Path
 from shlex import quote
@@ -8,7 +8,15 @@ import typer
 
 from rtron.cli.support.app_options import with_app_options
 from rtron.cli.support.options import NameLists, TextOrJson
-from rtron.cli.support.outcome import STDOUT, Outcome, as_json, log_errors, replace_file
+from rtron.cli.support.outcome import (
+    FINDINGS,
+    OK,
+    STDOUT,
+    Outcome,
+    as_json,
+    log_errors,
+    replace_file,
+)
 from rtron.cli.support.progress import show_count, show_progress
 from rtron.errors import InputError
 
@@ -100,7 +108,14 @@ def _propose(selection: "AppSelection", name_lists: Path | None, output: Path | 
         next_step = _instrument_command(app_launch, output, proposed.plan.ros)
     else:
         next_step = f"rtron plan {app.arguments} -o {PLAN_FILE}"
-    text = plan_text(proposed.plan, next_step, proposed.omitted, graph.nodes, proposed.doubts)
+    text = plan_text(
+        proposed.plan,
+        next_step,
+        proposed.omitted,
+        graph.nodes,
+        proposed.doubts,
+        guess=app.guess,
+    )
     return Outcome(text)
 
 
@@ -135,5 +150,41 @@ def _instrument_command(app_launch: str | None, written: Path, ros: int) -> str:
     """Return the command that guards the app's launch file, in the format of its ROS generation."""
     usual, *others = _SUFFIXES[ros]
     suffix = next((end for end in others if (app_launch or "").endswith(end)), usual)
-    launch = quote(app_launch or f"APP.launch{suffix}")
+    launch = quote(_path_from_here(app_launch or f"APP.launch{suffix}"))
     return f"rtron instrument {launch} --plan {quote(str(written))} -o guarded.launch{suffix}"
+
+
+def _path_from_here(path: str) -> str:
+    here = Path.cwd()
+    return str(Path(path).relative_to(here)) if Path(path).is_relative_to(here) else path
+
+
+def check(
+    plan: Annotated[Path, typer.Argument(metavar="rtron.yaml", help="The plan.")],
+    *,
+    graph: Annotated[
+        Path | None,
+        typer.Option(metavar="GRAPH.json", help="Also compare the plan with this app."),
+    ] = None,
+) -> Outcome:
+    """Check a plan that you edited.
+
+    Each error comes with its line and the nearest valid word. It warns of
+    values that leave a policy without effect. With the app's graph, it also
+    finds topics and flows that nobody publishes, and orders that are a guess.
+
+    $ rtron check rtron.yaml
+    $ rtron check rtron.yaml --graph graph.json
+
+    Exit code: 0 good, 1 it does not fit the app, 2 it cannot be read.
+    """
+    from rtron.planning.plan_file.loader import read_plan
+    from rtron.planning.problem import ProblemLevel
+    from rtron.reports.plan.problems import problems_text
+    from rtron.sources.graph_json import read_graph
+    from rtron.workflows.check_plan import check as check_plan
+
+    checked_plan = read_plan(plan)
+    problems = check_plan(checked_plan, read_graph(graph) if graph else None)
+    failed = any(problem.level is ProblemLevel.ERROR for problem in problems)
+    return Outcome(problems_text(str(plan), problems), FINDINGS if failed else OK)

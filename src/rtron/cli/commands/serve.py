@@ -3,12 +3,15 @@
 import logging
 import re
 import sys
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rtron.cli.commands.audit import AuditDirOption
 from rtron.cli.commands.guard import LogLevel
+from rtron.cli.commands.user import RoleOption
 from rtron.cli.support.outcome import Outcome
 from rtron.cli.support.service_database import (
     DEFAULT_DATABASE,
@@ -37,6 +40,10 @@ def serve(  # noqa: PLR0913 - one for each option
     tls_key: Annotated[
         Path | None, typer.Option(metavar="FILE", help="The certificate's private key, PEM.")
     ] = None,
+    client_ca: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Guards show a certificate of this authority, PEM."),
+    ] = None,
     allow_host: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME", help="Accept requests for this host name; can be repeated."),
@@ -48,6 +55,21 @@ def serve(  # noqa: PLR0913 - one for each option
     insecure_http: Annotated[
         bool, typer.Option("--insecure-http", help="Listen on other addresses without TLS.")
     ] = False,
+    oidc: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Users sign in at the OpenID provider of this file too."),
+    ] = None,
+    require_code: Annotated[
+        list[RoleOption] | None,
+        typer.Option(help="Users of this role log in with a one-time code; can be repeated."),
+    ] = None,
+    four_eyes: Annotated[
+        bool, typer.Option("--four-eyes", help="A second admin approves what gives rights.")
+    ] = False,
+    audit_dir: AuditDirOption = None,
+    heads_every: Annotated[
+        float, typer.Option(metavar="SECONDS", help="How often the audit log is signed.")
+    ] = 60.0,
     keep_days: Annotated[float, typer.Option(metavar="DAYS", help="Delete older events.")] = 30.0,
     keep_mb: Annotated[int, typer.Option(metavar="MB", help="The disk space for events.")] = 4096,
     log_level: Annotated[LogLevel, typer.Option(help="How much to log.")] = LogLevel.INFO,
@@ -77,17 +99,25 @@ def serve(  # noqa: PLR0913 - one for each option
     """
     require_service_packages()
     from rtron.service.config import ServiceConfig
+    from rtron.service.domain.roles import UserRole
+    from rtron.service.server.oidc_setup import read_oidc_config
     from rtron.service.store.retention import RetentionLimits
 
     _configure_logging(log_level)
     config = ServiceConfig(
         database=prepare_database(database),
+        audit_dir=audit_dir,
+        heads_interval_s=heads_every,
         host=host,
         port=port,
         tls=_tls_config(tls_cert, tls_key),
+        client_ca=client_ca,
         allowed_hosts=tuple(allow_host or ()),
         proxies=tuple(proxy or ()),
         allow_insecure_http=insecure_http,
+        oidc=read_oidc_config(oidc) if oidc else None,
+        four_eyes=four_eyes,
+        second_factor_roles=frozenset(UserRole(each.value) for each in require_code or ()),
         retention=RetentionLimits(max_days=keep_days, max_bytes=keep_mb * _MIB),
     )
     _run_service(config)
@@ -109,14 +139,15 @@ def _run_service(config: "ServiceConfig") -> None:
     from rtron.service.server.http import serve as run
     from rtron.service.server.instance_lock import hold_instance_lock
 
-    app = create_app(config)
-    service = app.state.service
+    with hold_instance_lock(config.database):
+        app = create_app(config)
+        service = app.state.service
 
-    def ready() -> None:
-        _print_address(config, add_first_admin(service.database, service.clock()))
+        def ready() -> None:
+            _print_address(config, add_first_admin(service.database, service.clock()))
 
-    with hold_instance_lock(service.database):
-        run(app, config, ready)
+        with closing(service.database):
+            run(app, config, ready)
 
 
 def _print_address(config: "ServiceConfig", password: str | None) -> None:

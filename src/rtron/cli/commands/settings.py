@@ -8,15 +8,8 @@ import typer
 
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
-from rtron.cli.support.service_options import (
-    DEFAULT_SERVICE,
-    CaOption,
-    RobotOption,
-    ServiceOption,
-    TokenOption,
-    connect_to_service,
-)
-from rtron.cli.support.settings_arguments import KEYS, parse_patch
+from rtron.cli.support.service_options import RobotOption, calls_service
+from rtron.cli.support.settings_arguments import complete_setting, parse_patch
 
 if TYPE_CHECKING:
     from rtron.reports.text_layout import Report
@@ -26,10 +19,6 @@ if TYPE_CHECKING:
 settings = typer.Typer(
     name="settings", no_args_is_help=True, help="Show and change what a guard enforces."
 )
-
-
-def _complete_setting(incomplete: str) -> list[str]:
-    return [f"{key}=" for key in KEYS if key.startswith(incomplete)]
 
 
 Node = Annotated[str, typer.Argument(metavar="NODE", help="The coordination node: its `id`.")]
@@ -44,15 +33,14 @@ def settings_group() -> None:
 
 
 @settings.command()
+@calls_service
 def get(
+    client: "SecurityServiceClient",
     node: Annotated[
         str | None, typer.Argument(metavar="NODE", help="One coordination node, in full.")
     ] = None,
     *,
-    service: ServiceOption = DEFAULT_SERVICE,
-    token_file: TokenOption = None,
     robot: RobotOption = "",
-    ca: CaOption = None,
     format: Annotated[TextOrJson, typer.Option(help="A table, or JSON.")] = TextOrJson.TEXT,
 ) -> Outcome:
     """Show the active settings, and where they differ from the plan.
@@ -65,7 +53,7 @@ def get(
     """
     from rtron.cli.support.settings_report import node_report, nodes_report
 
-    active = _robot_settings(connect_to_service(service, token_file, ca), robot)
+    active = _robot_settings(client, robot)
     view = active.view()
     if node is not None:
         one = active.node(node)
@@ -76,31 +64,31 @@ def get(
 
 
 @settings.command()
-def set(  # noqa: PLR0913 - one for each option
+@calls_service
+def set(
+    client: "SecurityServiceClient",
     node: Node,
     assignments: Annotated[
         list[str],
         typer.Argument(
-            metavar="KEY=VALUE...", help="The settings to change.", autocompletion=_complete_setting
+            metavar="KEY=VALUE...", help="The settings to change.", autocompletion=complete_setting
         ),
     ],
     *,
-    service: ServiceOption = DEFAULT_SERVICE,
-    token_file: TokenOption = None,
     robot: RobotOption = "",
-    ca: CaOption = None,
-    reason: Reason = "",
+    reason: Reason,
     wait: Wait = False,
     timeout: Timeout = 10.0,
 ) -> Outcome:
     """Change a coordination node while the guard runs.
 
-    $ rtron settings set drive policy=Priority_Queue flow1.timeout=200ms
-    $ rtron settings set drive flow1.priority=3 flow2.block=true
-    $ rtron settings set speed policy=Constrain max_vel_limit=0.3 --wait
-    $ rtron settings set mission keep_out.selected=false
-    $ rtron settings set mission night.when='dark && !docked' night.block=/goal
-    $ rtron settings set drive flow1.priority=plan
+    $ rtron settings set drive flow1.timeout=200ms --reason "slow radio"
+    $ rtron settings set drive flow1.priority=3 flow2.block=true --reason test
+    $ rtron settings set speed max_vel_limit=0.3 --reason visitors --wait
+    $ rtron settings set mission keep_out.selected=false --reason docking
+    $ rtron settings set drive policy=plan flow1.priority=plan --reason over
+
+    A rule of your own: night.when='dark && !docked' night.block=/goal
 
     Keys: policy, release_after, max_age, max_hold, threshold, max_vel_limit;
     of a flow: priority, block, timeout; of a rule: selected, when, block.
@@ -110,7 +98,6 @@ def set(  # noqa: PLR0913 - one for each option
     Exit code: 0 stored and sent (with --wait: active), 1 the guard rejected it
     or did not answer, 2 nothing changed.
     """
-    client = connect_to_service(service, token_file, ca)
     active = _robot_settings(client, robot, timeout if wait else None)
     planned = active.planned_node(node)
     patch = parse_patch(assignments, planned.flow_names, has_rules=planned.has_rules)
@@ -118,12 +105,11 @@ def set(  # noqa: PLR0913 - one for each option
 
 
 @settings.command()
+@calls_service
 def stop(
+    client: "SecurityServiceClient",
     *,
-    service: ServiceOption = DEFAULT_SERVICE,
-    token_file: TokenOption = None,
     robot: RobotOption = "",
-    ca: CaOption = None,
     reason: Reason = "",
     wait: Wait = False,
     timeout: Timeout = 10.0,
@@ -136,17 +122,15 @@ def stop(
 
     Exit code: as for `rtron settings set`.
     """
-    client = connect_to_service(service, token_file, ca)
     return _outcome(_robot_settings(client, robot, timeout if wait else None).stop(reason))
 
 
 @settings.command()
+@calls_service
 def release(
+    client: "SecurityServiceClient",
     *,
-    service: ServiceOption = DEFAULT_SERVICE,
-    token_file: TokenOption = None,
     robot: RobotOption = "",
-    ca: CaOption = None,
     reason: Annotated[str, typer.Option(metavar="TEXT", help="Why it is safe, for the audit log.")],
     wait: Wait = False,
     timeout: Timeout = 10.0,
@@ -161,7 +145,6 @@ def release(
     """
     from rtron.cli.support.settings_report import stop_line
 
-    client = connect_to_service(service, token_file, ca)
     active = _robot_settings(client, robot, timeout if wait else None)
     before = active.view()
     outcome = _outcome(active.release(before["revision"], reason))

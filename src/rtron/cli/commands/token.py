@@ -11,8 +11,16 @@ from rtron.cli.support.service_database import (
     DEFAULT_DATABASE,
     OFFLINE_ACTOR,
     DatabaseOption,
+    GroupOption,
     existing_database,
     secret_writer,
+)
+from rtron.cli.support.service_options import (
+    DEFAULT_SERVICE,
+    CaOption,
+    ServiceOption,
+    TokenOption,
+    connect_to_service,
 )
 
 token = typer.Typer(name="token", no_args_is_help=True, help="Create and revoke API tokens.")
@@ -46,9 +54,10 @@ def create(
         str | None, typer.Option(metavar="NAME", help="The robot of the guard.")
     ] = None,
     days: Annotated[
-        int | None,
+        int,
         typer.Option(min=1, max=3650, metavar="DAYS", help="Days until it expires."),
-    ] = None,
+    ] = 90,
+    group: GroupOption = None,
     token_file: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Write it to this new file, mode 0600."),
@@ -57,7 +66,8 @@ def create(
 ) -> Outcome:
     """Create a token for a guard or a program, and show its secret once.
 
-    A guard's token is valid for the link of one robot only.
+    A guard's token is valid for the link of one robot only. The guard renews it
+    before its end, in its file; for a program, see `rtron token renew`.
 
     $ rtron token create car1 --scope guard --robot car1 --token-file car1.token
     $ rtron token create prometheus --scope metrics --days 365
@@ -69,6 +79,7 @@ def create(
 
         scopes = [each.value for each in scope]
         request = {"name": name, "scopes": scopes, "robot": robot, "days": days}
+        request |= {"groups": group or None}
         return Outcome(write_secret(create_token_record(db, OFFLINE_ACTOR, request)))
 
 
@@ -85,3 +96,28 @@ def revoke(name: Name, *, database: DatabaseOption = DEFAULT_DATABASE) -> Outcom
 
         revoke_token_record(db, OFFLINE_ACTOR, name)
     return Outcome(f"{name} is revoked\n")
+
+
+@token.command()
+def renew(
+    *,
+    service: ServiceOption = DEFAULT_SERVICE,
+    token_file: TokenOption = None,
+    ca: CaOption = None,
+) -> Outcome:
+    r"""Renew the token in a file, for as long as it was made for.
+
+    The file gets a new secret, and the old one is worthless from then on. A cron
+    job does this for programs; guards do it themselves.
+
+    $ rtron token renew --service https://robots.example:8600 \
+          --token-file prometheus.token
+
+    Exit code: 0 renewed, 2 the token is over or its file cannot be replaced.
+    """
+    from rtron.workflows.service_client import renew_token_file
+
+    client = connect_to_service(service, token_file, ca)
+    if token_file is None:
+        raise AssertionError("there is no client without a token")
+    return Outcome(renew_token_file(client, token_file))

@@ -38,6 +38,14 @@ def verify(  # noqa: PLR0913 - one for each option
             help="A node of the plan that is switched off, `*` for what changes; can be repeated.",
         ),
     ] = None,
+    keystore: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="KEYSTORE",
+            help="Join with the enclave /rtron_verify of this keystore, and try what SROS2 keeps "
+            "out (ROS 2).",
+        ),
+    ] = None,
     format: Annotated[TextOrJson, typer.Option(help="A table, or JSON.")] = TextOrJson.TEXT,
 ) -> Outcome:
     """Check that all guarded traffic of the running app passes through the guard.
@@ -58,7 +66,11 @@ def verify(  # noqa: PLR0913 - one for each option
     $ rtron verify --live --plan rtron.yaml --master http://robot:11311
     $ rtron verify --live --ros 2 --domain 7        a plan that says `ros: 2`
     $ rtron verify --live --absent /teleop          teleop is switched off
+    $ rtron verify --live --keystore keystore       SROS2 is in force, too
     $ rtron verify --live --format json | jq .verdict
+
+    With --keystore nobody may be there without a certificate, and an enclave
+    other than the guard's may not publish what the base reads: both are tried.
 
     It changes nothing; in ROS 2 it joins the domain as /rtron_verify. The
     running guard checks the same continuously; see `audit` in the plan.
@@ -74,7 +86,9 @@ def verify(  # noqa: PLR0913 - one for each option
         raise InputError("`rtron verify` needs --live", help=help)
     guard_plan = read_plan(plan)
     _check_generation(ros, guard_plan.ros, str(plan))
-    verification = verify_running_app(guard_plan, master, domain, timeout, absent or ())
+    verification = verify_running_app(
+        guard_plan, master, domain, timeout, absent=absent or (), keystore=keystore
+    )
     code = OK if verification.is_closed else FINDINGS if verification.is_conclusive else BAD_INPUT
     if format is TextOrJson.JSON:
         return Outcome(as_json(verification_to_json(verification)), code)

@@ -37,12 +37,13 @@ def show_progress() -> "Iterator[ProgressCallback]":
         MofNCompleteColumn(),
         TimeElapsedColumn(),
     )
-    with Progress(*parts, console=console, transient=True) as bar:
+    with Progress(*parts, console=console, transient=True, auto_refresh=False) as bar:
         task = bar.add_task("reading", total=None)
 
         def update(done: int, known: int, what: str) -> None:
+            """Draw the bar; no thread does, since a process with threads cannot fork."""
             description = sanitize(what)[:_MAX_SHOWN]
-            bar.update(task, completed=done, total=known, description=description)
+            bar.update(task, completed=done, total=known, description=description, refresh=True)
 
         yield update
 

@@ -25,10 +25,29 @@ DatabaseOption = Annotated[
         show_default=False,
     ),
 ]
+GroupOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--group",
+        metavar="LABEL",
+        help="Change only robots with this label; can be repeated.  [default: every robot]",
+        show_default=False,
+    ),
+]
 DEFAULT_DATABASE = ""
 OFFLINE_ACTOR = "rtron"
 """Who did it, in the audit log, when it was done on the database itself."""
-_NEEDED = ("alembic", "argon2", "fastapi", "httpx", "prometheus_client", "sqlalchemy", "uvicorn")
+_NEEDED = (
+    "alembic",
+    "argon2",
+    "authlib",
+    "fastapi",
+    "httpx",
+    "prometheus_client",
+    "segno",
+    "sqlalchemy",
+    "uvicorn",
+)
 
 
 def database_location(given: str) -> str:

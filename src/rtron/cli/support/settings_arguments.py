@@ -49,6 +49,11 @@ _RULE: Mapping[str, _Parser] = {"selected": _boolean, "when": _text, "block": _l
 KEYS = (*_NODE, *(f"FLOW.{key}" for key in _FLOW), *(f"RULE.{key}" for key in _RULE))
 
 
+def complete_setting(incomplete: str) -> list[str]:
+    """Return the keys that begin so, for a shell's completion."""
+    return [f"{key}=" for key in KEYS if key.startswith(incomplete)]
+
+
 def parse_patch(
     assignments: Sequence[str], flows: Collection[str], *, has_rules: bool
 ) -> dict[str, Any]:

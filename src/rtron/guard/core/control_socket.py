@@ -1,7 +1,8 @@
 """The guard's control socket: a Unix socket for people on the same machine.
 
 Each request is one line of JSON, and so is each response. Only the user that the guard runs as, and
-root, may send requests: the kernel names a client's user (unix(7), SO_PEERCRED).
+root, may send requests: the kernel names a client's user (unix(7), SO_PEERCRED), and who has logged
+in behind it. So two persons are two, even if both send as root.
 """
 
 import fcntl
@@ -10,7 +11,7 @@ import logging
 import os
 import pwd
 import socket
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,13 +19,19 @@ from typing import Any
 
 from rtron.errors import SourceError, WireError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.system.unix_socket import open_own_folder, peer_credentials, runtime_folder
+from rtron.guard.system.unix_socket import (
+    local_users,
+    login_user,
+    open_own_folder,
+    peer_credentials,
+    runtime_folder,
+)
 
 log = logging.getLogger(__name__)
 
 Response = Mapping[str, Any]
 RequestHandler = Callable[[str, Mapping[str, Any]], Response | Future[Response]]
-"""Takes the user and the request; returns the response, or a future that the loop's thread sets.
+"""Takes the person and the request; returns the response, or a future that the loop's thread sets.
 
 WireError, raised or set, if the request is wrong or refused.
 """
@@ -35,17 +42,24 @@ _PAUSE_S = 0.5
 
 
 class ControlSocket:
-    """Listens at `path`, which only the guard's user can reach.
+    """Listens at `path`, which only the guard's user can reach, for `users`: it, and root.
 
     SourceError if another guard listens there, or if `path` cannot be used.
     """
 
-    def __init__(self, loop: EventLoop, path: Path, handler: RequestHandler) -> None:
+    def __init__(
+        self,
+        loop: EventLoop,
+        path: Path,
+        handler: RequestHandler,
+        users: Collection[int] | None = None,
+    ) -> None:
         self._loop = loop
         self._path = path
         self._handler = handler
-        self._names = {uid: _name(uid) for uid in (0, os.getuid())}
+        self._names = {uid: _name(uid) for uid in users or (0, os.getuid())}
         """Who may send requests; looked up now, since a directory of users may hang."""
+        self._persons = local_users() | self._names
         self._sock = _listen(path)
         self._inode = _inode_of(path)
         log.info("listening for requests at %s", path)
@@ -68,12 +82,18 @@ class ControlSocket:
     def _accept(self) -> None:
         sock, _ = self._sock.accept()
         sock.settimeout(0)
-        _, uid = peer_credentials(sock)
+        pid, uid = peer_credentials(sock)
         if uid in self._names:
-            _Client(self._loop, sock, self._names[uid], self._handler)
+            _Client(self._loop, sock, self._person(pid, uid), self._handler)
         else:
             log.warning("user %d may not control the guard", uid)
             sock.close()
+
+    def _person(self, pid: int, uid: int) -> str:
+        """Return who has logged in behind a client, or its user if nobody has."""
+        login = login_user(pid)
+        person = uid if login is None else login
+        return self._persons.get(person, str(person))
 
 
 class _Client:

@@ -18,7 +18,10 @@ _IDLE = "idle"
 def active_text(stream: GuardedStream) -> str:
     """Return who is in control of a stream, or why the robot is being stopped."""
     if stream.stop_controller.reason:
-        return f"stopping: {stream.stop_controller.reason}"
+        lease = f"; {stream.lease_text}" if stream.lease else ""
+        return f"stopping: {stream.stop_controller.reason}{lease}"
+    if stream.lease:
+        return stream.lease_text
     owner = stream.pipeline.owner
     publishers = {flow.name: flow.publisher for flow in stream.spec.flows}
     return f"{owner} {publishers.get(owner, '')}".strip() if owner else _IDLE

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rtron.guard.core.event_loop import BackgroundWorker, EventLoop
+from rtron.guard.system.master_name import master_file_name
 from rtron.policies.policy import Policy
 from rtron.policies.state_transfer import LeaseState, PolicyState
 
@@ -22,8 +23,10 @@ MOST_BYTES = 1 << 18
 """The longest handover state, bytes of JSON."""
 INTRUSIONS = "intrusions"
 """The key of what intruders have stopped."""
+STOPS = "stops"
+"""The key of what persons and buttons have stopped."""
 RESERVED_BYTES = 1 << 16
-"""The last bytes, which nothing but the intrusions may use."""
+"""The last bytes, which nothing but the intrusions and the stops may use."""
 
 
 class HandoverState:
@@ -62,7 +65,7 @@ class HandoverState:
         self._length -= len(self._stored.pop(key, b""))
 
     def _add_member(self, key: str, member: bytes) -> None:
-        most = MOST_BYTES if key == INTRUSIONS else MOST_BYTES - RESERVED_BYTES
+        most = MOST_BYTES if key in (INTRUSIONS, STOPS) else MOST_BYTES - RESERVED_BYTES
         if self._length + len(member) + len(self._stored) + len("{}") > most:
             log.warning("%s is not handed over to the next guard: it is too long", key)
             return
@@ -150,8 +153,7 @@ class HeartbeatFile:
 
 def heartbeat_path(control: Path, address: str) -> Path:
     """Return the file of the guard at a master or domain that listens at `control`."""
-    name = "".join(each if each.isalnum() else "_" for each in address)
-    return control.with_name(f"{control.stem}-{name[:64]}.heartbeat")
+    return control.with_name(f"{control.stem}-{master_file_name(address)}.heartbeat")
 
 
 def _modification_time(path: Path) -> int:

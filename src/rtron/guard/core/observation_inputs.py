@@ -59,6 +59,8 @@ class ObservationInputs:
         self._log_throttle = LogThrottle()
         self.losses = {each.topic: Losses(each.topic) for each in observations.events}
         """The events that did not reach the guard, by topic."""
+        self.on_event: Callable[[str, Peer, bytes], None] = _ignore_event
+        """Called with the topic, the publisher and the message of each event."""
 
     def open(self) -> None:
         """Join the graph."""
@@ -109,11 +111,14 @@ class ObservationInputs:
             bit.add_publisher()
         self._update_mission()
         filter = StampFilter(stamp_of(peer.info, self._transport.encoding))
-        return partial(self._on_event, source, filter)
+        return partial(self._on_event, source, peer, filter)
 
-    def _on_event(self, source: EventSource, stamp_filter: StampFilter, message: bytes) -> None:
+    def _on_event(
+        self, source: EventSource, peer: Peer, stamp_filter: StampFilter, message: bytes
+    ) -> None:
         if not stamp_filter.is_new(message):
             return
+        self.on_event(source.topic, peer, message)
         now = self._transport.now()
         for bit, judgement in zip(source.bits, source.judgements_of(message), strict=True):
             truth = None if isinstance(judgement, str) else judgement
@@ -163,3 +168,7 @@ def _is_planned_publisher(publisher: str, peer: Peer, topic: str) -> bool:
     if not is_planned:
         log.warning("%s: %s is ignored: it is not %s", topic, peer.node, publisher)
     return is_planned
+
+
+def _ignore_event(_topic: str, _peer: Peer, _message: bytes) -> None:
+    """Let nobody know of an event."""

@@ -9,6 +9,7 @@ from rtron.messages.common.definition_registry import DefinitionRegistry
 from rtron.messages.common.encoding import Encoding
 from rtron.messages.expressions.condition import Condition
 from rtron.messages.expressions.evaluator import MessageEvaluator
+from rtron.policies.authority.command_lease import Commander, CommandLease
 from rtron.policies.mission.event_bits import EventBit, EventBits
 from rtron.policies.mission.rule_block import RuleResult
 from rtron.policies.mission.rule_status import MissionMonitor
@@ -123,6 +124,7 @@ class Observations:
     monitors: tuple[FpsMonitor, ...] = ()
     events: tuple[EventSource, ...] = ()
     actions: Mapping[str, ActionEvaluator] = field(default_factory=dict)
+    leases: Mapping[str, CommandLease] = field(default_factory=dict)
     node: str = "msrcn"
     publisher_topics: PublisherTopics = field(default_factory=PublisherTopics)
 
@@ -139,9 +141,11 @@ class Observations:
 def observations_of(plan: Plan) -> Observations:
     """Return what a plan's RSRCN and MSRCN need; PlanError if an expression cannot be used."""
     rates, topics = FrameMonitors(plan.fps_monitor), _publisher_topics(build_streams(plan))
-    msrcn = plan.msrcn
+    msrcn, leases = plan.msrcn, _command_leases(plan)
     if msrcn is None:
-        return Observations(rates=rates, monitors=plan.fps_monitor, publisher_topics=topics)
+        return Observations(
+            rates=rates, monitors=plan.fps_monitor, leases=leases, publisher_topics=topics
+        )
     bits, evaluators = EventBits(msrcn.eflows), EvaluatorFactory(plan, msrcn)
     rules = [(rule, Condition(rule.when, bits.by_name)) for rule in msrcn.rules]
     return Observations(
@@ -150,9 +154,28 @@ def observations_of(plan: Plan) -> Observations:
         monitors=plan.fps_monitor,
         events=_event_sources(msrcn, bits, evaluators),
         actions=_action_evaluators(msrcn, evaluators),
+        leases=leases,
         node=msrcn.id,
         publisher_topics=topics,
     )
+
+
+def _command_leases(plan: Plan) -> dict[str, CommandLease]:
+    """Return the leases of a plan by name; the publishers that need one are its commanders."""
+    return {
+        lease.name: CommandLease(
+            lease.name,
+            (
+                Commander(flow.publisher, flow.rank)
+                for grcn in plan.grcn
+                if grcn.lease == lease.name
+                for flow in grcn.flows
+            ),
+            lease.ttl,
+            lease.service,
+        )
+        for lease in plan.leases
+    }
 
 
 def _publisher_topics(streams: Sequence[Stream]) -> PublisherTopics:

@@ -4,10 +4,12 @@ import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from rtron.errors import WireError
 from rtron.guard.transport.common.protocol import TypeInfo
-from rtron.messages.common.encoding import Encoding
+from rtron.messages.common.encoding import PREFIX, Encoding
 
 _F64 = struct.Struct("<d")
+_LENGTH = struct.Struct("<I")
 _ALIGNMENT = 4
 
 STRING = TypeInfo("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
@@ -86,6 +88,19 @@ def string_message(encoding: Encoding, text: str) -> bytes:
     writer = MessageWriter(encoding)
     writer.string(text)
     return writer.message()
+
+
+def read_string(encoding: Encoding, message: bytes, longest: int) -> str:
+    """Return the text of a std_msgs/String; WireError if it is none, or longer than `longest`."""
+    encoding.check_prefix(message)
+    start = PREFIX + _LENGTH.size
+    if len(message) < start:
+        raise WireError("a text has a length")
+    (length,) = _LENGTH.unpack_from(message, PREFIX)
+    if length > longest:
+        raise WireError(f"a text of {length} bytes is too long: {longest} at most")
+    encoding.check_end(start + length, message)
+    return message[start : start + length].rstrip(b"\0").decode(errors="replace")
 
 
 def float64_message(encoding: Encoding, value: float) -> bytes:

@@ -32,6 +32,7 @@ class StopController:
         self._stopping = VelocityWatchdog(stream.stop, self._velocity)
         self._codec: VelocityCodec | None = None
         self._last_message = b""
+        self._refused: dict[str, tuple[bytes, int]] = {}
         self.on_slowed: Callable[[Velocity, int], None] = _ignore_slowed
         """Called with each velocity that is sent to slow or stop the robot, and the time."""
 
@@ -82,6 +83,19 @@ class StopController:
         flow = self.moving_flow
         if verdict.error and flow and flow.name == verdict.flow and flow.on_error is OnError.STOP:
             self.stop_motion(verdict.reason, now)
+
+    def note_refused(self, flow: str, message: bytes, now: int) -> None:
+        """Note what a flow says while the robot is kept stopped."""
+        self._refused[flow] = message, now
+
+    def moving_input(self, now: int) -> str:
+        """Return a planned publisher that has just said something else than to stand still."""
+        for name, (message, at) in self._refused.items():
+            flow = self._flows[name]
+            is_fresh = name != UNAPPROVED and now - at < flow.silent_after
+            if is_fresh and self.is_moving(message):
+                return flow.publisher
+        return ""
 
     def slow_down(self, bounded: Callable[[Velocity, int], Velocity], now: int) -> None:
         """Repeat the last command as `bounded` changes it, if it does.

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rtron.guard.core.deadline_timer import DeadlineTimer
 from rtron.guard.core.handover_state import FlowOrder
+from rtron.guard.core.lease_text import lease_text
 from rtron.guard.core.losses import Losses
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.override_policy import OverridablePolicy
@@ -25,6 +26,8 @@ from rtron.guard.core.velocity_gate import VelocityGate
 from rtron.guard.system.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
 from rtron.policies import Policy, Release
+from rtron.policies.authority.command_lease import CommandLease
+from rtron.policies.authority.lease import Lease
 from rtron.policies.mission.rule_status import RuleStatus
 from rtron.vocabulary import (
     PRIVATE_ROOT,
@@ -37,6 +40,7 @@ from rtron.vocabulary import (
 )
 
 if TYPE_CHECKING:
+    from rtron.guard.incidents.stream_tap import StreamTap
     from rtron.guard.measurement.histogram import LatencyStatistics
     from rtron.guard.measurement.stream import StreamMeasurement
     from rtron.messages.common.velocity import VelocityCodec
@@ -73,9 +77,12 @@ class GuardedStream:
         self.pipeline.revise(revision_of(stream))
         self.stop_controller = StopController(stream, self._send_message)
         self.stop_controller.on_slowed = self._on_slowed
+        for policy in policies.values():
+            self._connect_lease(policy)
         self.on_state_change: Callable[[], None] = lambda: None
         self.measurement: StreamMeasurement | None = None
         self.latencies: LatencyStatistics | None = None
+        self.tap: StreamTap | None = None
         self._mission = observations.mission
         self._rules_met = rules_met_by_flow(stream)
         self.codec: VelocityCodec | None = None
@@ -153,10 +160,12 @@ class GuardedStream:
     def release(self, by: str) -> None:
         """Remove the brakes and bars of `by`: the policies decide again."""
         self.pipeline.unbar(by)
-        self._brake_reasons.pop(by, None)
+        was_braked = self._brake_reasons.pop(by, None)
         if self._brake_reasons:
             self.stop_controller.set_reason(self.brake_reason)
         else:
+            if was_braked and self.lease:
+                self.lease.require_neutral(self._transport.now())
             self.stop_controller.release_brake()
             for policy in self.override_policies.values():
                 policy.reevaluate(self._transport.now())
@@ -180,10 +189,30 @@ class GuardedStream:
         dropped: list[Release] = []
         for at, stage in enumerate(self.spec.stages):
             if policy := update.policies.get(stage.id):
+                self._connect_lease(policy)
                 self._inherit_overrides(stage.id, policy)
                 dropped += self.pipeline.replace(at, policy, now)
         self.pipeline.revise(revision_of(self.spec))
         return dropped
+
+    def _connect_lease(self, policy: Policy) -> None:
+        """Let a policy that needs a lease know which messages move nothing."""
+        if isinstance(policy, Lease):
+            policy.is_neutral = self._is_neutral
+
+    def _is_neutral(self, message: object) -> bool:
+        return isinstance(message, bytes) and not self.stop_controller.is_moving(message)
+
+    @property
+    def lease(self) -> CommandLease | None:
+        """The lease that the flows need, None if they need none."""
+        first = self.pipeline.policies[0]
+        return first.lease if isinstance(first, Lease) else None
+
+    @property
+    def lease_text(self) -> str:
+        """Who holds the lease that the flows need, "" if they need none."""
+        return lease_text(self.lease, self._transport.now()) if self.lease else ""
 
     def _inherit_overrides(self, node_id: str, policy: Policy) -> None:
         if isinstance(policy, OverridablePolicy):
@@ -198,6 +227,11 @@ class GuardedStream:
         self._slow_down(now)
         self._deadline_timer.run_due(now)
         self._notify_state_change()
+
+    def recheck_lease(self, now: int) -> None:
+        """Stop the robot if the flow that moves it has lost the lease; tell who holds it."""
+        self._last_state = (None, "another lease")
+        self.recheck(now)
 
     def _slow_down(self, now: int) -> None:
         """Repeat the last command more slowly, if it is now above a limit."""
@@ -262,6 +296,11 @@ class GuardedStream:
         self._deadline_timer.run_due(now)
         self._notify_state_change()
 
+    def limit(self, now: int) -> float | None:
+        """Return the lowest limit (m/s) at `now`, None if there is none."""
+        limits = (policy.limit(now) for policy in self.override_policies.values())
+        return min((limit for limit in limits if limit is not None), default=None)
+
     def count_lost(self, flow: str, number: int) -> None:
         """Count messages of a flow that were lost before the guard."""
         self.losses.count(flow, number)
@@ -276,9 +315,13 @@ class GuardedStream:
         now = self._transport.now()
         if self.dry_run:
             self.endpoints.outputs.send(flow, message)
+        if self._brake_reasons:
+            self.stop_controller.note_refused(flow, message, now)
         verdict = self._decide_safely(flow, message, now)
         if self.measurement:
             self.measurement.add_message(flow, message, now, verdict)
+        if self.tap:
+            self.tap.note_received(flow, message, now, verdict)
         decision = verdict.decision if verdict else _DROP
         if decision is _HOLD:
             self._deadline_timer.run_due(now)
@@ -320,6 +363,8 @@ class GuardedStream:
         self._deadline_timer.rearm_if_earlier(self.stop_controller.deadline())
 
     def _send_message(self, flow: str, message: bytes) -> None:
+        if self.tap:
+            self.tap.note_sent(flow, message, self._transport.now())
         if not self.dry_run:
             self.endpoints.outputs.send(flow, message)
 

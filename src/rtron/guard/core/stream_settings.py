@@ -28,7 +28,7 @@ def create_policy(
     settings cannot be used.
     """
     if stage.coordination_kind is CoordinationKind.GRCN:
-        return build_policy(stage.settings)
+        return build_policy(stage.settings, leases=observations.leases)
     if stage.coordination_kind is CoordinationKind.MSRCN:
         evaluator = observations.actions.get(topic)
         evaluate = evaluator.judgements_of if evaluator else _no_judgements

@@ -94,7 +94,7 @@ class HostEvents:
             topic=guarded.spec.topic,
             flow=owner,
             publisher=publishers.get(owner, ""),
-            reason=stopping or ("" if owner else "idle"),
+            reason=stopping or guarded.lease_text or ("" if owner else "idle"),
         )
         self.on_change()
 

@@ -17,14 +17,18 @@ from rtron.wire.common.link_protocol import (
     MAX_EVENTS,
     MAX_MESSAGE_BYTES,
     Applied,
+    CommandResponse,
     Hello,
+    LeaseCommand,
     NewSettings,
     StateReport,
     Stored,
+    ToGuard,
     decode_to_guard,
     encode_event,
     encode_events,
     encode_from_guard,
+    prepare_codecs,
 )
 
 log = logging.getLogger(__name__)
@@ -38,7 +42,7 @@ _CHUNK = 1 << 16
 
 
 class LinkClient:
-    """Says what the guard has to say, hears settings; connects again whenever the other end goes.
+    """Says what the guard has to say, hears what to do; connects again when the other end goes.
 
     `make_hello` is what to begin with, `make_state` what is so now, asked for at each connection.
     """
@@ -49,11 +53,11 @@ class LinkClient:
         address: bytes,
         make_hello: Callable[[], Hello],
         make_state: Callable[[], StateReport],
-        on_settings: Callable[[NewSettings], None],
+        on_message: Callable[[NewSettings | LeaseCommand], None],
     ) -> None:
         self._loop = loop
         self._address = address
-        self._make_hello, self._make_state, self._on_settings = make_hello, make_state, on_settings
+        self._make_hello, self._make_state, self._on_message = make_hello, make_state, on_message
         self._sock: socket.socket | None = None
         self._unacknowledged: deque[tuple[int, bytes]] = deque()
         self._unsent: deque[bytes] = deque()
@@ -61,6 +65,7 @@ class LinkClient:
         self._receive_buffer = b""
         self._is_batch_due = False
         self._is_closed = False
+        prepare_codecs()
 
     @property
     def has_capacity(self) -> bool:
@@ -88,7 +93,7 @@ class LinkClient:
             self._unsent.append(body)
             self._schedule_batch()
 
-    def send(self, message: StateReport | Applied) -> None:
+    def send(self, message: StateReport | Applied | CommandResponse) -> None:
         """Write what is of no use later; without a connection it is lost."""
         if self._sock and len(self._send_buffer) < MAX_MESSAGE_BYTES:
             self._write(encode_from_guard(message))
@@ -170,10 +175,12 @@ class LinkClient:
         for line in lines:
             self._receive(decode_to_guard(line))
 
-    def _receive(self, message: Stored | NewSettings) -> None:
-        if isinstance(message, NewSettings):
-            self._on_settings(message)
+    def _receive(self, message: ToGuard) -> None:
+        if isinstance(message, NewSettings | LeaseCommand):
+            self._on_message(message)
             return
+        if not isinstance(message, Stored):
+            raise WireError("the link process keeps what is not for the guard to itself")
         while self._unacknowledged and self._unacknowledged[0][0] <= message.number:
             self._unacknowledged.popleft()
 

@@ -10,21 +10,28 @@ import time
 from contextlib import suppress
 from dataclasses import replace
 
-from rtron.errors import RTronError, SourceError
+from rtron.errors import RTronError, SourceError, WireError
+from rtron.guard.link.audit_heads import HeadsFile
 from rtron.guard.link.event_counter import forget_run, former_runs
 from rtron.guard.link.options import LinkOptions
+from rtron.guard.link.plan_intake import PlanIntake, PutInForce
 from rtron.guard.link.service_connection import ServiceConnection
 from rtron.guard.link.settings_file import read_settings, write_settings
 from rtron.guard.link.spool import Spool
+from rtron.guard.system.machine_time import machine_time
 from rtron.guard.system.process_priority import lower_priority
 from rtron.guard.system.unix_socket import peer_credentials
 from rtron.vocabulary import GuardEvent, Settings
 from rtron.wire.common.link_protocol import (
     MAX_MESSAGE_BYTES,
     Applied,
+    CommandResponse,
     Events,
+    FromGuard,
     Hello,
+    LeaseCommand,
     NewSettings,
+    PlanDocument,
     StateReport,
     Stored,
     decode_from_guard,
@@ -73,14 +80,16 @@ _RECONNECT_S = 2.0
 class Relay:
     """Serves one guard at a time, the next one when the one before is gone."""
 
-    def __init__(self, options: LinkOptions) -> None:
+    def __init__(self, options: LinkOptions, put_in_force: PutInForce | None = None) -> None:
         self._options = options
         self._spool = Spool(options.spool_file)
-        self._service = ServiceConnection(options, self._spool, self._on_settings)
+        heads_file = HeadsFile(options.audit_heads_file)
+        self._service = ServiceConnection(options, self._spool, self._on_message, heads_file)
+        self._plans = PlanIntake(options.plans, self._service.queue_message, put_in_force)
         self._guard_writer: LineWriter | None = None
         self._serving: set[asyncio.Task[None]] = set()
         self._has_guard = False
-        self._settings = read_settings(options.settings_file, time.time_ns())
+        self._settings = read_settings(options.settings_file, machine_time())
         self._former_settings = self._settings
         self._unused_since = time.monotonic()
         self._parent = os.getppid()
@@ -104,6 +113,7 @@ class Relay:
             for task in self._serving:
                 task.cancel()
             await asyncio.gather(*self._serving, return_exceptions=True)
+        self._plans.close()
         for work in works:
             work.cancel()
         await asyncio.gather(*works, return_exceptions=True)
@@ -187,20 +197,36 @@ class Relay:
         elif self._guard_writer is None:
             self._service.withdraw()
 
-    def _receive(self, message: Hello | Events | StateReport | Applied) -> None:
+    def _receive(self, message: FromGuard) -> None:
         if isinstance(message, Hello):
             self._on_hello(message)
         elif isinstance(message, Events):
             self._store_events(message.events)
         elif isinstance(message, Applied):
             self._on_applied(message)
-        else:
+        elif isinstance(message, StateReport | CommandResponse):
             self._service.queue_message(message)
+        else:
+            raise WireError("a guard gives its link whole states, and no reports")
 
     def _on_hello(self, hello: Hello) -> None:
+        self._plans.note_hello(hello.plan)
         if self._settings and self._settings.revision > hello.revision:
             self._send_settings(self._settings)
-        self._service.announce(replace(hello, robot=self._options.robot))
+        settings = _shifted(hello.settings, time.time_ns() - machine_time().now)
+        robot = self._options.robot
+        self._service.announce(
+            replace(
+                hello,
+                robot=robot,
+                settings=settings,
+                renews_token=True,
+                takes_audit_heads=True,
+                takes_refusals=True,
+                takes_lease_commands=True,
+                takes_approval_commands=True,
+            )
+        )
         self._report_killed_runs(hello.run)
 
     def _report_killed_runs(self, run: str) -> None:
@@ -226,19 +252,29 @@ class Relay:
         self._spool.add([(event, encode_event(event))])
         log.warning("%s", event.reason)
 
+    def _on_message(self, message: NewSettings | LeaseCommand | PlanDocument) -> None:
+        """Give the guard what the service says; a command for a lease is not kept for another."""
+        if isinstance(message, LeaseCommand):
+            self._send(message)
+        elif isinstance(message, PlanDocument):
+            self._plans.take_document(message.text)
+        else:
+            self._on_settings(message)
+
     def _on_settings(self, message: NewSettings) -> None:
         """Give settings to the guard, and keep them before it can have answered.
 
         A disk that is full keeps nothing, but no stop from the robot either.
         """
-        now = time.time_ns()
-        self._former_settings, self._settings = self._settings, _in_local_time(message, now)
+        settings = _shifted(message.settings, machine_time().now - message.now)
+        self._former_settings, self._settings = self._settings, settings
         self._send_settings(self._settings)
         self._save_settings(self._settings)
+        self._plans.want(self._settings)
 
     def _save_settings(self, settings: Settings) -> None:
         try:
-            write_settings(self._options.settings_file, settings, time.time_ns())
+            write_settings(self._options.settings_file, settings, machine_time())
         except OSError as error:
             log.error("settings do not outlive this guard: %s", error)  # noqa: TRY400
 
@@ -246,7 +282,8 @@ class Relay:
         current = self._settings
         if applied.error and current and applied.revision == current.revision:
             self._restore_settings(current)
-        self._service.queue_message(applied)
+        if answer := self._plans.answer(applied):
+            self._service.queue_message(answer)
 
     def _restore_settings(self, refused: Settings) -> None:
         """Keep what was in force before the guard refused something; a stop is never refused."""
@@ -259,30 +296,29 @@ class Relay:
             self._options.settings_file.unlink(missing_ok=True)
 
     def _send_settings(self, settings: Settings) -> None:
-        self._send(NewSettings(settings=settings, now=time.time_ns()))
+        self._send(NewSettings(settings=settings, now=machine_time().now))
 
-    def _send(self, message: Stored | NewSettings) -> None:
+    def _send(self, message: Stored | NewSettings | LeaseCommand) -> None:
         if self._guard_writer:
             self._guard_writer.write(encode_to_guard(message))
 
 
-def _in_local_time(message: NewSettings, now: int) -> Settings:
-    """Return settings whose times are those of this machine's clock."""
-    ahead = now - message.now
+def _shifted(settings: Settings, ahead: int) -> Settings:
+    """Return settings by a clock that is so far `ahead` (ns): the machine's, or the wall clock."""
     overrides = {
         id: replace(override, until=override.until + ahead)
-        for id, override in message.settings.overrides.items()
+        for id, override in settings.overrides.items()
     }
-    return replace(message.settings, overrides=overrides)
+    return replace(settings, overrides=overrides)
 
 
-def run_relay(options: LinkOptions) -> None:
+def run_relay(options: LinkOptions, put_in_force: PutInForce) -> None:
     """Be the link process until told to end."""
     lower_priority(_NICE)
-    asyncio.run(_run(options))
+    asyncio.run(_run(options, put_in_force))
 
 
-async def _run(options: LinkOptions) -> None:
+async def _run(options: LinkOptions, put_in_force: PutInForce) -> None:
     ended = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ended.set)
-    await Relay(options).run(ended)
+    await Relay(options, put_in_force).run(ended)

@@ -18,7 +18,14 @@ from rtron.guard.link.link_client import LinkClient
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.settings.in_force import SettingsInForce
 from rtron.vocabulary import SECOND, EventKind, GuardEventLevel, GuardState, Plan, Settings
-from rtron.wire.common.link_protocol import Applied, Hello, NewSettings, StateReport
+from rtron.wire.common.link_protocol import (
+    Applied,
+    CommandResponse,
+    Hello,
+    LeaseCommand,
+    NewSettings,
+    StateReport,
+)
 
 log = logging.getLogger(__name__)
 
@@ -62,9 +69,9 @@ class ServiceLink:
         self._other_lane = other_lane
         self._dry_run = any(guarded.dry_run for guarded in host.streams)
         self._run, self._began = uuid4().hex, time.time_ns()
-        self._client = LinkClient(
-            loop, options.address, self._hello, self._state, self._on_settings
-        )
+        self._client = LinkClient(loop, options.address, self._hello, self._state, self._on_message)
+        self.on_lease_command: Callable[[LeaseCommand], None] = lambda command: None
+        """Takes what a person asks of a lease; `receive` takes the response."""
         self._recorder = EventRecorder(
             EventCounter(options.counter_folder, self._run),
             self._run,
@@ -72,6 +79,7 @@ class ServiceLink:
             lambda: self._client.has_capacity,
             time.time_ns,
         )
+        self.record: RecordEvent = self._recorder.record
         self._recorder.revision = settings.revision
         self._host_events = HostEvents(host, self._recorder.record)
         self._host_events.on_change = self._schedule_state
@@ -95,6 +103,17 @@ class ServiceLink:
         self._recorder.record(EventKind.GUARD, reason="the guard ends")
         self._client.close()
 
+    def receive(self, message: object) -> None:
+        """Pass on the response to what a person has asked of a lease."""
+        if isinstance(message, CommandResponse):
+            self._client.send(message)
+
+    def report_incident(self, name: str) -> None:
+        """Tell that an incident was saved on this machine, in a file of this name."""
+        reason, values = f"incident saved: {name}", {"incident": name}
+        level = GuardEventLevel.WARNING
+        self._recorder.record(EventKind.GUARD, level, reason=reason, values=values)
+
     def _facts(self) -> dict[str, object]:
         return {"app": self._plan.app, "version": __version__, "dry_run": self._dry_run}
 
@@ -109,9 +128,14 @@ class ServiceLink:
             settings=self._settings.current,
         )
 
-    def _on_settings(self, message: NewSettings) -> None:
+    def _on_message(self, message: NewSettings | LeaseCommand) -> None:
+        if isinstance(message, LeaseCommand):
+            self.on_lease_command(message)
+        else:
+            self._apply(message.settings)
+
+    def _apply(self, settings: Settings) -> None:
         """Put settings in force in every process of the guard, or in none."""
-        settings = message.settings
         if settings.revision < self._settings.revision:
             return
         if self._other_lane:

@@ -6,17 +6,18 @@ from pathlib import Path
 
 from rtron.errors import WireError
 from rtron.guard.system.durable_file import replace_file
+from rtron.guard.system.machine_time import MachineTime
 from rtron.vocabulary import Settings
 from rtron.wire.common.link_protocol import NewSettings, decode_to_guard, encode_to_guard
 
 log = logging.getLogger(__name__)
 
 
-def read_settings(path: Path, now: int) -> Settings | None:
+def read_settings(path: Path, at: MachineTime) -> Settings | None:
     """Return what was kept last; None if nothing was, or if it cannot be read.
 
-    A clock (`now`, wall, ns) that was set back since then cannot tell which overrides are over:
-    they are.
+    Overrides end by the machine's own time. Once it was started anew nobody knows which are over:
+    all of them are.
     """
     try:
         message = decode_to_guard(path.read_bytes())
@@ -27,9 +28,12 @@ def read_settings(path: Path, now: int) -> Settings | None:
         return None
     if not isinstance(message, NewSettings):
         return None
-    return message.settings if now >= message.now else replace(message.settings, overrides={})
+    if at.boot and message.boot == at.boot and message.now <= at.now:
+        return message.settings
+    return replace(message.settings, overrides={})
 
 
-def write_settings(path: Path, settings: Settings, now: int) -> None:
+def write_settings(path: Path, settings: Settings, at: MachineTime) -> None:
     """Write settings so that a crash at any moment leaves the old or the new ones, whole."""
-    replace_file(path, encode_to_guard(NewSettings(settings=settings, now=now)))
+    message = NewSettings(settings=settings, now=at.now, boot=at.boot)
+    replace_file(path, encode_to_guard(message))

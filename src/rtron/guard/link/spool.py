@@ -29,6 +29,18 @@ Row = tuple[int, str, int, bytes]
 """Position, run, number and the event as JSON."""
 
 
+def _open(path: Path) -> sqlite3.Connection:
+    db = sqlite3.connect(path, isolation_level=None)
+    try:
+        db.execute("PRAGMA journal_mode=WAL")
+        db.execute("PRAGMA synchronous=NORMAL")
+        db.executescript(_SCHEMA)
+    except sqlite3.Error:
+        db.close()
+        raise
+    return db
+
+
 class Spool:
     """The events of all runs that wait, and the highest number that was ever seen of each run."""
 
@@ -37,10 +49,7 @@ class Spool:
         self._max_events = max_events
         self.is_empty = asyncio.Event()
         try:
-            self._db = sqlite3.connect(path, isolation_level=None)
-            self._db.execute("PRAGMA journal_mode=WAL")
-            self._db.execute("PRAGMA synchronous=NORMAL")
-            self._db.executescript(_SCHEMA)
+            self._db = _open(path)
         except sqlite3.Error as error:
             help = "choose another folder with --state-dir, or remove the file"
             raise InputError(f"{path}: {error}", help=help) from None

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from rtron.guard.core.lease_text import lease_status
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.measurement.histogram import LatencyStatistics
 from rtron.vocabulary import StreamState, VerdictCounts
@@ -37,9 +38,11 @@ class StreamMonitor:
             flows=self._tallies(),
             strangers=dict(guarded.strangers),
             speed=guarded.stop_controller.speed,
-            limit=_limit(guarded, now),
+            limit=guarded.limit(now),
             latency=self._latency,
             lost_behind=sum(guarded.lost_behind.values()),
+            lease=guarded.lease_text,
+            lease_status=lease_status(guarded.lease, now) if guarded.lease else None,
         )
 
     def figures(self, now: int) -> dict[str, Any] | None:
@@ -53,7 +56,7 @@ class StreamMonitor:
         lost = self._lost_since()
         if not active and not any(lost):
             return None
-        speed, limit = self.guarded.stop_controller.speed, _limit(self.guarded, now)
+        speed, limit = self.guarded.stop_controller.speed, self.guarded.limit(now)
         found = {"flows": active, "speed": speed, "limit": limit, "latency": self._latency}
         return {**found, "lost": lost} if any(lost) else found
 
@@ -87,8 +90,3 @@ def _difference(now: VerdictCounts, before: VerdictCounts) -> list[int]:
         now.dropped - before.dropped,
         now.modified - before.modified,
     ]
-
-
-def _limit(guarded: GuardedStream, now: int) -> float | None:
-    limits = (policy.limit(now) for policy in guarded.override_policies.values())
-    return min((limit for limit in limits if limit is not None), default=None)

@@ -29,7 +29,7 @@ def run_master(plan: Plan, host: str, port: int, *, private_port: int = 0) -> in
         raise SourceError("only ROS 1 has a master", help="the plan says `ros: 2`")
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
-    _allow_many_connections()
+    allow_many_files()
     loop = EventLoop()
     try:
         master = Rosmaster(private_port)
@@ -78,6 +78,7 @@ def _watch_master(loop: EventLoop, master: Rosmaster) -> None:
         loop.call_later(_POLL_S, lambda: _watch_master(loop, master))
 
 
-def _allow_many_connections() -> None:
+def allow_many_files() -> None:
+    """Let this process open as many files as its hard limit allows: each connection is one."""
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))

@@ -6,6 +6,8 @@ from functools import partial
 from rtron.guard.action.ros1.stream import Ros1ActionStream
 from rtron.guard.action.ros1.topics import STATUS
 from rtron.guard.action.ros2.stream import ObservedActionStream
+from rtron.guard.authority.lease_controller import LeaseController
+from rtron.guard.authority.lease_topics import LeaseTopics
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.observations import observations_of
@@ -63,6 +65,8 @@ class RecordingPlayer:
         if self._measurement:
             self._measurement.measure(self._coordinator.streams)
         self._coordinator.open_streams()
+        leases = LeaseController(self._coordinator, self._transport)
+        LeaseTopics(leases, self._transport).open()
         receivers = (pair for action in self._transport.actions for pair in action.receivers())
         self._requests: dict[str, MessageHandler] = dict(receivers)
         for stream in self._coordinator.streams:

@@ -43,8 +43,8 @@ class SettingsApplier:
         """
         return bool(self._coordinator.emergency) and self._emergency_stop.has_effect
 
-    def apply(self, settings: Settings, wall_now: int) -> None:
-        """Put settings in force; `wall_now` is the wall clock (ns) that overrides end by.
+    def apply(self, settings: Settings, machine_now: int) -> None:
+        """Put settings in force; `machine_now` is the time (ns) that overrides end by.
 
         RTronError if they cannot be used; then nothing has changed.
         """
@@ -60,7 +60,7 @@ class SettingsApplier:
             self._emergency_stop.stop(settings.stop)
         self._rules.apply(rules, now)
         self._coordinator.apply_updates(rules.observations, adaptations)
-        self._overrides.replace(settings.overrides, wall_now)
+        self._overrides.replace(settings.overrides, machine_now)
         self.revision = settings.revision
         if not settings.stop:
             self._emergency_stop.release()

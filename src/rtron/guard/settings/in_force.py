@@ -1,13 +1,13 @@
 """The settings that one process of the guard has in force, and why it has refused others."""
 
 import logging
-import time
 from dataclasses import replace
 
 from rtron.errors import InputError, RTronError
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.settings_file import read_settings
 from rtron.guard.settings.applier import SettingsApplier
+from rtron.guard.system.machine_time import machine_time
 from rtron.vocabulary import EmergencyStop, Settings
 
 log = logging.getLogger(__name__)
@@ -35,7 +35,7 @@ class SettingsInForce:
     def apply(self, settings: Settings) -> str:
         """Put settings in force; return why that is not possible, or nothing."""
         try:
-            self._applier.apply(settings, time.time_ns())
+            self._applier.apply(settings, machine_time().now)
         except RTronError as error:
             self.refuse(settings, str(error))
             return str(error)
@@ -59,13 +59,13 @@ class SettingsInForce:
     def stop_robot(self, stop: EmergencyStop) -> None:
         """Put an emergency stop in force beside what is in force."""
         self.current = replace(self.current, stop=stop)
-        self._applier.apply(self.current, time.time_ns())
+        self._applier.apply(self.current, machine_time().now)
 
 
 def settings_at_start(settings: SettingsInForce, options: LinkOptions) -> None:
     """Put the last settings in force that the service has sent, before the guard opens."""
     _prepare_folders(options)
-    saved = read_settings(options.settings_file, time.time_ns())
+    saved = read_settings(options.settings_file, machine_time())
     if saved:
         settings.apply(saved)
 

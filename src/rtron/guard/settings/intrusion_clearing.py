@@ -7,6 +7,9 @@ from functools import partial
 from typing import Any
 
 from rtron.errors import WireError
+from rtron.guard.authority.latched_stops import LatchedStops
+from rtron.guard.authority.lease_commands import LeaseCommands, StopCommands
+from rtron.guard.authority.lease_controller import LeaseController
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.control_socket import RequestHandler, Response
 from rtron.guard.settings.local_overrides import OverrideCommands, read_reason
@@ -77,9 +80,21 @@ class _ClearResponse:
             self.future.set_result({"cleared": sorted(self._refusals)})
 
 
-def create_request_handler(coordinator: Coordinator, transport: Transport) -> RequestHandler:
+def create_request_handler(
+    coordinator: Coordinator, transport: Transport, leases: LeaseController, stops: LatchedStops
+) -> RequestHandler:
     """Return what handles every request at the control socket."""
-    overrides, clearing = OverrideCommands(coordinator, transport), ClearCommands(coordinator)
-    return lambda user, request: (clearing if "clear" in request else overrides).handle(
-        user, request
-    )
+    overrides = OverrideCommands(coordinator, transport)
+    stopping = StopCommands(stops)
+    commands: Mapping[str, RequestHandler] = {
+        "clear": ClearCommands(coordinator).handle,
+        "lease": LeaseCommands(leases).handle,
+        "stop": stopping.handle,
+        "release": stopping.handle,
+    }
+
+    def handle(user: str, request: Mapping[str, Any]) -> Response | Future[Response]:
+        key = next((key for key in commands if key in request), "")
+        return commands.get(key, overrides.handle)(user, request)
+
+    return handle

@@ -8,7 +8,7 @@ from rtron.errors import WireError
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.override_policy import OverridablePolicy, Override
 from rtron.guard.transport.common.protocol import Transport
-from rtron.vocabulary import SECOND
+from rtron.vocabulary import SECOND, visible_text
 
 log = logging.getLogger(__name__)
 
@@ -70,10 +70,13 @@ def _duration(value: object) -> int:
 
 
 def read_reason(value: object) -> str:
-    """Return the reason of a request as a single line; WireError if it is no text."""
+    """Return the reason of a request as a single line, "" for one that nobody can see.
+
+    WireError if it is no text.
+    """
     if not isinstance(value, str):
         raise WireError("a reason is a text")
-    return single_line(value)
+    return visible_text(single_line(value))
 
 
 def single_line(text: str) -> str:

@@ -3,13 +3,13 @@
 Settings come by the bulk process, which may be away, hang or be busy with pictures.
 """
 
-import time
 from functools import partial
 
 from rtron.guard.core.event_loop import BackgroundWorker, EventLoop
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.settings_file import read_settings
 from rtron.guard.settings.in_force import SettingsInForce
+from rtron.guard.system.machine_time import machine_time
 from rtron.vocabulary import EmergencyStop, Settings
 
 _PERIOD_S = 0.1
@@ -49,7 +49,7 @@ class SavedStop:
         if written_at == self._read_at:
             return
         self._read_at = written_at
-        saved = read_settings(self._file, time.time_ns())
+        saved = read_settings(self._file, machine_time())
         if saved and saved.stop:
             self._loop.post(partial(self._stop, saved, saved.stop))
 

@@ -22,8 +22,8 @@ class SettingsOverrides:
         self._transport = transport
         self._overrides: Mapping[str, TimedOverride] = {}
 
-    def replace(self, overrides: Mapping[str, TimedOverride], wall_now: int) -> None:
-        """Grant these, and end all others; `wall_now` is the wall clock, ns.
+    def replace(self, overrides: Mapping[str, TimedOverride], machine_now: int) -> None:
+        """Grant these, and end all others; `machine_now` is the machine's time, ns.
 
         No override lasts longer than one that is requested on the robot.
         """
@@ -32,7 +32,7 @@ class SettingsOverrides:
             self._end(id)
         for id, override in overrides.items():
             if override != before.get(id):
-                self._start(id, override, override.until - wall_now)
+                self._start(id, override, override.until - machine_now)
 
     def _start(self, id: str, override: TimedOverride, remaining: int) -> None:
         if remaining <= 0:

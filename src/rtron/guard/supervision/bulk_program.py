@@ -6,6 +6,7 @@ from rtron.guard.lanes.bulk.bulk_process import run_bulk_process
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
+from rtron.guard.transport.factory import share_memory
 
 
 def main(numbers: str) -> None:
@@ -14,6 +15,7 @@ def main(numbers: str) -> None:
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
     start_logging(config.log_level, "bulk")
+    share_memory(config.plan.ros, on=True)
 
     def carry() -> int:
         link = config.options.get("link")

@@ -34,10 +34,15 @@ class GuardConfig:
 
     def write_to_memory(self) -> int:
         """Return the descriptor of a file in memory with the configuration."""
-        descriptor = os.memfd_create("rtron-config", os.MFD_CLOEXEC)
-        with os.fdopen(os.dup(descriptor), "wb") as file:
-            file.write(pickle.dumps(self))
-        return descriptor
+        return write_memory_file(pickle.dumps(self))
+
+
+def write_memory_file(config: bytes) -> int:
+    """Return the descriptor of a file in memory with a configuration that is written already."""
+    descriptor = os.memfd_create("rtron-config", os.MFD_CLOEXEC)
+    with os.fdopen(os.dup(descriptor), "wb") as file:
+        file.write(config)
+    return descriptor
 
 
 def read_config(descriptor: int) -> GuardConfig:

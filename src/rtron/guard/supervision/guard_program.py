@@ -19,7 +19,7 @@ from rtron.guard.supervision.programs import leave_interrupts, open_descriptors,
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import SupervisorClient
 from rtron.guard.supervision.supervisor_handover import BEGIN
-from rtron.guard.transport.factory import load_types, prepare_session
+from rtron.guard.transport.factory import load_types, prepare_session, share_memory
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import Plan, build_streams
 
@@ -38,6 +38,7 @@ def main(numbers: str) -> None:
     config = read_config(config_file)
     start_logging(config.log_level)
     memory = GuardMemory(memory_file, len(stopped_streams(config.plan)))
+    share_memory(config.plan.ros, on=config.options["dry_run"])
     session = prepare_session(config.plan.ros, config.master)
     _load(config.plan)
     if session:

@@ -3,7 +3,7 @@
 import logging
 import signal
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from rtron.guard.supervision.programs import start_program
 from rtron.vocabulary import SECOND
@@ -13,7 +13,8 @@ log = logging.getLogger(__name__)
 MIN_RESTART_DELAY = SECOND
 """The time before the next start of one that ended soon, ns; it doubles while each does."""
 MAX_RESTART_DELAY = 4 * SECOND
-_STOP_TIMEOUT_S = 4.0
+_STOP_TIMEOUT_S = 10.0
+"""The bulk process waits 8 s for the recorder of incidents."""
 
 
 class HelperProcess:
@@ -24,8 +25,16 @@ class HelperProcess:
     """
 
     def __init__(
-        self, config_file: int, program: str, is_there: Callable[[], bool] = lambda: False
+        self,
+        config_file: int,
+        program: str,
+        is_there: Callable[[], bool] = lambda: False,
+        *,
+        files: Sequence[int] = (),
+        has_plan: bool = True,
     ) -> None:
+        """Start the program with the configuration and `files`; one that `has_plan` follows it."""
+        self._files, self._has_plan = files, has_plan
         self.process: subprocess.Popen[bytes] | None = None
         self._program = program
         self._is_there = is_there
@@ -61,11 +70,19 @@ class HelperProcess:
     def _start(self, now: int) -> None:
         self._started_at, self._start_due = now, None
         try:
-            self.process = start_program(self._program, [self._config_file])
+            self.process = start_program(self._program, [self._config_file, *self._files])
         except OSError as error:
             self.process = None
             text = "%s cannot be started, tried again soon: %s"
             log.warning(text, self._program.partition(":")[0], error)
+
+    def use(self, config_file: int) -> None:
+        """Run with another configuration from now on: the process ends, and the next one has it."""
+        if config_file == self._config_file or not self._has_plan:
+            return
+        self._config_file = config_file
+        if self.process and self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
 
     def stop(self) -> None:
         """End it; it has a moment to deliver what waits."""

@@ -15,7 +15,8 @@ from rtron.guard.intrusion_latch import handover_document, intrusions_in
 from rtron.guard.link.options import state_folder
 from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.guard_config import GuardConfig
-from rtron.guard.system.durable_file import remove_file, replace_file
+from rtron.guard.system.durable_file import make_private_folder, remove_file, replace_file
+from rtron.guard.system.master_name import master_file_name
 from rtron.guard.system.unix_socket import open_own_folder
 from rtron.vocabulary import SECOND, OnForeign, build_streams
 
@@ -124,7 +125,7 @@ class IntrusionFile:
         return {topic: str(reason) for topic, reason in reasons.items()}
 
     def _check_folder(self) -> None:
-        self._path.parent.parent.mkdir(parents=True, exist_ok=True)
+        make_private_folder(self._path.parent)
         os.close(open_own_folder(self._path.parent, _HELP))
 
 
@@ -133,6 +134,5 @@ def intrusion_file(config: GuardConfig) -> IntrusionFile | None:
     plan = config.plan
     if config.options.get("dry_run") or plan.audit.on_foreign is not OnForeign.STOP:
         return None
-    master = "".join(each if each.isalnum() else "_" for each in config.master)
-    path = state_folder(plan.app) / f"intrusions-{master[:64]}.json"
+    path = state_folder(plan.app) / f"intrusions-{master_file_name(config.master)}.json"
     return IntrusionFile(path, frozenset(each.topic for each in build_streams(plan)))

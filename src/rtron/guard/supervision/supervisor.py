@@ -4,7 +4,7 @@ import json
 import logging
 import os
 import signal
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
@@ -16,6 +16,7 @@ from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
 from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard
 from rtron.guard.supervision.helper_process import HelperProcess
 from rtron.guard.supervision.intrusion_file import intrusion_file
+from rtron.guard.supervision.plan_trial import PlanTrial, make_plan_slot
 from rtron.guard.supervision.programs import BULK, LINK
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.stream_brakes import StreamBrakes
@@ -43,6 +44,7 @@ _OWNER_S = 0.5
 _SAVE_S = 1.0
 """How long an end waits for the disk."""
 _SPARE_RETRY = 5 * SECOND
+_FOR_PLAN = "made place for another plan"
 
 
 class Supervisor:
@@ -60,9 +62,10 @@ class Supervisor:
         self._guard = adopt_guard(config, self._stream_count)
         if is_backup and self._guard is None:
             raise SourceError(f"the guard on {config.master} is gone")
-        self._config_file, self._master = config_file, config.master
+        self._plan_trial = _plan_trial(config, config_file)
+        self._master = config.master
         self._loop = loop
-        self._transport = open_transport(config.plan.ros, config.master, loop)
+        self._transport = open_transport(config.plan, config.master, loop)
         self._transport.set_shutdown_handler(self._refuse_shutdown)
         self._log_throttle = LogThrottle()
         self._systemd = take_notifier(os.environ)
@@ -79,7 +82,7 @@ class Supervisor:
         self._fsm = SupervisorFsm(
             loop.now(), config.plan.supervision, is_adopted=self._guard is not None
         )
-        self._helpers = list(_helpers(config, config_file))
+        self._helpers = list(_helpers(config, config_file, self._plan_trial.slot_files))
         self._spare: GuardProcess | None = None
         self._spare_due = 0
         self._is_spare_ready = False
@@ -145,6 +148,7 @@ class Supervisor:
         self._perform(actions, now)
         self._reap(now)
         self._prepare_spare(now)
+        self._follow_plan(now)
         is_well = self._fsm.phase is GuardPhase.SERVING and not self._delivery.is_unwatched
         self._systemd.report(now, f"guard {self._fsm.phase.name.lower()}", is_well=is_well)
         if self._memory[StatusWord.SERVING] and not self._is_leaving:
@@ -191,6 +195,9 @@ class Supervisor:
         if guard is None:
             self._fsm.start_failed(now)
             return
+        self._plan_trial.begin()
+        for helper in self._helpers:
+            helper.use(self._plan_trial.config_file)
         guard.memory[StatusWord.OWNER], guard.memory[StatusWord.SUPERVISOR_BEAT] = (
             self._owner(),
             now,
@@ -222,7 +229,7 @@ class Supervisor:
     def _try_spawn(self, failure: str) -> GuardProcess | None:
         """Start a guard; None if the system has nothing left for it now."""
         try:
-            return spawn_guard(self._config_file, self._stream_count)
+            return spawn_guard(self._plan_trial.config_file, self._stream_count)
         except OSError as error:
             log.warning("%s, tried again soon: %s", failure, error)
             return None
@@ -251,6 +258,28 @@ class Supervisor:
         elif not self._is_spare_ready and spare.memory[StatusWord.READY]:
             self._is_spare_ready = True
             log.info("the next guard is ready, process %d", spare.pid)
+
+    def _follow_plan(self, now: int) -> None:
+        """Let a guard with another plan take the place of the one that runs, once it is ready."""
+        serving_since = self._memory[StatusWord.SERVING]
+        if serving_since and self._fsm.phase is GuardPhase.SERVING:
+            self._plan_trial.watch(now - serving_since)
+        if self._plan_trial.take(now):
+            log.info("the next guard gets another plan")
+            self._drop_spare()
+        elif self._plan_trial.give_up(now):
+            log.error("no guard gets ready for another plan: the former one stays in force")
+            self._drop_spare()
+        if self._plan_trial.is_prepared and self._is_spare_ready and self._fsm.replace_guard():
+            self._failure = _FOR_PLAN
+            self._send_signal(signal.SIGKILL)
+
+    def _drop_spare(self) -> None:
+        """Do without the guard that waits: it has a plan that is not to come into force."""
+        if self._spare:
+            self._spare.send_signal(signal.SIGKILL)
+            self._spare.discard()
+        self._spare, self._spare_due, self._is_spare_ready = None, 0, False
 
     def _watch_connection(self, guard: GuardProcess) -> None:
         self._loop.watch(
@@ -289,7 +318,7 @@ class Supervisor:
         return "does not deliver" if self._fsm.is_undelivered else "stands still"
 
     def _send_signal(self, number: int) -> None:
-        if self._fsm.phase is GuardPhase.KILLED:
+        if self._fsm.phase is GuardPhase.KILLED and self._failure != _FOR_PLAN:
             log.error("the guard stands still, or does not end: it is killed")
             self._failure = "stood still and was killed"
         if self._guard:
@@ -308,7 +337,13 @@ class Supervisor:
 
     def _report_end(self, code: int, now: int) -> None:
         failure, self._failure = self._failure or _exit_text(code), ""
-        if self._fsm.phase is GuardPhase.WAITING:
+        if self._plan_trial.guard_ended():
+            log.error("the guard %s with another plan: the former one is in force again", failure)
+            self._drop_spare()
+        if failure == _FOR_PLAN:
+            log.warning("the guard made place for one with another plan")
+            self._failure_report = ""
+        elif self._fsm.phase is GuardPhase.WAITING:
             wait = max(0, self._fsm.restart_due - now) / SECOND
             log.error("the guard %s; the next one begins in %.2g s", failure, wait)
             self._failure_report = f"the guard before {failure}"
@@ -327,12 +362,19 @@ class Supervisor:
             log.error("%s was told to shut down and does not: %s", node, printable(reason))
 
 
-def _helpers(config: GuardConfig, config_file: int) -> Iterator[HelperProcess]:
+def _plan_trial(config: GuardConfig, config_file: int) -> PlanTrial:
+    link = config.options.get("link")
+    return PlanTrial(config_file, make_plan_slot() if link and link.plans else None)
+
+
+def _helpers(
+    config: GuardConfig, config_file: int, slot_files: Sequence[int]
+) -> Iterator[HelperProcess]:
     """Yield what runs beside the guard: a dry run is one process."""
     if not config.options.get("dry_run"):
         yield HelperProcess(config_file, BULK, BulkSocket(config.digest).is_taken)
     if config.options.get("link"):
-        yield HelperProcess(config_file, LINK)
+        yield HelperProcess(config_file, LINK, files=slot_files, has_plan=False)
 
 
 def _exit_text(code: int) -> str:

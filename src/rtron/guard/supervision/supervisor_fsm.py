@@ -131,6 +131,13 @@ class SupervisorFsm:
             return self._leave(OK)
         return (SupervisorAction.TERMINATE,)
 
+    def replace_guard(self) -> bool:
+        """Let the guard be killed to make place for the next one, if it guards; return whether."""
+        if self.phase is not GuardPhase.SERVING or self._is_ending:
+            return False
+        self.phase = GuardPhase.KILLED
+        return True
+
     def hand_over(self) -> tuple[SupervisorAction, ...]:
         """Leave the guard to another supervisor."""
         return self._leave(OK)

@@ -7,6 +7,7 @@ from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.programs import open_descriptors, run_program
 from rtron.guard.supervision.supervisor import Supervisor
+from rtron.guard.transport.factory import share_memory
 
 
 def main(numbers: str) -> None:
@@ -23,6 +24,7 @@ def _supervise(numbers: str, *, is_backup: bool) -> None:
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
     start_logging(config.log_level, "supervisor")
+    share_memory(config.plan.ros, on=False)
     sys.exit(
         run_program(lambda: Supervisor(config, config_file, EventLoop(), is_backup=is_backup).run())
     )

@@ -6,10 +6,19 @@ from pathlib import Path
 _PRIVATE = 0o600
 
 
-def replace_file(path: Path, data: bytes) -> None:
-    """Write a file that only its owner may read; OSError if it is not on the disk then."""
-    new = path.with_suffix(".new")
-    with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, _PRIVATE), "wb") as file:
+def make_private_folder(folder: Path) -> None:
+    """Make a folder, and those above it that are not there, for this user alone (XDG folders)."""
+    if not folder.is_dir():
+        make_private_folder(folder.parent)
+        folder.mkdir(mode=0o700, exist_ok=True)
+        _sync_folder(folder.parent)
+
+
+def replace_file(path: Path, data: bytes, mode: int = _PRIVATE) -> None:
+    """Write a file that only its owner may read, or `mode`; OSError if it is not on the disk."""
+    new = path.with_name(f"{path.name}.new")
+    new.unlink(missing_ok=True)
+    with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:
         file.write(data)
         file.flush()
         os.fsync(file.fileno())

@@ -9,6 +9,7 @@ from pathlib import Path
 from rtron.errors import SourceError
 
 _CREDENTIALS = struct.Struct("3i")
+_NO_LOGIN = (1 << 32) - 1
 
 
 def peer_credentials(sock: socket.socket) -> tuple[int, int]:
@@ -16,6 +17,28 @@ def peer_credentials(sock: socket.socket) -> tuple[int, int]:
     data = sock.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
     pid, uid, _ = _CREDENTIALS.unpack(data)
     return pid, uid
+
+
+def login_user(pid: int) -> int | None:
+    """Return the user that logged in to a process's session; sudo and su do not change it.
+
+    None if it has no login, as a service, or if the kernel does not say (proc(5), loginuid).
+    """
+    try:
+        uid = int(Path("/proc", str(pid), "loginuid").read_text())
+    except (OSError, ValueError):
+        return None
+    return None if uid == _NO_LOGIN else uid
+
+
+def local_users() -> dict[int, str]:
+    """Return the names of this machine's own users; directories elsewhere are not asked."""
+    try:
+        lines = Path("/etc/passwd").read_text("utf-8", "replace").splitlines()
+    except OSError:
+        return {}
+    rows = (line.split(":") for line in lines)
+    return {int(row[2]): row[0] for row in rows if len(row) > 2 and row[2].isdecimal()}  # noqa: PLR2004 - passwd(5)
 
 
 def user_name(kind: str, subject: bytes) -> str:

@@ -55,6 +55,8 @@ class Definition:
     nested: Mapping[str, "Definition"] = field(default_factory=dict, repr=False, compare=False)
     values: int = field(default=1, repr=False, compare=False)
     depth: int = field(default=1, repr=False, compare=False)
+    md5_text: str = field(default="", repr=False, compare=False)
+    """What the MD5 sum is of; that of a service is of both its parts' together."""
 
     def find(self, name: str) -> Field | None:
         """Return the field called `name`."""

@@ -77,14 +77,16 @@ def _definition(name: str, section: Section, nested: Mapping[str, Definition]) -
     depth = 1 + max((each.depth for each in nested.values()), default=0)
     if depth > MAX_DEPTH:
         raise _too_deep(name)
-    hashed = [*section.hashed, *(_hashed(each, nested) for each in section.fields)]
+    hashed = (*section.hashed, *(_hashed(each, nested) for each in section.fields))
+    text = "\n".join(hashed)
     return Definition(
         type=name,
         fields=tuple(section.fields),
-        md5sum=hashlib.md5("\n".join(hashed).encode(), usedforsecurity=False).hexdigest(),
+        md5sum=hashlib.md5(text.encode(), usedforsecurity=False).hexdigest(),
         nested=nested,
         values=max(values, 1),
         depth=depth,
+        md5_text=text,
     )
 
 

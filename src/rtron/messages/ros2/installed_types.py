@@ -102,6 +102,16 @@ def find_installed_type(type: str) -> InstalledType | None:
     return None
 
 
+def find_interface_text(type: str, kind: str) -> str:
+    """Return the text of a type, srv or action; SourceError if it is not installed."""
+    package, _, name = type.partition("/")
+    installed = get_installed_type(f"{package}/{kind}/{name}")
+    try:
+        return read_text(installed.file(kind), MAX_FILE_BYTES)
+    except OSError as error:
+        raise SourceError(f"no definition of {type} can be read: {error}") from error
+
+
 def read_text(path: Path, max_bytes: int) -> str:
     """Return a file's text; OSError also if it is longer than `max_bytes` bytes."""
     with path.open("rb") as file:

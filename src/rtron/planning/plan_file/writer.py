@@ -15,9 +15,11 @@ from rtron.vocabulary import (
     PLAN_SCHEMA,
     EventFlow,
     Flow,
+    LeaseGroup,
     MissionRule,
     Plan,
     Point,
+    StopButton,
     Transform,
     WatchedFlow,
 )
@@ -68,6 +70,17 @@ _SECTIONS = {
 # faster than its `camera`. `source: detections` where it only publishes what it detects: an empty
 # scene then looks like a slow node.
 """,
+    "leases": """
+# Who is in command of the GRCNs that say `policy: Lease` and `lease: NAME`. One publisher at a time
+# holds a lease, and only it moves anything, once it has sent a neutral command. It asks for the
+# lease, and renews it within `ttl` (5 s). The `rank` of a flow says who may take it from whom:
+# emergency, operator_on_site, remote_operator, autonomy, agent. With `service: remote_operator`
+# persons at the security service have that rank: they give the lease to a commander, or end it.
+""",
+    "stop_sources": """
+# What stops the robot until a person releases it (`rtron release`), over restarts too: buttons that
+# say true while they are pressed. With `second_person: 60 s` a second person must release it, too.
+""",
     "stop": """
 # How the guard stops the robot: a ramp of at most `decel` and `angular_decel`, but at rest `within`
 # (1 s) in any case, a message every `period`, zeros for `repeat`, then nothing.
@@ -83,15 +96,23 @@ _SECTIONS = {
 # (0.5 s). The guard stops a stream if the audit has not looked who speaks past it for
 # `audit_within` (10 s). A start may take `start_within` (20 s).
 """,
+    "incidents": """
+# What the guard keeps on disk: the last `keep` (60 s; 0 s: nothing). An intervention, a stop and an
+# alarm save it as an incident, with the `after` (5 s) behind them. All of it takes `megabytes`
+# (256) at most: the oldest incidents are removed. See `rtron incident`.
+""",
     "messages": """
 # Message types that RTron does not know, as `rosmsg show -r TYPE` prints them, or as their files in
 # ROS 2 say.
+""",
+    "cell": """
+# Nodes that run in a cell: a network of their own, into which only the guard leads.
 """,
     "accept_unenforceable": """
 # What cannot be guarded and was accepted.
 """,
 }
-_ON_ONE_LINE = (Flow, WatchedFlow, Point)
+_ON_ONE_LINE = (Flow, LeaseGroup, StopButton, WatchedFlow, Point)
 _ON_ONE_LINE_IF_SHORT = (EventFlow, MissionRule, Transform)
 _SHORT = 100
 _SAFE = re.compile(r"[A-Za-z/][A-Za-z0-9_/.-]*")

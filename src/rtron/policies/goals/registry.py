@@ -43,6 +43,7 @@ class Goal:
     """A goal, whose it is, and since when it is where it is (ns).
 
     `status` is what the server last said of it (actionlib_msgs/GoalStatus), and `last_seen` when.
+    `is_unread` until the server has said anything of it, or has gone, after the guard sent it.
     `cancel_reason` says why the guard cancelled it. A goal of the server's own, or one that is
     older than the guard, has no client.
     """
@@ -55,6 +56,7 @@ class Goal:
     stage: GoalStage = GoalStage.WAITING
     last_seen: int = 0
     status: int = 0
+    is_unread: bool = False
     cancel_reason: str = ""
 
 
@@ -141,7 +143,12 @@ class GoalRegistry:
     def mark_sent(self, goal: Goal, now: int) -> None:
         """Know that a goal is with the server."""
         self._waiting[goal.flow] -= goal.stage is GoalStage.WAITING
-        goal.stage, goal.last_seen = GoalStage.SENT, now
+        goal.stage, goal.last_seen, goal.is_unread = GoalStage.SENT, now, True
+
+    def forget_unread(self) -> None:
+        """Know that the server is gone, and with it what it had not read."""
+        for goal in self:
+            goal.is_unread = False
 
     def finish(self, goal: Goal, now: int) -> None:
         """Forget a goal that is over, but for its id."""

@@ -8,6 +8,11 @@ from rtron.vocabulary import SECOND, SERVER_FLOW
 
 LOST_TIMEOUT = 2 * SECOND
 """A goal that the server has not listed for so long is not with it any more."""
+UNREAD_TIMEOUT = 10 * SECOND
+"""The same for one that it has never listed: a busy server has it still to read, and would do it.
+
+actionlib's own clients wait for this without end.
+"""
 TERMINAL_STATUSES = frozenset({2, 3, 4, 5, 8, 9})
 """The states of a goal that is over (actionlib_msgs/GoalStatus)."""
 
@@ -52,7 +57,11 @@ def lost_goals(goals: GoalRegistry, reported_at: int) -> list[Goal]:
     Also those that it lists as over, and whose result does not come.
     """
     sent = (goal for goal in goals if goal.stage is GoalStage.SENT)
-    return [goal for goal in sent if reported_at - goal.last_seen >= LOST_TIMEOUT]
+    return [goal for goal in sent if reported_at - goal.last_seen >= _timeout(goal)]
+
+
+def _timeout(goal: Goal) -> int:
+    return UNREAD_TIMEOUT if goal.is_unread else LOST_TIMEOUT
 
 
 def _handle_unknown(goals: GoalRegistry, id: bytes, now: int, changes: GoalChanges) -> None:
@@ -65,6 +74,6 @@ def _handle_unknown(goals: GoalRegistry, id: bytes, now: int, changes: GoalChang
 def _handle_known(goal: Goal, status: int, now: int, changes: GoalChanges) -> None:
     if goal.status not in TERMINAL_STATUSES:
         goal.last_seen = now
-    goal.status = status
+    goal.status, goal.is_unread = status, False
     if status in TERMINAL_STATUSES:
         changes.finished.append(goal)

@@ -7,10 +7,12 @@ from rtron.vocabulary import (
     SECOND,
     Area,
     Audit,
+    CommanderRank,
     EventFlow,
     Flow,
     FpsMonitor,
     FrameSource,
+    IncidentRecording,
     MissionRule,
     OnError,
     OnForeign,
@@ -39,11 +41,13 @@ def seconds(duration: int) -> str:
 
 
 def describe_flow(flow: Flow) -> str:
-    """Return a flow's priority and times, and what its silence and its errors do."""
+    """Return a flow's rank, priority and times, and what its silence and its errors do."""
     return ", ".join(_flow(flow))
 
 
 def _flow(flow: Flow) -> Iterator[str]:
+    if flow.rank is not CommanderRank.AGENT:
+        yield f"rank {flow.rank}"
     if flow.priority:
         yield f"priority {flow.priority}"
     if flow.timeout is not None:
@@ -141,3 +145,11 @@ def describe_supervision(bounds: Supervision) -> str:
 def one_line(expression: str) -> str:
     """Return an expression on one line."""
     return " ".join(expression.split())
+
+
+def describe_incidents(recording: IncidentRecording) -> str:
+    """Return what of the guard's work stays on disk."""
+    if not recording.keep:
+        return "nothing is kept"
+    keep, after = seconds(recording.keep), seconds(recording.after)
+    return f"the last {keep}, and {after} after a cause, in at most {recording.megabytes} MB"

@@ -11,6 +11,7 @@ from rtron.reports.plan.descriptions import (
     describe_audit,
     describe_event,
     describe_flow,
+    describe_incidents,
     describe_limit,
     describe_monitor,
     describe_rule,
@@ -18,6 +19,7 @@ from rtron.reports.plan.descriptions import (
     describe_supervision,
     describe_transform,
     one_line,
+    seconds,
 )
 from rtron.reports.plan.problems import Remark, remark_lines
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
@@ -30,11 +32,13 @@ from rtron.vocabulary import (
     Flow,
     FpsMonitor,
     GuardedTopic,
+    IncidentRecording,
     Mode,
     Node,
     Plan,
     Ros1ActionTopic,
     StopProfile,
+    StopSources,
     Supervision,
     action_name,
     is_action_type,
@@ -51,17 +55,19 @@ def plan_text(
     remarks: Sequence[Remark] = (),
     nodes: Sequence[Node] = (),
     doubts: Sequence[Remark] = (),
+    *,
+    guess: str = "",
 ) -> Report:
     """Return the plan, what it leaves open, and the command that puts it to use.
 
     `nodes` are those of the app: the functions of those that the plan guards are shown. `doubts`
-    are what somebody has to decide.
+    are what somebody has to decide, `guess` is what was guessed of the app.
     """
     ours = frozenset(flow.publisher for flow in _flows(plan))
     guarded = [node for node in nodes if node.name in ours]
     return Report(
         lambda page: chain(
-            _lines(plan, page),
+            _lines(plan, guess, page),
             _remarks("Left out", remarks, page),
             _remarks("To decide", doubts, page),
             node_functions(guarded, page),
@@ -89,17 +95,21 @@ def _remarks(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[
         yield from remark_lines(remarks, page)
 
 
-def _lines(plan: Plan, page: TextPage) -> Iterator[Text]:
+def _lines(plan: Plan, guess: str, page: TextPage) -> Iterator[Text]:
     yield line((plan.app or "app", "bold"), f"  plan for ROS {plan.ros}, revision {plan.revision}")
     yield line(_summary(plan))
+    yield from paragraph(guess, page, style="dim") if guess else ()
     yield from chain.from_iterable(_grcn(g) for g in plan.grcn if g.mode is Mode.ENFORCE)
     yield from _rsrcn(plan.rsrcn, page) if plan.rsrcn else ()
     yield from _msrcn(plan.msrcn, page) if plan.msrcn else ()
     yield from _observed([g for g in plan.grcn if g.mode is Mode.OBSERVE])
     yield from _fps_monitors(plan.fps_monitor)
+    yield from _leases(plan)
     yield from _stop(plan.stop)
+    yield from _stop_sources(plan.stop_sources)
     yield from _audit(plan.audit)
     yield from _supervision(plan.supervision)
+    yield from _incidents(plan.incidents)
 
 
 def _summary(plan: Plan) -> str:
@@ -160,6 +170,25 @@ def _fps_monitors(monitors: Sequence[FpsMonitor]) -> Iterator[Text]:
         yield line((describe_monitor(monitor), "dim"), indent=4)
 
 
+def _leases(plan: Plan) -> Iterator[Text]:
+    if plan.leases:
+        yield from heading(f"Leases ({len(plan.leases)})")
+    for lease in plan.leases:
+        topics = ", ".join(grcn.topic for grcn in plan.grcn if grcn.lease == lease.name)
+        text = f"  for {topics}; it ends {seconds(lease.ttl)} after it was renewed last"
+        yield line((lease.name, "cyan"), text, indent=2)
+
+
+def _stop_sources(sources: StopSources) -> Iterator[Text]:
+    if sources != StopSources():
+        yield from heading("Stop sources")
+    for button in sources.buttons:
+        yield line((button.name, "cyan"), f"  {button.publisher} on {button.topic}", indent=2)
+    if sources.second_person is not None:
+        within = seconds(sources.second_person)
+        yield line(f"a second person must release each stop within {within}", indent=2)
+
+
 def _stop(stop: StopProfile) -> Iterator[Text]:
     if stop != StopProfile():
         yield from heading("Stop")
@@ -176,6 +205,12 @@ def _supervision(bounds: Supervision) -> Iterator[Text]:
     if bounds != Supervision():
         yield from heading("Supervision")
         yield line(describe_supervision(bounds), indent=2)
+
+
+def _incidents(recording: IncidentRecording) -> Iterator[Text]:
+    if recording != IncidentRecording():
+        yield from heading("Incidents")
+        yield line(describe_incidents(recording), indent=2)
 
 
 def _title(kind: str, node: GRCN | RSRCN | MSRCN) -> Iterable[Text]:

@@ -42,6 +42,7 @@ def verification_to_json(verification: Verification) -> Mapping[str, object]:
         "not_seen": list(verification.not_seen),
         "problems": list(verification.problems),
         "unguarded": [{"what": each.what, "why": each.why} for each in verification.unguarded],
+        "proven": list(verification.proven),
     }
 
 
@@ -69,6 +70,10 @@ def _lines(title: str, verification: Verification, page: TextPage) -> Iterator[T
         row.stylize(_STYLES[path.state], 2, 2 + len(str(path.state)))
         yield row
         yield from _why(path, page)
+    if verification.proven:
+        yield from heading("Tried")
+        for proven in verification.proven:
+            yield from paragraph(proven, page, indent=2, style="green")
     if verification.unguarded:
         yield from heading("Not guarded")
         for each in verification.unguarded:

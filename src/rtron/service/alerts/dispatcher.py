@@ -1,4 +1,4 @@
-"""Alerts: what the guards report and people must see, sent to the webhooks."""
+"""Alerts: what guards and roll-outs report and people must see, sent to the webhooks."""
 
 import asyncio
 import logging
@@ -13,6 +13,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from rtron.service.alerts.webhook_call import new_client
 from rtron.service.alerts.worker import WebhookWorker, WorkerContext
 from rtron.service.domain.clock import Clock
+from rtron.service.domain.rollouts.alerts import ROLLOUT, alert_event
 from rtron.service.live.hub import Hub
 from rtron.service.store.database import Database
 from rtron.service.store.tables import WebhookRow
@@ -50,11 +51,16 @@ _REFRESH_NS = 1_000_000_000
 class AlertDispatcher:
     """Listens to the hub and keeps a worker for each webhook."""
 
-    def __init__(self, database: Database, hub: Hub, clock: Clock) -> None:
-        self._database, self._hub, self._clock = database, hub, clock
+    def __init__(self, database: Database, hub: Hub, clock: Clock, monotonic: Clock) -> None:
+        """Date calls by `clock`, and wait by `monotonic`."""
+        self._database, self._hub = database, hub
+        self._clock, self._monotonic = clock, monotonic
         self._duplicates = DuplicateFilter()
-        self._workers: dict[int, tuple[WebhookWorker, asyncio.Task[None]]] = {}
+        # By their secrets: SQLite gives the id of a removed webhook away again.
+        self._workers: dict[str, tuple[WebhookWorker, asyncio.Task[None]]] = {}
         self._refreshed_at: int | None = None
+        self._refreshing = asyncio.Lock()
+        self._context: WorkerContext | None = None
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -66,26 +72,38 @@ class AlertDispatcher:
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
 
+    async def send_heads(self, document: Mapping[str, Any]) -> None:
+        """Send signed heads of the audit log to the webhooks that take them."""
+        if self._context:
+            await self._try_refresh(self._context)
+        for worker, _ in self._workers.values():
+            if worker.takes_heads:
+                worker.enqueue(document)
+
     async def _run(self) -> None:
         """Listen for ever; one who has listened too slowly begins again."""
         async with new_client() as client:
             context = WorkerContext(
                 client=client, clock=self._clock, store_failure=self._store_failure
             )
+            self._context = context
             try:
                 while True:
                     await self._listen(context)
             finally:
+                self._context = None
                 await self._stop_workers(set(self._workers))
 
     async def _listen(self, context: WorkerContext) -> None:
-        with self._hub.listen() as listener:
+        with self._hub.listen(states=False) as listener:
             async for live in listener:
                 if live["type"] == "event":
                     await self._dispatch(live["event"], context)
+                elif live["type"] == ROLLOUT and live["alert"]:
+                    await self._dispatch(alert_event(live, self._clock()), context)
 
     async def _dispatch(self, event: Mapping[str, Any], context: WorkerContext) -> None:
-        now = self._clock()
+        now = self._monotonic()
         if self._refreshed_at is None or now - self._refreshed_at >= _REFRESH_NS:
             self._refreshed_at = now
             await self._try_refresh(context)
@@ -97,20 +115,21 @@ class AlertDispatcher:
     async def _try_refresh(self, context: WorkerContext) -> None:
         """Look which webhooks there are; if that fails, those of before go on."""
         try:
-            await self._refresh(context)
+            async with self._refreshing:
+                await self._refresh(context)
         except SQLAlchemyError as error:
             log.error("webhooks cannot be looked up: %s", type(error).__name__)  # noqa: TRY400
 
     async def _refresh(self, context: WorkerContext) -> None:
-        rows = {row.id: row for row in await to_thread.run_sync(self._load_webhooks)}
+        rows = {row.secret: row for row in await to_thread.run_sync(self._load_webhooks)}
         await self._stop_workers(self._workers.keys() - rows.keys())
-        for id in rows.keys() - self._workers.keys():
-            worker = WebhookWorker(rows[id], context)
-            self._workers[id] = worker, asyncio.create_task(worker.run())
+        for secret in rows.keys() - self._workers.keys():
+            worker = WebhookWorker(rows[secret], context)
+            self._workers[secret] = worker, asyncio.create_task(worker.run())
 
-    async def _stop_workers(self, ids: set[int]) -> None:
-        for id in ids:
-            _, task = self._workers.pop(id)
+    async def _stop_workers(self, secrets: set[str]) -> None:
+        for secret in secrets:
+            _, task = self._workers.pop(secret)
             task.cancel()
             with suppress(asyncio.CancelledError):
                 await task

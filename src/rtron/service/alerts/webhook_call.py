@@ -2,7 +2,9 @@
 
 import hashlib
 import hmac
+import ssl
 from dataclasses import dataclass
+from functools import cache
 from urllib.parse import urlunsplit
 
 import httpx
@@ -31,7 +33,15 @@ class WebhookCall:
 
 def new_client() -> httpx.AsyncClient:
     """Return a client that uses no proxy and no password of the environment."""
-    return httpx.AsyncClient(trust_env=False, follow_redirects=False, timeout=_TIMEOUT_S)
+    return httpx.AsyncClient(
+        verify=_tls_context(), trust_env=False, follow_redirects=False, timeout=_TIMEOUT_S
+    )
+
+
+@cache
+def _tls_context() -> ssl.SSLContext:
+    """Return what all clients trust: to read the authorities takes 20 ms."""
+    return httpx.create_ssl_context(trust_env=False)
 
 
 async def send_call(client: httpx.AsyncClient, call: WebhookCall, timestamp: int) -> None:

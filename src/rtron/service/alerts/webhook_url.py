@@ -7,14 +7,22 @@ not lead elsewhere.
 
 import ipaddress
 import socket
+from collections.abc import Iterator
 from dataclasses import dataclass
 from urllib.parse import urlsplit
 
 from rtron.errors import InputError, SourceError
 
 _METADATA_ADDRESSES = frozenset(
-    map(ipaddress.ip_address, ("100.100.100.200", "168.63.129.16", "192.0.0.192", "fd00:ec2::254"))
+    map(ipaddress.ip_address, ("100.100.100.200", "168.63.129.16", "192.0.0.192"))
 )
+_METADATA_NETWORKS = tuple(map(ipaddress.IPv6Network, ("fd00:ec2::/32", "fd20:ce::/32")))
+_IPV4_COMPATIBLE = ipaddress.IPv6Network("::/96")
+_NAT64 = ipaddress.IPv6Network("64:ff9b::/96")
+_TRANSLATED = ipaddress.IPv6Network("::ffff:0:0:0/96")
+_LOCAL_NAT64 = ipaddress.IPv6Network("64:ff9b:1::/48")
+_ISATAP, _ISATAP_MASK = 0x5EFE, 0xFDFF_FFFF
+_IPV4_MASK = (1 << 32) - 1
 _PORTS = {"http": 80, "https": 443}
 
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
@@ -75,9 +83,41 @@ def _ip_literal(host: str) -> Address | None:
 
 
 def _is_allowed(address: Address) -> bool:
-    unmapped = getattr(address, "ipv4_mapped", None) or address
-    is_special = unmapped.is_link_local or unmapped.is_multicast or unmapped.is_unspecified
-    return not (is_special or unmapped in _METADATA_ADDRESSES)
+    return not any(
+        each.is_link_local
+        or each.is_multicast
+        or each.is_unspecified
+        or each in _METADATA_ADDRESSES
+        or any(each in network for network in _METADATA_NETWORKS)
+        for each in (address, *_embedded_addresses(address))
+    )
+
+
+def _embedded_addresses(address: Address) -> Iterator[ipaddress.IPv4Address]:
+    """Yield the IPv4 addresses that the network may take an IPv6 one for.
+
+    RFC 4291, 3056 (6to4), 4380 (Teredo), 6052 (NAT64), 8215, 5214 (ISATAP), 7915.
+    """
+    if isinstance(address, ipaddress.IPv4Address):
+        return
+    yield from filter(None, (address.ipv4_mapped, address.sixtofour, *(address.teredo or ())))
+    value = int(address)
+    is_compatible = address in _IPV4_COMPATIBLE and not address.is_loopback
+    is_isatap = value >> 32 & _ISATAP_MASK == _ISATAP
+    if is_compatible or is_isatap or address in _NAT64 or address in _TRANSLATED:
+        yield ipaddress.IPv4Address(value & _IPV4_MASK)
+    if address in _LOCAL_NAT64:
+        yield from map(ipaddress.IPv4Address, filter(None, _nat64_values(value)))
+
+
+def _nat64_values(value: int) -> Iterator[int]:
+    """Yield what an address may embed behind prefixes of 96, 64, 56 and 48 bits."""
+    high, low = value >> 64 & 0xFFFF, value & ((1 << 64) - 1)
+    yield low & _IPV4_MASK
+    if not low >> 56:
+        yield low >> 24
+        yield (high & 0xFF) << 24 | low >> 32
+        yield high << 16 | low >> 40
 
 
 def _forbidden_host_error(host: str) -> InputError:

@@ -13,6 +13,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.alerts.webhook_call import WebhookCall, WebhookCallError, send_call
 from rtron.service.domain.clock import Clock
+from rtron.service.domain.schemas import WebhookLevel
 from rtron.service.store.tables import WebhookRow
 from rtron.vocabulary import GuardEventLevel
 
@@ -44,22 +45,29 @@ class WebhookWorker:
         self._failing = row.failing
         self.dropped = 0
 
+    @property
+    def takes_heads(self) -> bool:
+        """Whether the webhook takes the heads of the audit log, and no events."""
+        return self.row.level == WebhookLevel.HEADS
+
     def accepts(self, event: Mapping[str, Any]) -> bool:
         """Tell whether an event is bad enough for the webhook."""
+        if self.takes_heads:
+            return False
         return _LEVEL_ORDER.index(event["level"]) >= _LEVEL_ORDER.index(self.row.level)
 
-    def enqueue(self, event: Mapping[str, Any]) -> None:
-        """Let an event wait; without place it is dropped and counted."""
+    def enqueue(self, message: Mapping[str, Any]) -> None:
+        """Let an event, or signed heads, wait; without place they are dropped and counted."""
         try:
-            self._queue.put_nowait(event)
+            self._queue.put_nowait(message)
         except QueueFull:
             self.dropped += 1
 
     async def run(self) -> None:
         """Send what waits, for ever."""
         while True:
-            event = await self._queue.get()
-            reason = await self._deliver(event)
+            message = await self._queue.get()
+            reason = await self._deliver(message)
             if reason != self._failing:
                 await self._store_outcome(reason)
 
@@ -72,14 +80,16 @@ class WebhookWorker:
         else:
             self._failing = reason
 
-    async def _deliver(self, event: Mapping[str, Any]) -> str:
-        """Send an alert, again and again within bounds; return why it was given up, or ""."""
+    async def _deliver(self, message: Mapping[str, Any]) -> str:
+        """Send a message, again and again within bounds; return why it was given up, or ""."""
         reason = ""
         for pause in (0.0, *RETRY_DELAYS_S):
             await sleep(pause)
             dropped = self.dropped
             try:
-                await send_call(self._context.client, self._webhook_call(event), self._timestamp())
+                await send_call(
+                    self._context.client, self._webhook_call(message), self._timestamp()
+                )
             except WebhookCallError as error:
                 reason = str(error)
             else:
@@ -89,9 +99,9 @@ class WebhookWorker:
         self.dropped += 1
         return reason
 
-    def _webhook_call(self, event: Mapping[str, Any]) -> WebhookCall:
-        alert = {"schema": "rtron.alert/1", "dropped": self.dropped, "event": event}
-        body = json.dumps(alert).encode()
+    def _webhook_call(self, message: Mapping[str, Any]) -> WebhookCall:
+        alert = {"schema": "rtron.alert/1", "dropped": self.dropped, "event": message}
+        body = json.dumps(message if self.takes_heads else alert).encode()
         return WebhookCall(url=self.row.url, secret=self.row.secret, body=body)
 
     def _timestamp(self) -> int:

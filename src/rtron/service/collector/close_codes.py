@@ -1,4 +1,4 @@
-"""Why the collector closes a guard's connection: the codes of the link (RFC 6455, 4000-4999)."""
+"""Why the collector closes a guard's connection: the codes of the link (RFC 6455, section 7.4)."""
 
 from enum import IntEnum
 
@@ -9,6 +9,7 @@ _MAX_REASON_BYTES = 120
 class CloseCode(IntEnum):
     """What a guard is told when its connection ends; it may always connect again."""
 
+    GOING_AWAY = 1001
     TOO_BIG = 1009
     FAILED = 1011
     MALFORMED = 4400

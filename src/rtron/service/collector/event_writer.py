@@ -1,6 +1,7 @@
 """The way of events into the database: one writer for all guards, within a bounded memory.
 
-What arrives while one transaction is committed goes into the next one. Nobody is told that events
+What arrives while one transaction is committed, and a moment longer, goes into the next one: a
+transaction of many robots' events costs little more than that of one. Nobody is told that events
 are stored before the commit that has them.
 """
 
@@ -8,14 +9,18 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
+from rtron.service.store.database import is_unavailable
 from rtron.service.store.events import EventBatch, StoredEvent
 
 log = logging.getLogger(__name__)
 
 MAX_QUEUED_BYTES = 8 << 20
 """So many bytes of messages wait to be stored; whoever has more to say has to wait."""
+MIN_INTERVAL_S = 0.05
+"""So long after the beginning of a transaction begins the next one, unless a full one waits, s."""
 MAX_TRANSACTION_EVENTS = 1000
 """A transaction ends with the batch that reaches so many events."""
 
@@ -36,9 +41,13 @@ class EventWriter:
     """Takes batches of all guards; `run` stores them."""
 
     def __init__(
-        self, store: StoreBatches, on_stored: Callable[[Sequence[StoredEvent], int], None]
+        self,
+        store: StoreBatches,
+        on_stored: Callable[[Sequence[StoredEvent], int], None],
+        thread: Executor | None = None,
     ) -> None:
-        """Store with `store`; `on_stored` is told what was new, and how many events came."""
+        """Store with `store` in `thread`, or any; `on_stored` is told what was new, of how many."""
+        self._thread = thread
         self._store = store
         self._on_stored = on_stored
         self._queue: deque[QueuedBatch] = deque()
@@ -56,13 +65,21 @@ class EventWriter:
 
     async def run(self) -> None:
         """Store what comes, until it is cancelled."""
+        loop = asyncio.get_running_loop()
         while True:
             await self._has_batches.wait()
-            group = self._next_transaction()
+            begin, group = loop.time(), self._next_transaction()
             await self._write(group)
             async with self._space_freed:
                 self._size -= sum(each.size for each in group)
                 self._space_freed.notify_all()
+            if not self._is_full:
+                await asyncio.sleep(begin + MIN_INTERVAL_S - loop.time())
+
+    @property
+    def _is_full(self) -> bool:
+        """Whether more waits than can be left for a moment."""
+        return self._size > MAX_QUEUED_BYTES // 8
 
     def _fits(self, queued: QueuedBatch) -> bool:
         return self._size + queued.size <= MAX_QUEUED_BYTES
@@ -79,23 +96,30 @@ class EventWriter:
         return group
 
     async def _write(self, group: Sequence[QueuedBatch]) -> None:
-        """Store a group; if that fails, each batch by itself: one must not harm the others."""
-        if await self._try_store(group):
+        """Store a group; if that fails, each batch by itself: one must not harm the others.
+
+        If the database is the reason, it is tried for none of them.
+        """
+        error = await self._try_store(group)
+        if error is None:
             return
-        if len(group) == 1:
-            group[0].on_stored(False)  # noqa: FBT003 - it is the answer
+        if len(group) == 1 or is_unavailable(error):
+            for queued in group:
+                queued.on_stored(False)  # noqa: FBT003 - it is the answer
             return
         for queued in group:
             await self._write([queued])
 
-    async def _try_store(self, group: Sequence[QueuedBatch]) -> bool:
+    async def _try_store(self, group: Sequence[QueuedBatch]) -> Exception | None:
+        """Store a group; return why it is not stored."""
         batches = [queued.batch for queued in group]
         try:
-            added = await asyncio.to_thread(self._store, batches)
+            storing = asyncio.get_running_loop().run_in_executor(self._thread, self._store, batches)
+            added = await storing
         except Exception as error:  # noqa: BLE001 - whatever it is, the other guards' events go on
             log.error("%d batches of events are not stored: %s", len(group), type(error).__name__)  # noqa: TRY400
-            return False
+            return error
         self._on_stored(added, sum(len(batch.events) for batch in batches))
         for queued in group:
             queued.on_stored(True)  # noqa: FBT003 - it is the answer
-        return True
+        return None

@@ -23,10 +23,17 @@ async def guard_socket(socket: WebSocket) -> None:
     """Serve a guard; the app's state has the Collector as `collector`."""
     collector: DataCollector = socket.app.state.collector
     token = _bearer_token(socket)
-    robot = await asyncio.to_thread(collector.authenticate, token)
+    robot = await asyncio.get_running_loop().run_in_executor(
+        collector.threads.tokens, collector.authenticate, token
+    )
     if robot is None:
         collector.counters.unauthorised_connections += 1
         await socket.send_denial_response(PlainTextResponse("no token of a guard", 401))
+        return
+    if problem := _certificate_problem(collector, socket, robot):
+        collector.counters.unauthorised_connections += 1
+        log.warning("%s: its guard is refused: %s", robot, problem)
+        await socket.send_denial_response(PlainTextResponse(problem, 403))
         return
     await socket.accept()
     collector.counters.connections += 1
@@ -35,6 +42,14 @@ async def guard_socket(socket: WebSocket) -> None:
     except CloseConnectionError as closing:
         log.warning("%s: its guard's connection is closed: %s", robot, closing.reason)
         await _close(collector, socket, closing)
+
+
+def _certificate_problem(collector: DataCollector, socket: WebSocket, robot: str) -> str:
+    """Return why a guard may not connect: its token alone is not enough with certificates."""
+    if collector.certificates is None:
+        return ""
+    shown = socket.scope.get("state", {}).get("client_certificate")
+    return collector.certificates.problem(shown, robot, collector.clock())
 
 
 async def _run_connection(collector: DataCollector, connection: GuardConnection) -> None:

@@ -3,19 +3,23 @@
 All files are read once and served from memory by their exact names. Their path has a digest of all
 of them, so browsers may keep them for ever and never mix two versions. They work under a policy of
 `default-src 'self'`: no inline script or style, no eval.
+
+On a slow line each request costs more than its bytes: the modules are two scripts, what the first
+page needs and the rest, the style sheets are one.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from gzip import compress
 from hashlib import sha256
 from importlib.resources import files
-from itertools import chain
 from pathlib import Path
 
 from fastapi import APIRouter, HTTPException, Request
 from fastapi.responses import Response
+
+from rtron.service.console.bundle import bundle, script
 
 _MEDIA_TYPES = {
     "js": "text/javascript; charset=utf-8",
@@ -26,6 +30,11 @@ _MEDIA_TYPES = {
 }
 _GRAPH = Path(str(files("rtron.reports"))) / "page" / "graph"
 """The graph and its layout library, which the HTML report has too."""
+_STYLES = ("vendor/uplot.min.css", "base.css", "parts.css", "views/graph.css")
+_PRELOAD = '<link rel="preload" as="fetch" crossorigin href="{}">'
+_ME, _ROBOTS = "/api/v1/me", "/api/v1/robots?states=false&amp;limit=1000"
+_COOKIE = "rtron"
+"""The end of the name of the session's cookie."""
 _IMMUTABLE = "public, max-age=31536000, immutable"
 
 router = APIRouter(include_in_schema=False)
@@ -42,8 +51,9 @@ class StaticFile:
 
 @router.get("/")
 def page(request: Request) -> Response:
-    """Return the page, which names all files of this version."""
-    return _file_response(request, _index_page(), "no-cache")
+    """Return the page, which names the files of this version."""
+    page = _index_page(is_known=any(name.endswith(_COOKIE) for name in request.cookies))
+    return _file_response(request, page, "no-cache")
 
 
 @router.get("/console/{version}/{name:path}")
@@ -57,8 +67,29 @@ def static_file(request: Request, version: str, name: str) -> Response:
 
 @cache
 def static_files() -> dict[str, StaticFile]:
-    """Return all files by their names, as modules import them."""
-    return dict(chain(_below(Path(__file__).with_name("static")), _below(_GRAPH, "graph/")))
+    """Return all files by their names."""
+    sources = source_files()
+    modules = {name: data.decode() for name, data in sources.items() if _is_module(name)}
+    first = bundle(modules, "main.js", {})
+    contents = {name: data for name, data in sources.items() if not _is_bundled(name)}
+    contents["main.js"] = f"const modules = {{}};\n{script(first)}".encode()
+    contents["later.js"] = script(bundle(modules, "later.js", first)).encode()
+    contents["console.css"] = b"\n".join(sources[name] for name in _STYLES)
+    return {name: _static_file(name, data) for name, data in contents.items()}
+
+
+@cache
+def source_files() -> Mapping[str, bytes]:
+    """Return the files that the console is made of, by the names that modules import."""
+    return {**dict(_below(Path(__file__).with_name("static"))), **dict(_below(_GRAPH, "graph/"))}
+
+
+def _is_module(name: str) -> bool:
+    return name.endswith(".js") and not name.endswith(".min.js") and name != "theme.js"
+
+
+def _is_bundled(name: str) -> bool:
+    return _is_module(name) or name.endswith(".css")
 
 
 @cache
@@ -68,13 +99,10 @@ def digest() -> str:
     return sha256(b"\0".join(parts)).hexdigest()[:16]
 
 
-def _below(root: Path, prefix: str = "") -> Iterator[tuple[str, StaticFile]]:
+def _below(root: Path, prefix: str = "") -> Iterator[tuple[str, bytes]]:
     for path in sorted(root.rglob("*")):
         if _extension(path.name) in _MEDIA_TYPES:
-            yield (
-                prefix + path.relative_to(root).as_posix(),
-                _static_file(path.name, path.read_bytes()),
-            )
+            yield prefix + path.relative_to(root).as_posix(), path.read_bytes()
 
 
 def _static_file(name: str, data: bytes) -> StaticFile:
@@ -88,13 +116,15 @@ def _extension(name: str) -> str:
 
 
 @cache
-def _index_page() -> StaticFile:
-    """Return the page, with links by which the browser gets all modules at once."""
-    modules = sorted(
-        name for name in static_files() if name.endswith(".js") and "min.js" not in name
-    )
-    links = "\n".join(f'<link rel="modulepreload" href="$base/{name}">' for name in modules)
-    text = static_files()["index.html"].content.decode().replace("$modules", links)
+def _index_page(*, is_known: bool) -> StaticFile:
+    """Return the page with links to the data that it shows first, to who seems to be logged in.
+
+    A browser that another site has sent here does not say that it has a session, so who it is is
+    asked in any case.
+    """
+    paths = (_ME, _ROBOTS) if is_known else (_ME,)
+    links = "\n".join(map(_PRELOAD.format, paths))
+    text = static_files()["index.html"].content.decode().replace("$preloads", links)
     return _static_file("index.html", text.replace("$base", f"/console/{digest()}").encode())
 
 

@@ -9,16 +9,28 @@ from rtron.coherence import EffectivePlan
 from rtron.errors import InputError, WireError
 from rtron.planning.plan_file.fields import IDENTIFIER
 from rtron.reports.app.risks_json import risks_to_json
-from rtron.service.controller.robot_snapshot import drop_expired_overrides
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.plan_json import plan_digest, plan_json
 from rtron.service.domain.planned_graph import planned_graph
 from rtron.service.domain.risk_model import build_risk_models, planned_nodes
 from rtron.service.domain.settings_checks import drop_misfits
 from rtron.service.store.audit import record_event
+from rtron.service.store.event_rows import check_run
 from rtron.service.store.graphs import find_graph, stored_risks
-from rtron.service.store.robots import count_apps, find_app, register_robot, replace_risk_models
-from rtron.service.store.settings import ChangeAuthor, add_settings, load_settings, newest_settings
+from rtron.service.store.robots import (
+    count_apps,
+    find_app,
+    find_robot,
+    register_robot,
+    replace_risk_models,
+)
+from rtron.service.store.settings import (
+    ChangeAuthor,
+    add_settings,
+    load_settings,
+    newest_settings,
+    with_settings,
+)
 from rtron.service.store.tables import AppRow, RobotRow, SettingsRow
 from rtron.vocabulary import SECOND, EmergencyStop, Plan, Settings
 from rtron.wire.common.link_protocol import Hello
@@ -36,12 +48,11 @@ _MAX_LISTED = 5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Handshake:
-    """The settings that a guard is to put in force, their row, and whether they are new.
+    """The row of the settings that a guard is to put in force, and whether they are new.
 
     `is_changed`: the robot's app, its plan or the settings are others than before.
     """
 
-    settings: Settings
     row: SettingsRow
     is_new: bool
     is_changed: bool
@@ -50,6 +61,15 @@ class Handshake:
 def perform_handshake(session: Session, robot: str, hello: Hello, now: int) -> Handshake:
     """Store a robot's app, plan and coordination nodes, those of a hello that is not odd."""
     return _HandshakeTransaction(session, robot, hello, now).run()
+
+
+def is_known(session: Session, robot: str, hello: Hello) -> bool:
+    """Tell whether the app, the plan and the revision of a hello are those that are stored."""
+    _, app = find_robot(session, robot) or (None, None)
+    if app is None or app.name != hello.app or app.digest != plan_digest(plan_json(hello.plan)):
+        return False
+    row = newest_settings(session, app.id)
+    return row is not None and hello.revision <= row.revision
 
 
 def store_risk_models(session: Session, app: AppRow, plan: Plan, settings: Settings) -> None:
@@ -71,7 +91,8 @@ def check_hello(hello: Hello) -> None:
     """Raise WireError for what no guard sends: it would not fit into the database, or a console."""
     nodes = [node for _, node in planned_nodes(hello.plan)]
     ids = {node.id for node in nodes}
-    if len(hello.app) > _MAX_TEXT or not 0 <= hello.revision < _MAX_REVISION:
+    check_run(hello.run)
+    if len(hello.app) > _MAX_TEXT or "\0" in hello.app or not 0 <= hello.revision < _MAX_REVISION:
         raise WireError("the guard's app or revision is none")
     if len(nodes) > MAX_NODES or len(ids) < len(nodes) or not all(map(IDENTIFIER.matches, ids)):
         raise WireError("the coordination nodes of the guard's plan have no ids of their own")
@@ -99,17 +120,17 @@ class _HandshakeTransaction:
         previous = newest_settings(self.session, app.id)
         row = previous or self._add_settings(app, Settings(), "the plan")
         if is_changed:
-            self._record("plan", app=app.name, digest=app.digest, dry_run=self.hello.dry_run)
+            facts = {"app": app.name, "digest": app.digest, "dry_run": self.hello.dry_run}
+            record_event(self.session, self.now, self._event("plan", **facts))
             row = self._drop_misfits(app, row)
         if previous_app_id not in (None, app.id):
             row = self._copy_stop(app, row, newest_settings(self.session, previous_app_id))
         row = self._raise_revision(app, row)
         if is_changed:
             store_risk_models(self.session, app, self.hello.plan, load_settings(row))
-        settings = drop_expired_overrides(load_settings(row), self.now)
         is_new = row is not previous
         is_changed = is_changed or is_new or previous_app_id != app.id
-        return Handshake(settings=settings, row=row, is_new=is_new, is_changed=is_changed)
+        return Handshake(row=row, is_new=is_new, is_changed=is_changed)
 
     def _find_app(self, robot: RobotRow) -> tuple[AppRow, bool]:
         """Return the app with its plan, and whether either is new."""
@@ -165,15 +186,16 @@ class _HandshakeTransaction:
         return self._add_settings(app, after, f"{reason}, under another app")
 
     def _add_settings(self, app: AppRow, settings: Settings, reason: str) -> SettingsRow:
-        self._record("settings", revision=settings.revision, reason=reason)
         author = ChangeAuthor(by=_SERVICE_ACTOR, reason=reason, at=self.now)
-        return add_settings(self.session, app.id, settings, author)
+        row = add_settings(self.session, app.id, settings, author)
+        event = self._event("settings", revision=settings.revision, reason=reason)
+        record_event(self.session, self.now, with_settings(event, app, row))
+        return row
 
-    def _record(self, action: str, **detail: object) -> None:
-        event = AuditEvent(
+    def _event(self, action: str, **detail: object) -> AuditEvent:
+        return AuditEvent(
             who=f"guard:{self.robot}", action=action, target=self.robot, detail=detail
         )
-        record_event(self.session, self.now, event)
 
 
 MAX_HELLOS_PER_MINUTE = 10
@@ -188,9 +210,9 @@ class HelloRateLimit:
         self._times: dict[str, deque[int]] = {}
 
     def count(self, robot: str, now: int) -> None:
-        """Count one at `now` (ns, wall clock); InputError if there were too many."""
+        """Count one at `now` (ns, a steady clock); InputError if there were too many."""
         times = self._times.setdefault(robot, deque(maxlen=MAX_HELLOS_PER_MINUTE))
-        if len(times) == MAX_HELLOS_PER_MINUTE and abs(now - times[0]) < _MINUTE:
+        if len(times) == MAX_HELLOS_PER_MINUTE and now - times[0] < _MINUTE:
             message = f"more than {MAX_HELLOS_PER_MINUTE} hellos within a minute "
             message += "that change the app or the plan"
             raise InputError(message, help="do several guards have this robot's token?")

@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from rtron.coherence import EffectivePlan, grcn, msrcn, rsrcn
-from rtron.service.controller.robot_snapshot import drop_expired_overrides, load_snapshot
+from rtron.service.controller.robot_snapshot import active_settings, load_snapshot
 from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.rights import granted_rights
 from rtron.service.domain.risk_model import CoordinationNode, node_json, planned_nodes, topics
@@ -65,7 +65,7 @@ def get_node_parameters(
 
 def _nodes_view(session: Session, robot: str, roles: Collection[UserRole], now: int) -> _NodesView:
     snapshot = load_snapshot(session, robot)
-    settings = drop_expired_overrides(snapshot.settings, now)
+    settings = active_settings(snapshot.row, now)
     effective_plan = EffectivePlan(snapshot.plan, settings).plan
     pairs = zip(planned_nodes(snapshot.plan), planned_nodes(effective_plan), strict=True)
     return _NodesView(
@@ -108,7 +108,8 @@ def _node_parameters(view: _NodesView, id: str) -> NodeParameters:
 def _selectable_policies(node: CoordinationNode) -> Collection[PolicyName]:
     """Return the policies that may be selected at a coordination node, as the plan has it."""
     if isinstance(node, GRCN):
-        return (PolicyName.BLOCK,) if node.sharing is Sharing.MERGE else grcn.POLICIES
+        policies = (PolicyName.BLOCK,) if node.sharing is Sharing.MERGE else grcn.POLICIES
+        return [each for each in policies if node.lease or each is not PolicyName.LEASE]
     if isinstance(node, RSRCN):
         must = {node.mandatory} - {None}
         return [each for each in rsrcn.POLICIES if must <= set(rsrcn.included_policies(each))]

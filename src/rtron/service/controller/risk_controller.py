@@ -5,20 +5,36 @@ overtaken has to look again; the emergency stop is not overtaken: it goes on top
 """
 
 import logging
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Collection
+from contextlib import suppress
 from dataclasses import replace
-from typing import TypeVar
 
-from sqlalchemy.exc import IntegrityError, SQLAlchemyError
+from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from rtron.coherence import EffectivePlan
 from rtron.errors import RTronError, SourceError
-from rtron.service.controller.handshake import HelloRateLimit, check_hello, perform_handshake
+from rtron.service.controller.fleet_stop import (
+    Failures,
+    FleetStop,
+    StoredStops,
+    record_failures,
+    store_stops,
+)
+from rtron.service.controller.handshake import (
+    HelloRateLimit,
+    check_hello,
+    is_known,
+    perform_handshake,
+)
+from rtron.service.controller.revision_writer import (
+    ApplyChange,
+    RevisionWriter,
+    retry_conflicts,
+)
 from rtron.service.controller.robot_snapshot import (
     RobotSnapshot,
-    drop_expired_overrides,
+    active_settings,
     last_accepted_settings,
     load_current_app,
     load_snapshot,
@@ -30,11 +46,10 @@ from rtron.service.domain.audit_events import (
     settings_answer_event,
     truncated_json,
 )
-from rtron.service.domain.clock import Clock
-from rtron.service.domain.errors import ConflictError, NotFoundError
+from rtron.service.domain.clock import Clock, SteadyClock
+from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.principal import Principal
 from rtron.service.domain.revisions import (
-    StaleRevisionError,
     add_override,
     add_stop,
     apply_change,
@@ -43,24 +58,25 @@ from rtron.service.domain.revisions import (
     is_same_stop,
     remove_override,
     remove_stop,
+    restore_nodes,
 )
-from rtron.service.domain.risk_model import node_json
+from rtron.service.domain.rollouts.plans import checked_answer
 from rtron.service.domain.schemas import (
     OverrideRequest,
     ReleaseRequest,
+    RestoreRequest,
     SettingsChange,
     SettingsOutcome,
     SettingsView,
 )
 from rtron.service.live.hub import Hub
-from rtron.service.store.audit import record_event, record_repeatable
+from rtron.service.store.audit import record_repeatable
 from rtron.service.store.database import Database
-from rtron.service.store.robots import store_policy_settings
 from rtron.service.store.settings import (
-    ChangeAuthor,
-    add_settings,
+    announce_settings,
     find_revision,
     load_settings,
+    newest_settings_by_robot,
     record_answer,
     settings_view,
 )
@@ -68,10 +84,16 @@ from rtron.vocabulary import Settings
 from rtron.wire.common.link_protocol import Applied, Hello
 
 log = logging.getLogger(__name__)
-_MAX_ATTEMPTS = 100
 _SERVICE_ACTOR = "rtron"
-_T = TypeVar("_T")
-_ApplyChange = Callable[[Session, RobotSnapshot], EffectivePlan | None]
+_MAX_NAMED = 5
+_SENT = "is sent, but not stored"
+_NEITHER = "is neither sent nor stored"
+StopElsewhere = Callable[[Collection[str], str, str], Collection[str]]
+"""Lets other replicas send a stop: of which robots, who and why; returns those that have it."""
+
+
+def _nowhere(_robots: Collection[str], _actor: str, _reason: str) -> Collection[str]:
+    return ()
 
 
 class RiskController:
@@ -82,10 +104,17 @@ class RiskController:
     of it, stands in the audit log.
     """
 
-    def __init__(self, database: Database, hub: Hub, clock: Clock) -> None:
+    def __init__(
+        self, database: Database, hub: Hub, clock: Clock, steady_clock: SteadyClock
+    ) -> None:
+        """`clock` says when something was done; what lasts for a while is by `steady_clock`."""
         self._database = database
+        self.stop_elsewhere: StopElsewhere = _nowhere
         self._sender = SettingsSender(hub)
-        self._clock = clock
+        self._clock, self._steady_clock = clock, steady_clock
+        self._writer = RevisionWriter(
+            database=database, sender=self._sender, clock=clock, steady_clock=steady_clock
+        )
         self._recorded_dry_runs: dict[str, str] = {}
         self._hello_rate_limit = HelloRateLimit()
 
@@ -96,39 +125,50 @@ class RiskController:
         """
 
         def store() -> Settings:
-            now = self._clock()
-            with self._database.write_session(durable=True) as session:
+            now, is_new = self._steady_clock(), self._is_new_to(robot, hello)
+            with self._database.write_session(durable=is_new) as session:
                 handshake = perform_handshake(session, robot, hello, now)
                 if handshake.is_changed:
                     self._hello_rate_limit.count(robot, now)
                 self._record_dry_run(session, robot, hello)
+                if handshake.is_new:
+                    announce_settings(session, robot, handshake.row)
             if handshake.is_new:
                 self._sender.broadcast(robot, settings_view(handshake.row))
-            return handshake.settings
+            return active_settings(handshake.row, now)
 
         check_hello(hello)
         with self._sender.robot_lock(robot):
             self._sender.note_guard_settings(robot, hello.settings)
-            self._store_unstored_stop(robot)
-            settings = _retry_conflicts(store)
+            self._writer.store_unstored_stop(robot)
+            settings = retry_conflicts(store)
             self._sender.note_sent(robot, settings)
             return settings
+
+    def _is_new_to(self, robot: str, hello: Hello) -> bool:
+        """Tell whether a hello says what SQLite has not stored, and is to keep over a power cut."""
+        if not self._database.is_sqlite:
+            return False
+        with self._database.session() as session:
+            return not is_known(session, robot, hello)
 
     def handle_applied(self, robot: str, applied: Applied) -> None:
         """Note what a guard has made of settings; one that refuses a stop gets it on its own."""
         now = self._clock()
-        with self._database.write_session() as session:
+        with self._database.write_session(urgent=True) as session:
             app = load_current_app(session, robot)
             row = find_revision(session, app.id, applied.revision)
             if row is None:
                 log.warning("%s answers revision %d, which is none", robot, applied.revision)
                 return
+            applied = checked_answer(applied, load_settings(row))
             outcome = SettingsOutcome.REFUSED if applied.error else SettingsOutcome.APPLIED
             is_new = record_answer(session, row, outcome, applied.error, now)
             if is_new:
                 record_repeatable(
                     session, now, settings_answer_event(robot, applied), outcome.value
                 )
+                announce_settings(session, robot, row)
             settings, view = load_settings(row), settings_view(row)
         if is_new:
             self._sender.broadcast(robot, view)
@@ -149,13 +189,30 @@ class RiskController:
         )
 
         def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan | None:
-            if change.revision != snapshot.row.revision:
-                raise StaleRevisionError(settings_view(snapshot.row))
+            snapshot.check_newest(change.revision)
             after = apply_change(snapshot.plan, snapshot.settings, caller.roles, change)
-            again = snapshot.row.error or after.settings.nodes != snapshot.settings.nodes
-            return after if again else None
+            return after if snapshot.differs(after.settings) else None
 
-        return self._revise(robot, event, apply, change.reason)
+        return self.revise(robot, event, apply, change.reason)
+
+    def restore(self, caller: Principal, robot: str, request: RestoreRequest) -> SettingsView:
+        """Put the nodes' settings of an earlier revision in force again, as a new revision.
+
+        Overrides and the emergency stop stay as they are. StaleRevisionError as with a change.
+        """
+        detail = {"restored": request.restored, "reason": request.reason}
+        event = caller.audit_event("settings.restore", robot, revision=request.revision, **detail)
+
+        def apply(session: Session, snapshot: RobotSnapshot) -> EffectivePlan | None:
+            snapshot.check_newest(request.revision)
+            earlier = find_revision(session, snapshot.app.id, request.restored)
+            if earlier is None:
+                raise NotFoundError(f"there is no revision {request.restored}")
+            nodes = load_settings(earlier)
+            after = restore_nodes(snapshot.plan, snapshot.settings, caller.roles, nodes)
+            return after if snapshot.differs(after.settings) else None
+
+        return self.revise(robot, event, apply, request.reason)
 
     def start_override(
         self, caller: Principal, robot: str, node: str, request: OverrideRequest
@@ -167,22 +224,21 @@ class RiskController:
 
         def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             check_override_right(snapshot.plan, caller.roles, node)
-            now = self._clock()
+            now = self._steady_clock()
             after = add_override(snapshot.settings, caller.name, node, request, now)
             return EffectivePlan(snapshot.plan, after)
 
-        return self._revise(robot, event, apply, request.reason)
+        return self.revise(robot, event, apply, request.reason)
 
-    def end_override(self, caller: Principal, robot: str, node: str) -> SettingsView:
+    def end_override(self, caller: Principal, robot: str, node: str, reason: str) -> SettingsView:
         """Put a coordination node in force again before its override is over."""
 
         def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             check_override_right(snapshot.plan, caller.roles, node)
-            return EffectivePlan(snapshot.plan, remove_override(snapshot.settings, node))
+            return EffectivePlan(snapshot.plan, remove_override(snapshot.settings, node, reason))
 
-        return self._revise(
-            robot, caller.audit_event("override.end", node_target(robot, node)), apply, ""
-        )
+        event = caller.audit_event("override.end", node_target(robot, node), reason=reason)
+        return self.revise(robot, event, apply, reason)
 
     def start_emergency_stop(self, caller: Principal, robot: str, reason: str) -> SettingsView:
         """Stop a robot until it is released; the same stop goes out again unless it is in force.
@@ -202,15 +258,68 @@ class RiskController:
 
         with self._sender.robot_lock(robot):
             try:
-                return self._revise(
+                return self.revise(
                     robot, caller.audit_event("stop", robot, reason=reason), apply, reason
                 )
             except SQLAlchemyError as error:
                 check_stop_right(caller.roles)
-                log.exception("the emergency stop of %s is not stored", robot)
-                self._sender.send_unstored_stop(robot, caller.name, reason, self._clock())
-                message = f"the stop is sent, but not stored: {type(error).__name__}"
-                raise SourceError(message, help="is the disk full, or the database away?") from None
+                stop = FleetStop(caller=caller, robots=[robot], reason=reason)
+                raise self._send_unstored_stops(stop, error)[robot] from None
+
+    def start_emergency_stops(self, stop: FleetStop) -> Failures:
+        """Stop several robots, each as if it were stopped alone; return why some are not.
+
+        They are stored in one transaction, and sent when it is committed.
+        """
+        check_stop_right(stop.caller.roles)
+        stop, failures = stop.within_reach(self._database)
+        with self._sender.robot_locks(stop.robots):
+            try:
+                for robot in stop.robots:
+                    self._writer.store_unstored_stop(robot)
+                stored = retry_conflicts(lambda: self._store_stops(stop, failures))
+            except SQLAlchemyError as error:
+                return failures | self._send_unstored_stops(stop, error)
+            for robot, (settings, view) in stored.sent.items():
+                self._sender.push(robot, settings)
+                self._sender.broadcast(robot, view)
+        failures |= stored.failures
+        for robot in stored.singly:
+            failures |= self._stop_one(stop, robot)
+        return failures
+
+    def _stop_one(self, stop: FleetStop, robot: str) -> Failures:
+        try:
+            self.start_emergency_stop(stop.caller, robot, stop.reason)
+        except RTronError as error:
+            return {robot: error}
+        return {}
+
+    def _store_stops(self, stop: FleetStop, failures: Failures) -> StoredStops:
+        with self._database.write_session(durable=True, urgent=True) as session:
+            now = self._clock()
+            record_failures(session, stop, failures, now)
+            return store_stops(session, stop, now, self._steady_clock())
+
+    def send_requested_stop(self, robot: str, actor: str, reason: str) -> bool:
+        """Send a stop that another replica cannot store, if the guard is connected here."""
+        return self._sender.is_connected(robot) and self._sender.send_unstored_stop(
+            robot, actor, reason, self._clock()
+        )
+
+    def push_stored(self, robots: Collection[str]) -> None:
+        """Send the newest settings to these robots' guards: another replica may have stored them.
+
+        A stop that could not be stored here goes on top of them.
+        """
+        with self._database.session() as session:
+            rows = newest_settings_by_robot(session, robots)
+        for robot, row in rows.items():
+            if self._sender.unstored_stop(robot):
+                with self._sender.robot_lock(robot):
+                    self._writer.store_unstored_stop(robot)
+            else:
+                self._sender.push_stored(robot, load_settings(row))
 
     def release_emergency_stop(
         self, caller: Principal, robot: str, request: ReleaseRequest
@@ -219,14 +328,41 @@ class RiskController:
 
         def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             check_stop_right(caller.roles)
-            if request.revision != snapshot.row.revision:
-                raise StaleRevisionError(settings_view(snapshot.row))
+            snapshot.check_newest(request.revision)
             return EffectivePlan(snapshot.plan, remove_stop(snapshot.settings, request.reason))
 
         detail = {"revision": request.revision, "reason": request.reason}
-        return self._revise(
-            robot, caller.audit_event("stop.end", robot, **detail), apply, request.reason
-        )
+        event = caller.audit_event("stop.end", robot, **detail)
+        return self.revise(robot, event, apply, request.reason)
+
+    def _send_unstored_stops(self, stop: FleetStop, cause: SQLAlchemyError) -> Failures:
+        """Send stops that cannot be stored; return what is true of each."""
+        names = ", ".join(list(stop.robots)[:_MAX_NAMED])
+        log.error("%d emergency stops are not stored: %s", len(stop.robots), names, exc_info=cause)
+        away = [robot for robot in stop.robots if not self._sender.is_connected(robot)]
+        elsewhere = {} if self._database.is_sqlite else self._send_elsewhere(stop, away)
+        deliveries = {
+            robot: self._send_unstored_stop(robot, stop)
+            for robot in stop.robots
+            if robot not in elsewhere
+        }
+        help = "is the disk full, or the database away?"
+        return {
+            robot: SourceError(f"the stop {delivery}: {type(cause).__name__}", help=help)
+            for robot, delivery in (deliveries | elsewhere).items()
+        }
+
+    def _send_unstored_stop(self, robot: str, stop: FleetStop) -> str:
+        now = self._clock()
+        is_sent = self._sender.send_unstored_stop(robot, stop.caller.name, stop.reason, now)
+        return _SENT if is_sent else "waits for the robot, and is not stored"
+
+    def _send_elsewhere(self, stop: FleetStop, robots: Collection[str]) -> dict[str, str]:
+        """Let the replicas that have these robots' guards send stops; return what is true."""
+        sent: Collection[str] = ()
+        with suppress(SQLAlchemyError):
+            sent = self.stop_elsewhere(robots, stop.caller.name, stop.reason) if robots else ()
+        return {robot: _SENT if robot in sent else _NEITHER for robot in robots}
 
     def _record_dry_run(self, session: Session, robot: str, hello: Hello) -> None:
         """Write once for each life of a guard that it forbids nothing."""
@@ -237,58 +373,11 @@ class RiskController:
             record_repeatable(session, self._clock(), event, "done")
             self._recorded_dry_runs[robot] = hello.run
 
-    def _revise(
-        self, robot: str, event: AuditEvent, apply: _ApplyChange, reason: str
+    def revise(
+        self, robot: str, event: AuditEvent, apply: ApplyChange, reason: str
     ) -> SettingsView:
         """Write what `apply` makes of the newest settings; None if they are to stay as they are."""
-        with self._sender.robot_lock(robot), self._record_refusals(event):
-            self._store_unstored_stop(robot)
-            return _retry_conflicts(lambda: self._write_revision(robot, event, apply, reason))
-
-    def _write_revision(
-        self, robot: str, event: AuditEvent, apply: _ApplyChange, reason: str
-    ) -> SettingsView:
-        now = self._clock()
-        with self._database.write_session(durable=True) as session:
-            snapshot = load_snapshot(session, robot)
-            snapshot = replace(
-                snapshot,
-                settings=drop_expired_overrides(last_accepted_settings(session, snapshot), now),
-            )
-            effective = apply(session, snapshot)
-            row = snapshot.row
-            if effective:
-                author = ChangeAuthor(by=event.who, reason=reason, at=now)
-                row = add_settings(session, snapshot.app.id, effective.settings, author)
-                if effective.settings.nodes != load_settings(snapshot.row).nodes:
-                    in_force = node_json(effective.plan)
-                    store_policy_settings(session, snapshot.app.id, in_force)
-                record_event(session, now, event)
-            else:
-                record_repeatable(session, now, event, "done")
-        view = settings_view(row)
-        if effective:
-            self._sender.push(robot, effective.settings)
-            self._sender.broadcast(robot, view)
-        return view
-
-    def _store_unstored_stop(self, robot: str) -> None:
-        """Store, above what was sent, the stop that went out although it could not be stored."""
-        sent = self._sender.unstored_stop(robot)
-        if sent is None or sent.stop is None:
-            return
-        stop = sent.stop
-
-        def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
-            next_revision = max(snapshot.settings.revision, sent.revision) + 1
-            after = replace(snapshot.settings, stop=stop, revision=next_revision)
-            return EffectivePlan(snapshot.plan, after)
-
-        event = AuditEvent(who=stop.by, action="stop", target=robot, detail={"reason": stop.reason})
-        try:
-            _retry_conflicts(lambda: self._write_revision(robot, event, apply, stop.reason))
-        except NotFoundError:
-            self._sender.discard_unstored_stop(robot)
+        return self._writer.revise(robot, event, apply, reason)
 
     def _resend_stop(self, robot: str, refused: Settings) -> None:
         """Send a stop that was refused again, with what the guard last took, or with nothing."""
@@ -296,31 +385,16 @@ class RiskController:
 
         def apply(_session: Session, snapshot: RobotSnapshot) -> EffectivePlan:
             last = snapshot.settings
-            nodes = {} if last.nodes == load_settings(snapshot.row).nodes else last.nodes
+            is_same = last.nodes == refused.nodes and last.plan == refused.plan
+            nodes = {} if is_same else last.nodes
             after = replace(last, nodes=nodes, revision=last.revision + 1)
             return EffectivePlan(snapshot.plan, after)
 
         with self._sender.robot_lock(robot):
             with self._database.session() as session:
-                row = load_snapshot(session, robot).row
-            if row.revision == refused.revision and refused.nodes:
+                snapshot = load_snapshot(session, robot)
+                last = last_accepted_settings(session, snapshot)
+            has_other = bool(refused.nodes) or last.plan != refused.plan
+            if snapshot.row.revision == refused.revision and has_other:
                 reason = f"the guard refused revision {refused.revision}; the stop stays"
-                self._revise(robot, event, apply, reason)
-
-    @contextmanager
-    def _record_refusals(self, event: AuditEvent) -> Iterator[None]:
-        """Write into the audit log why something is refused; without the log it is refused too."""
-        try:
-            yield
-        except RTronError as error:
-            with suppress(SQLAlchemyError), self._database.write_session() as session:
-                record_repeatable(session, self._clock(), event, f"refused: {error}")
-            raise
-
-
-def _retry_conflicts(attempt: Callable[[], _T]) -> _T:
-    """Return what an attempt returns; as often as somebody else was faster, try again."""
-    for _ in range(_MAX_ATTEMPTS):
-        with suppress(IntegrityError):
-            return attempt()
-    raise ConflictError("too many change this at the same moment", help="try again")
+                self.revise(robot, event, apply, reason)

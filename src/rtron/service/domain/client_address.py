@@ -15,10 +15,31 @@ def network_prefix(address: str) -> str:
     return str(parsed) if parsed else address
 
 
+def wide_network(address: str) -> str:
+    """Return the network that one owner may have: of IPv6 the /48, of IPv4 the /24."""
+    parsed = _parse(address)
+    if parsed is None:
+        return address
+    bits = 80 if isinstance(parsed, IPv6Address) else 8
+    return str(type(parsed)(int(parsed) >> bits << bits))
+
+
+def is_loopback_name(name: str) -> bool:
+    """Tell whether a host name or an address is this machine's own."""
+    parsed = _parse(name)
+    return parsed.is_loopback if parsed else name.lower() == "localhost"
+
+
 def is_trusted(address: str, proxies: Iterable[IpNetwork]) -> bool:
     """Tell whether an address is of this machine, a local socket's, or one of the proxies."""
     parsed = _parse(address)
-    return parsed is None or parsed.is_loopback or any(parsed in proxy for proxy in proxies)
+    return parsed is None or parsed.is_loopback or is_within(address, proxies)
+
+
+def is_within(address: str, networks: Iterable[IpNetwork]) -> bool:
+    """Tell whether an address is in one of the networks."""
+    parsed = _parse(address)
+    return parsed is not None and any(parsed in network for network in networks)
 
 
 def _parse(address: str) -> IPv4Address | IPv6Address | None:

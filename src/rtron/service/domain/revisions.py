@@ -8,19 +8,24 @@ from rtron.errors import InputError
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
 from rtron.service.domain.rights import (
     RIGHTS_BY_ROLE,
+    NodeRight,
     coordination_kinds,
     granted_rights,
     mandatory_violations,
     missing_rights,
+    named_rights,
     needed_rights,
 )
 from rtron.service.domain.roles import Right, UserRole
-from rtron.service.domain.schemas import OverrideRequest, SettingsChange, SettingsView
+from rtron.service.domain.schemas import (
+    MIN_REASON_LENGTH,
+    OverrideRequest,
+    SettingsChange,
+    SettingsView,
+)
 from rtron.service.domain.settings_checks import check_settings
 from rtron.service.domain.settings_patch import merge_patch
 from rtron.vocabulary import SECOND, EmergencyStop, Plan, Settings, TimedOverride
-
-_MIN_REASON_LENGTH = 3
 
 
 class StaleRevisionError(ConflictError):
@@ -37,12 +42,28 @@ def apply_change(
 ) -> EffectivePlan:
     """Return the plan under the settings with a change merged in, their revision one higher.
 
-    InputError if the change is empty or the resulting plan is invalid, ForbiddenError if the roles
+    InputError if the change has no reason, is empty or makes no plan, ForbiddenError if the roles
     do not suffice.
     """
+    _require_reason(change.reason, "a change of settings")
     merged = merge_patch(plan, before, change.nodes)
     after = EffectivePlan(plan, replace(merged, revision=before.revision + 1))
-    _check_rights(roles, before, after)
+    needed = needed_rights(plan, before, after.settings) | named_rights(plan, change.nodes)
+    _check_rights(roles, after, needed)
+    check_settings(after)
+    return after
+
+
+def restore_nodes(
+    plan: Plan, before: Settings, roles: Collection[UserRole], earlier: Settings
+) -> EffectivePlan:
+    """Return the plan under the nodes' settings of an earlier revision, as one change.
+
+    InputError if they do not fit the plan any more, ForbiddenError if the roles do not suffice.
+    """
+    restored = replace(before, nodes=earlier.nodes, revision=before.revision + 1)
+    after = EffectivePlan(plan, restored)
+    _check_rights(roles, after, needed_rights(plan, before, after.settings))
     check_settings(after)
     return after
 
@@ -57,10 +78,11 @@ def add_override(
     return replace(before, overrides=overrides, revision=before.revision + 1)
 
 
-def remove_override(before: Settings, node: str) -> Settings:
-    """Return the settings without the override of a coordination node."""
+def remove_override(before: Settings, node: str, reason: str) -> Settings:
+    """Return the settings without the override of a coordination node; InputError: no reason."""
     if node not in before.overrides:
         raise NotFoundError(f"{node} is not overridden", help="its policy is in force")
+    _require_reason(reason, "the end of an override")
     overrides = {id: each for id, each in before.overrides.items() if id != node}
     return replace(before, overrides=overrides, revision=before.revision + 1)
 
@@ -79,11 +101,10 @@ def is_same_stop(stop: EmergencyStop, actor: str, reason: str) -> bool:
 
 
 def remove_stop(before: Settings, reason: str) -> Settings:
-    """Return the settings without the emergency stop."""
+    """Return the settings without the emergency stop; InputError without a reason."""
     if before.stop is None:
         raise NotFoundError("the robot is not stopped", help="there is no stop to release")
-    if len(reason) < _MIN_REASON_LENGTH:
-        raise InputError("the end of an emergency stop needs a reason", help="say why it is safe")
+    _require_reason(reason, "the end of an emergency stop")
     return replace(before, stop=None, revision=before.revision + 1)
 
 
@@ -105,10 +126,18 @@ def check_stop_right(roles: Collection[UserRole]) -> None:
         raise ForbiddenError("an emergency stop takes a role", help="any role will do")
 
 
-def _check_rights(roles: Collection[UserRole], before: Settings, after: EffectivePlan) -> None:
+def _require_reason(reason: str, change: str) -> None:
+    if len(reason) < MIN_REASON_LENGTH:
+        help = f"say why in `reason`, in at least {MIN_REASON_LENGTH} characters that can be seen"
+        raise InputError(f"{change} needs a reason", help=help)
+
+
+def _check_rights(
+    roles: Collection[UserRole], after: EffectivePlan, needed: Collection[NodeRight]
+) -> None:
     plan = after.base
     breaches = list(mandatory_violations(after))
-    missing = missing_rights(plan, roles, needed_rights(plan, before, after.settings))
+    missing = missing_rights(plan, roles, needed)
     if missing:
         denied = ", ".join(f"{right} at {node}" for node, right in missing)
         raise ForbiddenError(

@@ -5,6 +5,7 @@ nobody can take away here: only the plan can.
 """
 
 from collections.abc import Collection, Iterator, Mapping
+from typing import Any
 
 from rtron.coherence import EffectivePlan, coordination_node_ids
 from rtron.coherence.msrcn import flows_by_name
@@ -107,6 +108,19 @@ def needed_rights(plan: Plan, before: Settings, after: Settings) -> set[NodeRigh
     }
 
 
+def named_rights(plan: Plan, nodes: Mapping[str, Mapping[str, Any]]) -> set[NodeRight]:
+    """Return the rights that a change takes for what it names, whether that differs or not.
+
+    null for a whole flow or rule, or for all of them, names everything of it that a role may set.
+    """
+    kinds_by_id = coordination_kinds(plan)
+    return {
+        (id, right)
+        for id, patch in nodes.items()
+        for right in _named_rights(patch, granted_rights(tuple(UserRole), kinds_by_id[id]))
+    }
+
+
 def missing_rights(
     plan: Plan, roles: Collection[UserRole], needed: Collection[NodeRight]
 ) -> list[NodeRight]:
@@ -145,6 +159,18 @@ def _needed_rights(before: NodeSettings, after: NodeSettings) -> Iterator[Right]
             before.rules.get(name, RuleSettings()),
             after.rules.get(name, RuleSettings()),
         )
+
+
+def _named_rights(patch: Mapping[str, Any], grantable: frozenset[Right]) -> Iterator[Right]:
+    yield from (right for key, right in _NODE_RIGHTS.items() if key in patch)
+    for group, table in (("flows", _FLOW_RIGHTS), ("rules", _RULE_RIGHTS)):
+        whole = grantable.intersection(table.values()) or frozenset(table.values())
+        items = patch.get(group, {})
+        for item in [None] if items is None else items.values():
+            if item is None:
+                yield from whole
+            else:
+                yield from (right for key, right in table.items() if key in item)
 
 
 def _changed_rights(table: Mapping[str, Right], before: object, after: object) -> Iterator[Right]:

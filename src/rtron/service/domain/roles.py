@@ -11,6 +11,22 @@ class UserRole(StringEnum):
     END_USER = "end_user"
 
 
+class SessionStage(StringEnum):
+    """What a browser's session may do: everything, or only show a code, or only enrol one."""
+
+    COMPLETE = "complete"
+    CODE = "code"
+    ENROLMENT = "enrolment"
+
+
+class EnrolmentProof(StringEnum):
+    """What somebody who has a session shows before a second factor is enrolled."""
+
+    PASSWORD = "password"  # noqa: S105 - what is to be shown
+    SIGN_IN = "sign-in"
+    NONE = "none"
+
+
 class AccessScope(StringEnum):
     """What an API token is for; the last three are what the roles may do."""
 
@@ -20,6 +36,14 @@ class AccessScope(StringEnum):
     END_USER = "end_user"
     DEVELOPER = "developer"
     ADMIN = "admin"
+
+
+TOKEN_ROLES = {
+    AccessScope.END_USER: UserRole.END_USER,
+    AccessScope.DEVELOPER: UserRole.DEVELOPER,
+    AccessScope.ADMIN: UserRole.ADMIN,
+}
+"""The roles that a token has by its scopes."""
 
 
 class Right(StringEnum):

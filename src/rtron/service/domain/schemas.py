@@ -1,15 +1,17 @@
-"""Settings, robots and events as the HTTP API has them; the console uses nothing else.
+"""Settings, robots, events and incidents as the HTTP API has them; the console uses nothing else.
 
 Times are wall clock, ns; durations that people give are seconds. Unknown keys of a request are
 refused.
 """
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
 
+from rtron.service.domain.alarms import Acknowledgement
 from rtron.service.domain.roles import Right
 from rtron.vocabulary import (
+    Alarm,
     EmergencyStop,
     EventKind,
     GuardEventLevel,
@@ -18,10 +20,32 @@ from rtron.vocabulary import (
     Settings,
     StringEnum,
     TimedOverride,
+    visible_text,
 )
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.@-]{0,99}$")]
-Reason = Annotated[str, StringConstraints(strip_whitespace=True, max_length=200)]
+MIN_REASON_LENGTH = 3
+
+
+def _require_text(text: str) -> str:
+    if len(text) < MIN_REASON_LENGTH:
+        raise ValueError(f"say why, in at least {MIN_REASON_LENGTH} characters")
+    return text
+
+
+_Visible = AfterValidator(visible_text)
+Reason = Annotated[str, StringConstraints(strip_whitespace=True, max_length=200), _Visible]
+"""Why; what nobody can see is no reason."""
+RequiredReason = Annotated[Reason, AfterValidator(_require_text)]
+
+
+class WebhookLevel(StringEnum):
+    """What goes to a webhook: events of at least a level, or the signed heads of the audit log."""
+
+    INFO = "info"
+    WARNING = "warning"
+    ERROR = "error"
+    HEADS = "heads"
 
 
 class SettingsOutcome(StringEnum):
@@ -40,9 +64,14 @@ class RequestModel(BaseModel):
 
 
 class RobotSummary(BaseModel):
-    """A robot in the overview. `state` is None until its guard has told one."""
+    """A robot in the overview. `state` is None until its guard has told one, or is left out.
+
+    `alarms`, `overridden` and `stopped` are the state's; `acknowledged` is what people have seen;
+    so many `requests` wait for a person.
+    """
 
     name: str
+    labels: list[str]
     app: str | None
     ros: int | None
     connected: bool
@@ -52,7 +81,12 @@ class RobotSummary(BaseModel):
     outcome: SettingsOutcome | None
     stop: EmergencyStop | None
     dropped: int
-    state: GuardState | None
+    alarms: tuple[Alarm, ...]
+    acknowledged: tuple[Acknowledgement, ...]
+    overridden: tuple[str, ...]
+    stopped: bool
+    requests: int = 0
+    state: GuardState | None = None
 
 
 class NodeParameters(BaseModel):
@@ -100,7 +134,8 @@ class SettingsChange(RequestModel):
 
     In each node what is given replaces what was set; null takes it back to what the plan says. The
     keys are those of NodeSettings. A duration is a whole number of ns, or a text with a unit as in
-    the plan ("0.5 s"); a velocity, or a threshold, a number in SI units or such a text.
+    the plan ("0.5 s"); a velocity, or a threshold, a number in SI units or such a text. Without a
+    reason it is refused.
     """
 
     revision: int = Field(ge=0, le=(1 << 53) - 1)
@@ -108,11 +143,25 @@ class SettingsChange(RequestModel):
     reason: Reason = ""
 
 
+class RestoreRequest(RequestModel):
+    """The nodes' settings of revision `restored` again; `revision` is the newest one."""
+
+    revision: int = Field(ge=0, le=(1 << 53) - 1)
+    restored: int = Field(ge=0, le=(1 << 53) - 1)
+    reason: RequiredReason
+
+
 class OverrideRequest(RequestModel):
     """For `duration` seconds what the node forbids passes."""
 
     duration: float = Field(gt=0, le=3600)
-    reason: Annotated[str, StringConstraints(strip_whitespace=True, min_length=3, max_length=200)]
+    reason: RequiredReason
+
+
+class OverrideEnd(RequestModel):
+    """The end of an override before its time; without a reason it is refused."""
+
+    reason: Reason = ""
 
 
 class ReleaseRequest(RequestModel):
@@ -146,3 +195,42 @@ class EventPage(BaseModel):
 
     events: list[EventView]
     next: int | None
+
+
+class IncidentSummary(BaseModel):
+    """An incident in short: its gravest cause, who was in command then, the settings' revision.
+
+    `at` is the robot's wall clock, `stored` the service's (ns); `size` is that of the file on the
+    robot, bytes. `id` counts up in the order of storing.
+    """
+
+    id: int
+    robot: str
+    name: str
+    stored: int
+    at: int
+    app: str
+    size: int
+    revision: int
+    kind: Literal["intervention", "stop", "alarm"]
+    topic: str
+    flow: str
+    reason: str
+    owner: str
+    publisher: str
+    causes: int
+
+
+class IncidentPage(BaseModel):
+    """Incidents, newest first; `next` continues with older ones (`before`), None at the end."""
+
+    incidents: list[IncidentSummary]
+    next: int | None
+
+
+class StoredIncident(BaseModel):
+    """An incident with all that its robot has told of it, `rtron.incident_report/1`."""
+
+    robot: str
+    stored: int
+    report: dict[str, Any]

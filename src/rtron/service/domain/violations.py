@@ -13,6 +13,7 @@ _POLICY_RULES: Mapping[PolicyName, str] = {
     PolicyName.FIFO_QUEUE: "one at a time, in the order of arrival",
     PolicyName.PRIORITY_QUEUE: "one at a time, the highest priority first",
     PolicyName.PREEMPTION: "the highest priority that speaks controls it",
+    PolicyName.LEASE: "only the holder of the lease controls it, once it has been neutral",
 }
 
 

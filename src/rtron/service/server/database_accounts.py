@@ -9,10 +9,22 @@ from rtron.errors import InputError, plain_reason
 from rtron.service.api.schemas import NewToken, NewUser
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import wall_clock
+from rtron.service.store.accounts.logins import end_sessions
 from rtron.service.store.accounts.passwords import hash_password
+from rtron.service.store.accounts.second_factors import (
+    begin_enrolment,
+    confirm_enrolment,
+    remove_second_factor,
+)
 from rtron.service.store.accounts.secrets import new_password
 from rtron.service.store.accounts.tokens import TokenSpec, create_token, revoke_token
-from rtron.service.store.accounts.users import add_user, get_user, set_disabled, set_password
+from rtron.service.store.accounts.users import (
+    add_user,
+    get_user,
+    set_disabled,
+    set_groups,
+    set_password,
+)
 from rtron.service.store.audit import record_event
 from rtron.service.store.database import Database
 
@@ -22,7 +34,9 @@ _Model = TypeVar("_Model", bound=BaseModel)
 def create_token_record(database: Database, actor: str, request: Mapping[str, object]) -> str:
     """Make a token as NewToken says; return its secret. ConflictError if it is there already."""
     new = _validated(NewToken, request)
-    spec = TokenSpec(name=new.name, scopes=new.scopes, robot=new.robot, days=new.days)
+    spec = TokenSpec(
+        name=new.name, scopes=new.scopes, robot=new.robot, days=new.days, groups=new.groups
+    )
     event = AuditEvent(who=actor, action="create token", target=new.name, detail=request)
     with database.session() as session:
         _, secret = create_token(session, wall_clock(), actor, spec)
@@ -39,13 +53,21 @@ def revoke_token_record(database: Database, actor: str, name: str) -> None:
         )
 
 
-def create_user_record(database: Database, actor: str, name: str, roles: Sequence[str]) -> str:
+def create_user_record(
+    database: Database,
+    actor: str,
+    name: str,
+    roles: Sequence[str],
+    groups: Sequence[str] | None = None,
+) -> str:
     """Add a user; return the password. InputError, or ConflictError if the name is taken."""
     secret = new_password()
-    new = _validated(NewUser, {"name": name, "password": secret, "roles": roles})
-    event = AuditEvent(who=actor, action="add user", target=name, detail={"roles": list(roles)})
+    request = {"roles": list(roles), "groups": groups}
+    new = _validated(NewUser, {"name": name, "password": secret, **request})
+    event = AuditEvent(who=actor, action="add user", target=name, detail=request)
     with database.session() as session:
-        add_user(session, wall_clock(), new.name, hash_password(secret), new.roles)
+        user = add_user(session, wall_clock(), new.name, hash_password(secret), new.roles)
+        set_groups(user, new.groups)
         record_event(session, wall_clock(), event)
     return secret
 
@@ -61,6 +83,33 @@ def reset_password(database: Database, actor: str, name: str) -> str:
             session, wall_clock(), AuditEvent(who=actor, action="reset password", target=name)
         )
     return secret
+
+
+def begin_second_factor(database: Database, name: str) -> str:
+    """Give a user a key for one-time codes, not in force yet; return it. ConflictError if any."""
+    with database.session() as session:
+        return begin_enrolment(session, wall_clock(), get_user(session, name))
+
+
+def confirm_second_factor(database: Database, actor: str, name: str, code: str) -> Sequence[str]:
+    """Put the key in force with a code of it; return the recovery codes, or ForbiddenError."""
+    event = AuditEvent(who=actor, action="enrol second factor", target=name)
+    with database.session() as session:
+        user = get_user(session, name)
+        codes = confirm_enrolment(session, wall_clock(), user, code)
+        end_sessions(session, user.id)
+        record_event(session, wall_clock(), event)
+    return codes
+
+
+def reset_second_factor(database: Database, actor: str, name: str) -> None:
+    """Let a user log in with the password alone; NotFoundError if there is no such user."""
+    event = AuditEvent(who=actor, action="reset second factor", target=name)
+    with database.session() as session:
+        user = get_user(session, name)
+        remove_second_factor(session, user)
+        end_sessions(session, user.id)
+        record_event(session, wall_clock(), event)
 
 
 def _validated(model: type[_Model], values: Mapping[str, object]) -> _Model:

@@ -1,10 +1,14 @@
 """Opening the service's database, whose file only its owner may read, and the first admin."""
 
 import os
+from contextlib import suppress
 from pathlib import Path
+
+from sqlalchemy.exc import IntegrityError
 
 from rtron.errors import InputError
 from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.domain.errors import ConflictError
 from rtron.service.domain.roles import UserRole
 from rtron.service.store.accounts.passwords import hash_password
 from rtron.service.store.accounts.secrets import new_password
@@ -31,14 +35,18 @@ def open_existing_database(location: str | Path) -> Database:
 
 
 def add_first_admin(database: Database, now: int) -> str | None:
-    """Add the user `admin` with every role if there is no user; return the password, told once."""
+    """Add the user `admin` with every role if there is no user; return the password, told once.
+
+    Of replicas that start at once one adds it.
+    """
     password = new_password()
-    with database.session() as session:
+    with suppress(ConflictError, IntegrityError), database.session() as session:
         if all_users(session):
             return None
         add_user(session, now, FIRST_ADMIN, hash_password(password), UserRole)
         record_event(session, now, AuditEvent(who="rtron", action="add user", target=FIRST_ADMIN))
-    return password
+        return password
+    return None
 
 
 def _create_private_file(path: Path) -> None:

@@ -1,20 +1,70 @@
 """The database: one SQLite file by default, PostgreSQL by URL."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
-from threading import RLock
+from secrets import randbits
+from threading import Condition, get_ident
 from typing import Any
 
-from sqlalchemy import URL, Engine, create_engine, event, make_url
-from sqlalchemy.exc import ArgumentError
+from sqlalchemy import URL, Connection, Engine, NullPool, create_engine, event, make_url
+from sqlalchemy.exc import (
+    ArgumentError,
+    DBAPIError,
+    InterfaceError,
+    OperationalError,
+)
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlalchemy.orm import Session
 
 from rtron.errors import InputError
+from rtron.service.store.notices import CHANNEL, SENDER, notice_channel
 from rtron.service.store.schema_migration import migrate
 
 _BUSY_TIMEOUT_S = 30
 _ANSWER_TIMEOUT_S = 60
+_REPLICA_BITS = 31
+_UNAVAILABLE_CLASSES = frozenset({"08", "25", "40", "53", "55", "57", "58", "XX"})
+"""Classes of PostgreSQL's SQLSTATE that are not about what was to be stored."""
+_MAX_OVERFLOW = 60
+"""More connections than there are threads: no request waits for another's."""
+
+
+class WriteLock:
+    """One writer at a time; who is urgent goes first, and its holder may take it again."""
+
+    def __init__(self) -> None:
+        self._changed = Condition()
+        self._holder = self._depth = self._urgent = 0
+
+    @contextmanager
+    def held(self, *, urgent: bool) -> Iterator[None]:
+        """Hold it until the end of the block."""
+        self._acquire(urgent=urgent)
+        try:
+            yield
+        finally:
+            self._release()
+
+    def _acquire(self, *, urgent: bool) -> None:
+        thread = get_ident()
+        with self._changed:
+            self._urgent += urgent
+            self._changed.wait_for(
+                lambda: (
+                    self._holder == thread or (not self._holder and (urgent or not self._urgent))
+                )
+            )
+            self._urgent -= urgent
+            self._holder = thread
+            self._depth += 1
+
+    def _release(self) -> None:
+        with self._changed:
+            self._depth -= 1
+            if not self._depth:
+                self._holder = 0
+                self._changed.notify_all()
 
 
 class Database:
@@ -27,10 +77,13 @@ class Database:
 
     def __init__(self, location: str | Path) -> None:
         self.url = _url(location)
+        self.replica = 1 + randbits(_REPLICA_BITS - 1)
         self.engine = _engine(self.url)
-        self._writer = RLock() if self.is_sqlite else nullcontext()
+        self._writer = WriteLock()
         try:
             migrate(self.engine)
+            with Session(self.engine) as session:
+                self.channel = notice_channel(session)
         except BaseException:
             self.close()
             raise
@@ -43,19 +96,35 @@ class Database:
     @contextmanager
     def session(self) -> Iterator[Session]:
         """Give one transaction: committed at the end, taken back by an exception."""
-        with Session(self.engine, expire_on_commit=False) as session, session.begin():
+        info = {SENDER: self.replica, CHANNEL: self.channel}
+        with Session(self.engine, expire_on_commit=False, info=info) as session, session.begin():
             yield session
 
     @contextmanager
-    def write_session(self, *, durable: bool = False) -> Iterator[Session]:
+    def own_connection(self, timeout_s: float) -> Iterator[Connection]:
+        """Give a connection without transactions that is closed at the end of the block.
+
+        It fails if the server takes longer than `timeout_s` to answer.
+        """
+        arguments = {"timeout": timeout_s}
+        engine = create_engine(
+            self.url, poolclass=NullPool, connect_args=arguments, isolation_level="AUTOCOMMIT"
+        )
+        with closing(engine.connect()) as connection:
+            yield connection
+
+    @contextmanager
+    def write_session(self, *, durable: bool = False, urgent: bool = False) -> Iterator[Session]:
         """Give a transaction that is going to write, and has nobody to wait for when it begins.
 
-        A durable one, once committed, outlives a power cut too: SQLite waits for the disk.
+        A durable one, once committed, outlives a power cut too: SQLite waits for the disk. An
+        urgent one, of a person who waits for it, goes before the others.
 
         SQLite knows one writer. Whoever meets another one there sleeps, up to 100 ms at a time;
         so those of this process wait for each other here.
         """
-        with self._writer, self.session() as session:
+        turn = self._writer.held(urgent=urgent) if self.is_sqlite else nullcontext()
+        with turn, self.session() as session:
             if durable and self.is_sqlite:
                 session.connection().exec_driver_sql("PRAGMA synchronous=FULL")
             yield session
@@ -63,6 +132,23 @@ class Database:
     def close(self) -> None:
         """Close every connection."""
         self.engine.dispose()
+
+
+def is_unavailable(error: Exception) -> bool:
+    """Tell whether the database, and not what was to be stored, is the reason of an error."""
+    if not isinstance(error, DBAPIError):
+        return isinstance(error, PoolTimeoutError)
+    if isinstance(error, (OperationalError, InterfaceError)):
+        return True
+    details = error.orig.args[0] if error.orig and error.orig.args else None
+    state = details.get("C", "") if isinstance(details, dict) else ""
+    return state[:2] in _UNAVAILABLE_CLASSES
+
+
+def sqlite_file(location: str | Path) -> Path | None:
+    """Return the file of a SQLite database, None for a server; InputError if it is neither."""
+    url = _url(location)
+    return Path(str(url.database)) if url.get_backend_name() == "sqlite" else None
 
 
 def _url(location: str | Path) -> URL:
@@ -82,8 +168,12 @@ def _engine(url: URL) -> Engine:
     quiet = {"hide_parameters": True}  # an error must not tell what was to be stored
     if url.get_backend_name() != "sqlite":
         timeout = {"timeout": _ANSWER_TIMEOUT_S}
-        return create_engine(url, pool_pre_ping=True, connect_args=timeout, **quiet)
-    engine = create_engine(url, connect_args={"timeout": _BUSY_TIMEOUT_S}, **quiet)
+        return create_engine(
+            url, pool_pre_ping=True, connect_args=timeout, max_overflow=_MAX_OVERFLOW, **quiet
+        )
+    engine = create_engine(
+        url, connect_args={"timeout": _BUSY_TIMEOUT_S}, max_overflow=_MAX_OVERFLOW, **quiet
+    )
     event.listen(engine, "connect", _set_pragmas)
     event.listen(engine, "checkin", _reset_durability)
     return engine

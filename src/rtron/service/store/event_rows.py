@@ -18,16 +18,23 @@ MAX_VALUES_LENGTH = 1 << 16
 MAX_RUN_LENGTH = 40
 _MAX_INT64 = (1 << 63) - 1
 _VIEW_COLUMNS = EventView.model_fields.keys() - {"robot"}
+EVENT_CONTENT = (*sorted(_VIEW_COLUMNS - {"id"}), "run", "number", "stored")
+"""The columns of an event that are in its chain, beside the name of its robot."""
 
 
 def check_event(event: GuardEvent) -> None:
     """Raise WireError if an event's run, number, time or revision is out of range."""
-    if not 0 < len(event.run) <= MAX_RUN_LENGTH or "\0" in event.run:
-        raise WireError(f"a run has 1 to {MAX_RUN_LENGTH} characters")
+    check_run(event.run)
     if not 0 < event.number <= _MAX_INT64:
         raise WireError(f"event {event.number}: they count from 1")
     if not (0 <= event.at <= _MAX_INT64 and 0 <= event.revision <= _MAX_INT64):
         raise WireError(f"event {event.number}: its time or revision is out of range")
+
+
+def check_run(run: str) -> None:
+    """Raise WireError for what is no life of a guard."""
+    if not 0 < len(run) <= MAX_RUN_LENGTH or "\0" in run:
+        raise WireError(f"a run has 1 to {MAX_RUN_LENGTH} characters")
 
 
 def event_row(robot_id: int, now: int, event: GuardEvent) -> dict[str, Any]:
@@ -50,6 +57,11 @@ def event_row(robot_id: int, now: int, event: GuardEvent) -> dict[str, Any]:
         "revision": event.revision,
         "values": _json_values(event.values) if event.values else {},
     }
+
+
+def event_content(robot: str, row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a chain has of a stored event: everything but its id."""
+    return {"robot": robot, **{name: row[name] for name in EVENT_CONTENT}}
 
 
 def event_view(robot: str, row: Mapping[str, Any]) -> EventView:

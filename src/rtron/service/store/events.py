@@ -1,6 +1,6 @@
 """Events come in, each exactly once, and what they say about coordination nodes is kept."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +9,9 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.schemas import EventView
-from rtron.service.store.event_rows import event_row, event_view
+from rtron.service.store.chains import ChainEntry, append_entries, events_chain, lock_chains
+from rtron.service.store.event_rows import event_content, event_row, event_view
+from rtron.service.store.partitions.event_runs import EventKey, keep_unstored
 from rtron.service.store.tables import CoordinationNodeRow, EventRow, RobotRow
 from rtron.vocabulary import Decision, EventKind, GuardEvent, GuardEventLevel
 
@@ -53,21 +55,28 @@ def add_events(session: Session, now: int, batches: Sequence[EventBatch]) -> Seq
     rows = [event_row(batch.robot_id, now, event) for batch in batches for event in batch.events]
     if not rows:
         return ()
+    if session.get_bind().dialect.name != "sqlite":  # which has one writer
+        # Before the rows have ids: so those of a robot have the order of its chain.
+        lock_chains(session, sorted({events_chain(batch.robot_name) for batch in batches}))
     by_key = {(each["robot_id"], each["run"], each["number"]): each for each in rows}
-    insert = _insert(session).returning(_EVENTS.c.id, *_KEY)
-    returned = session.execute(insert, list(by_key.values()))
+    returned = _insert(session, by_key)
     robots = {batch.robot_id: batch.robot_name for batch in batches}
     added = [
         StoredEvent(robots[key[0]], {"id": id, **by_key[tuple(key)]})
         for id, *key in sorted(returned)
     ]
+    _chain_events(session, added)
     _store_violations(session, added)
     return added
 
 
-def lost_events_by_robot(session: Session) -> Mapping[str, int]:
-    """Return how many events are known to be lost, by robot."""
+def lost_events_by_robot(
+    session: Session, robots: Collection[str] | None = None
+) -> Mapping[str, int]:
+    """Return how many events are known to be lost, by robot; of all, or of some."""
     query = select(RobotRow.name, EventRow.values).join_from(EventRow, RobotRow)
+    if robots is not None:
+        query = query.where(RobotRow.name.in_(robots))
     counts: dict[str, int] = {}
     for robot, values in session.execute(query.where(EventRow.kind == EventKind.LOST.value)):
         counts[robot] = counts.get(robot, 0) + lost_event_count(values)
@@ -80,11 +89,24 @@ def lost_event_count(values: Mapping[str, Any]) -> int:
     return events if type(events) is int and 0 <= events < 1 << 53 else 0
 
 
-def _insert(session: Session) -> Insert:
-    """Return the statement that leaves out what is there already, of the session's database."""
-    if session.get_bind().dialect.name == "sqlite":
-        return sqlite.insert(_EVENTS).on_conflict_do_nothing()
-    return postgresql.insert(_EVENTS).on_conflict_do_nothing()
+def _insert(session: Session, rows: Mapping[EventKey, Any]) -> Iterable[Any]:
+    """Store the rows that are not there already; return the id and the key of each of these."""
+    insert: Insert = sqlite.insert(_EVENTS).on_conflict_do_nothing()
+    if session.get_bind().dialect.name != "sqlite":
+        insert, rows = postgresql.insert(_EVENTS), keep_unstored(session, rows)
+    returning = insert.returning(_EVENTS.c.id, *_KEY)
+    return session.execute(returning, list(rows.values())) if rows else ()
+
+
+def _chain_events(session: Session, added: Sequence[StoredEvent]) -> None:
+    """Append what is new to the chains of its robots; counts, which are statistics, are in none."""
+    entries = [
+        ChainEntry(events_chain(each.robot), each.row["id"], event_content(each.robot, each.row))
+        for each in added
+        if each.row["kind"] != EventKind.COUNTS
+    ]
+    if entries:
+        append_entries(session, entries)
 
 
 def _store_violations(session: Session, added: Sequence[StoredEvent]) -> None:

@@ -1,14 +1,15 @@
 """Robots, their apps, and the risk model of the coordination nodes (paper section 6.3)."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from sqlalchemy import delete, func, select
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, defer
 
 from rtron.service.domain.plan_json import parse_plan
 from rtron.service.domain.risk_model import RiskModel
-from rtron.service.store.tables import AppRow, CoordinationNodeRow, RobotRow
+from rtron.service.store.tables import AppRow, CoordinationNodeRow, RobotLabelRow, RobotRow
 from rtron.vocabulary import Plan
 
 
@@ -17,14 +18,37 @@ def load_plan(app: AppRow) -> Plan:
     return parse_plan(app.plan)
 
 
-def list_robots(session: Session) -> Sequence[tuple[RobotRow, AppRow | None]]:
-    """Return all robots by name, each with its current app."""
-    query = (
-        select(RobotRow, AppRow)
-        .outerjoin(AppRow, AppRow.id == RobotRow.app_id)
-        .order_by(RobotRow.name)
-    )
-    return [(robot, app) for robot, app in session.execute(query)]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotFilter:
+    """Robots after a name, whose name contains `text`, of an app, with a label, of a set or not."""
+
+    after: str = ""
+    limit: int | None = None
+    text: str = ""
+    app: str | None = None
+    label: str | None = None
+    within: Collection[str] | None = None
+    without: Collection[str] = ()
+
+
+def list_robots(
+    session: Session, robot_filter: RobotFilter | None = None
+) -> Sequence[tuple[RobotRow, AppRow | None]]:
+    """Return robots by name, each with its current app, whose plan is loaded when it is asked."""
+    chosen, name = robot_filter or RobotFilter(), RobotRow.name
+    query = select(RobotRow, AppRow).outerjoin(AppRow, AppRow.id == RobotRow.app_id)
+    query = query.options(defer(AppRow.plan))
+    query = query.where(name > chosen.after, name.contains(chosen.text, autoescape=True))
+    query = query.where(name.not_in(chosen.without))
+    if chosen.app is not None:
+        query = query.where(AppRow.name == chosen.app)
+    if chosen.label is not None:
+        labelled = select(RobotLabelRow.robot_id).where(RobotLabelRow.label == chosen.label)
+        query = query.where(RobotRow.id.in_(labelled))
+    if chosen.within is not None:
+        query = query.where(name.in_(chosen.within))
+    rows = session.execute(query.order_by(name).limit(chosen.limit))
+    return [(robot, app) for robot, app in rows]
 
 
 def find_robot(session: Session, name: str) -> tuple[RobotRow, AppRow | None] | None:

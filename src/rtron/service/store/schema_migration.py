@@ -1,5 +1,6 @@
 """Bringing a database to the schema of this version (Alembic), in one transaction."""
 
+from functools import cache
 from pathlib import Path
 
 from alembic.config import Config
@@ -10,9 +11,12 @@ from sqlalchemy import Connection, Engine, inspect
 from sqlalchemy.exc import DBAPIError
 
 from rtron.errors import InputError, SourceError
-from rtron.service.store.tables import Table
+from rtron.service.store.fleet.rollout_tables import RolloutRobotRow
+from rtron.service.store.incidents import IncidentRow
 
 _SCRIPT_FOLDER = Path(__file__).with_name("migrations")
+MIN_POSTGRESQL = (14,)
+"""The oldest version of PostgreSQL that drops partitions while others write."""
 _ADVISORY_LOCK_KEY = 0x7274726F6E
 """Of PostgreSQL's advisory locks, ours: two services that start at once migrate in turn."""
 
@@ -38,7 +42,9 @@ def head_revision() -> str:
     return _scripts().get_current_head() or ""
 
 
+@cache
 def _scripts() -> ScriptDirectory:
+    """Return the migrations, which are modules: they are loaded once."""
     return ScriptDirectory(_SCRIPT_FOLDER)
 
 
@@ -47,7 +53,15 @@ def _begin(connection: Connection) -> None:
     if connection.dialect.name == "sqlite":
         connection.exec_driver_sql("BEGIN IMMEDIATE")
     else:
+        _check_version(connection)
         connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_ADVISORY_LOCK_KEY})")
+
+
+def _check_version(connection: Connection) -> None:
+    version = connection.dialect.server_version_info or MIN_POSTGRESQL
+    if version < MIN_POSTGRESQL:
+        message = f"PostgreSQL {version[0]} is too old"
+        raise InputError(message, help=f"use PostgreSQL {MIN_POSTGRESQL[0]}, or newer")
 
 
 def _check_schema(connection: Connection, name: str) -> None:
@@ -59,7 +73,8 @@ def _check_schema(connection: Connection, name: str) -> None:
             f"its schema {', '.join(sorted(unknown))} is newer than this RTron's {head_revision()}"
         )
         raise InputError(message, path=name, help=help)
-    foreign_tables = Table.metadata.tables.keys() & set(inspect(connection).get_table_names())
+    tables = {*RolloutRobotRow.metadata.tables, IncidentRow.__tablename__}
+    foreign_tables = tables & set(inspect(connection).get_table_names())
     if foreign_tables and not heads:
         message = f"it has tables of another program: {', '.join(sorted(foreign_tables))}"
         raise InputError(message, path=name, help="give another --database")

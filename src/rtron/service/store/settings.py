@@ -1,19 +1,25 @@
 """The settings of an app, revision by revision; what was written stays."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import hashlib
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pydantic import TypeAdapter
-from sqlalchemy import func, select, update
+from sqlalchemy import func, select, tuple_, update
 from sqlalchemy.orm import Session
 
+from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.domain.hash_chain import canonical_json
 from rtron.service.domain.schemas import SettingsOutcome, SettingsView
-from rtron.service.store.tables import SettingsRow
+from rtron.service.store.notices import SettingsNotice, post_notices
+from rtron.service.store.tables import AppRow, RobotRow, SettingsRow
 from rtron.vocabulary import Settings
 
 _SETTINGS: TypeAdapter[Settings] = TypeAdapter(Settings)
 _MAX_LENGTH = 1000
+SETTINGS_KEY = "settings"
+"""Where the detail of a line of the audit log has which settings came of it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,20 +64,43 @@ def add_settings(
     session: Session, app_id: int, settings: Settings, author: ChangeAuthor
 ) -> SettingsRow:
     """Write new settings; IntegrityError if the app has that revision already."""
-    row = SettingsRow(
-        app_id=app_id,
-        revision=settings.revision,
-        document=settings_json(settings),
-        by=author.by,
-        reason=author.reason[:_MAX_LENGTH],
-        at=author.at,
-        outcome=SettingsOutcome.PENDING,
-        error="",
-        answered=None,
-    )
-    session.add(row)
+    return add_all_settings(session, {app_id: settings}, author)[app_id]
+
+
+def add_all_settings(
+    session: Session, settings_by_app: Mapping[int, Settings], author: ChangeAuthor
+) -> dict[int, SettingsRow]:
+    """Write new settings of several apps; IntegrityError if one has that revision already."""
+    rows = {
+        app_id: SettingsRow(
+            app_id=app_id,
+            revision=settings.revision,
+            document=settings_json(settings),
+            by=author.by,
+            reason=author.reason[:_MAX_LENGTH],
+            at=author.at,
+            outcome=SettingsOutcome.PENDING,
+            error="",
+            answered=None,
+        )
+        for app_id, settings in settings_by_app.items()
+    }
+    session.add_all(rows.values())
     session.flush()
-    return row
+    return rows
+
+
+def with_settings(event: AuditEvent, app: AppRow, row: SettingsRow) -> AuditEvent:
+    """Return an event of the audit log with which settings came of it, and their digest."""
+    made = {"app": app.name, "revision": row.revision, "sha256": settings_digest(app.name, row)}
+    return replace(event, detail={**event.detail, SETTINGS_KEY: made})
+
+
+def settings_digest(app: str, row: SettingsRow) -> str:
+    """Return the SHA-256 (hex) of settings, who made them, when and why: what never changes."""
+    made = {"app": app, "revision": row.revision, "document": row.document}
+    author = {"by": row.by, "reason": row.reason, "at": row.at}
+    return hashlib.sha256(canonical_json({**made, **author})).hexdigest()
 
 
 def record_answer(
@@ -97,10 +126,34 @@ def record_answer(
     return True
 
 
-def newest_settings_by_app(session: Session) -> dict[int, SettingsRow]:
-    """Return the newest settings of every app."""
+def announce_settings(session: Session, robot: str, row: SettingsRow) -> None:
+    """Tell other replicas of settings, or of what a guard said to them, once they are committed."""
+    announce_all_settings(session, {robot: row})
+
+
+def announce_all_settings(session: Session, rows: Mapping[str, SettingsRow]) -> None:
+    """Tell other replicas of the settings of several robots, once they are committed."""
+    notices = [
+        SettingsNotice(robot=robot, app_id=row.app_id, revision=row.revision)
+        for robot, row in rows.items()
+    ]
+    post_notices(session, notices)
+
+
+def find_views(
+    session: Session, keys: Collection[tuple[int, int]]
+) -> dict[tuple[int, int], SettingsView]:
+    """Return settings by app and revision."""
+    key = tuple_(SettingsRow.app_id, SettingsRow.revision)
+    rows = session.scalars(select(SettingsRow).where(key.in_(keys)))
+    return {(row.app_id, row.revision): settings_view(row) for row in rows}
+
+
+def newest_settings_by_app(session: Session, app_ids: Collection[int]) -> dict[int, SettingsRow]:
+    """Return the newest settings of each of these apps."""
     last = (
         select(SettingsRow.app_id, func.max(SettingsRow.revision).label("revision"))
+        .where(SettingsRow.app_id.in_(app_ids))
         .group_by(SettingsRow.app_id)
         .subquery()
     )
@@ -111,9 +164,22 @@ def newest_settings_by_app(session: Session) -> dict[int, SettingsRow]:
     return {row.app_id: row for row in session.scalars(query)}
 
 
+def newest_settings_by_robot(session: Session, robots: Collection[str]) -> dict[str, SettingsRow]:
+    """Return the newest settings of the current app of each of these robots."""
+    query = select(RobotRow.name, RobotRow.app_id).where(RobotRow.name.in_(robots))
+    apps = {name: app_id for name, app_id in session.execute(query) if app_id is not None}
+    rows = newest_settings_by_app(session, list(apps.values()))
+    return {name: rows[app_id] for name, app_id in apps.items() if app_id in rows}
+
+
 def load_settings(row: SettingsRow) -> Settings:
     """Return the settings of a row."""
-    return _SETTINGS.validate_python(row.document)
+    return load_settings_document(row.document)
+
+
+def load_settings_document(document: Mapping[str, Any]) -> Settings:
+    """Return the settings that `settings_json` has written."""
+    return _SETTINGS.validate_python(document)
 
 
 def settings_json(settings: Settings) -> dict[str, Any]:

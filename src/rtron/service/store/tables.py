@@ -12,6 +12,7 @@ from sqlalchemy import (
     Index,
     Integer,
     String,
+    Text,
     UniqueConstraint,
     text,
 )
@@ -42,6 +43,15 @@ class RobotRow(Table):
     created: Mapped[int]
     seen: Mapped[int | None]
     app_id: Mapped[int | None]
+
+
+class RobotLabelRow(Table):
+    """A label of a robot; the robots with one label are a group."""
+
+    __tablename__ = "robot_labels"
+
+    robot_id: Mapped[int] = mapped_column(ForeignKey("robots.id"), primary_key=True)
+    label: Mapped[str] = mapped_column(String(100), primary_key=True, index=True)
 
 
 class AppRow(Table):
@@ -106,13 +116,15 @@ class CoordinationNodeRow(Table):
 class EventRow(Table):
     """An event of a guard; (`robot_id`, `run`, `number`) is stored once.
 
-    `id` counts up in the order of storing and is never used again. `stored` is the service's
+    `id` counts up in the order of storing and is never used again; on PostgreSQL it says in which
+    partition the event is, and `EventRunRow` that it is stored once. `stored` is the service's
     clock, `at` the robot's. What is seldom has an index of its own.
     """
 
     __tablename__ = "events"
     __table_args__ = (
-        UniqueConstraint("robot_id", "run", "number"),
+        UniqueConstraint("robot_id", "run", "number").ddl_if(dialect="sqlite"),
+        Index("events_by_number", "robot_id", "run", "number").ddl_if(dialect="postgresql"),
         Index("events_by_robot", "robot_id", "id", "at"),
         Index("events_by_kind", "robot_id", "kind", "id"),
         _partial_index("events_of_note", "robot_id", "id", where="level <> 'info'"),
@@ -140,6 +152,31 @@ class EventRow(Table):
     values: Mapped[dict[str, Any]]
 
 
+class EventRunRow(Table):
+    """A run of a guard, and the highest number of its stored events; PostgreSQL's alone."""
+
+    __tablename__ = "event_runs"
+
+    robot_id: Mapped[int] = mapped_column(ForeignKey("robots.id"), primary_key=True)
+    run: Mapped[str] = mapped_column(String(40), primary_key=True)
+    number: Mapped[int]
+
+
+class LiveGuardRow(Table):
+    """A connected guard, the replica that it is connected to, and its state as JSON.
+
+    PostgreSQL forgets it when it crashes (UNLOGGED), and SQLite's one process has it in memory.
+    """
+
+    __tablename__ = "live_guards"
+
+    robot: Mapped[str] = mapped_column(String(100), primary_key=True)
+    replica: Mapped[int]
+    version: Mapped[int]
+    dry_run: Mapped[bool]
+    state: Mapped[str | None] = mapped_column(Text)
+
+
 class SettingsRow(Table):
     """The settings of an app at one revision; `outcome` is pending, applied, refused or replaced.
 
@@ -160,9 +197,14 @@ class SettingsRow(Table):
 
 
 class UserRow(Table):
-    """Who may log in; the password is kept as its argon2 hash only."""
+    """Who may log in; the password is kept as its argon2 hash only.
+
+    `subject` is the digest of issuer and subject of who signs in at a provider.
+    Of robots, a user may change those of `groups`; None: all.
+    """
 
     __tablename__ = "users"
+    __table_args__ = (Index("users_by_subject", "subject", unique=True),)
 
     id: Mapped[int] = mapped_column(_Long, primary_key=True)
     name: Mapped[str] = mapped_column(String(100), unique=True)
@@ -170,27 +212,70 @@ class UserRow(Table):
     roles: Mapped[list[str]]
     disabled: Mapped[bool]
     created: Mapped[int]
+    subject: Mapped[str | None] = mapped_column(String(64))
+    groups: Mapped[list[str] | None] = mapped_column(JSON(none_as_null=True))
 
 
 class SessionRow(Table):
-    """A login in a browser; its secret is kept as a hash only."""
+    """A login in a browser; its secret is kept as a hash only. `stage`: what it waits for."""
 
     __tablename__ = "sessions"
 
     digest: Mapped[str] = mapped_column(String(64), primary_key=True)
     user_id: Mapped[int] = mapped_column(ForeignKey("users.id"), index=True)
     csrf: Mapped[str] = mapped_column(String(64))
+    stage: Mapped[str] = mapped_column(String(10))
     created: Mapped[int]
     used: Mapped[int]
+
+
+class KnownBrowserRow(Table):
+    """A browser in which a user has logged in; its secret is kept as a hash only."""
+
+    __tablename__ = "known_browsers"
+
+    digest: Mapped[str] = mapped_column(String(64), primary_key=True)
+    user_id: Mapped[int] = mapped_column(ForeignKey("users.id"), index=True)
+    created: Mapped[int]
+
+
+class SecondFactorRow(Table):
+    """The key of a user's one-time codes, base 32; of steps up to `used_step` no code counts.
+
+    It cannot be kept as a hash: the codes are computed of it.
+    """
+
+    __tablename__ = "second_factors"
+
+    user_id: Mapped[int] = mapped_column(ForeignKey("users.id"), primary_key=True)
+    key: Mapped[str] = mapped_column(String(64))
+    is_confirmed: Mapped[bool]
+    used_step: Mapped[int]
+    created: Mapped[int]
+
+
+class RecoveryCodeRow(Table):
+    """A recovery code that was not used yet; it is kept as a hash only."""
+
+    __tablename__ = "recovery_codes"
+
+    digest: Mapped[str] = mapped_column(String(64), primary_key=True)
+    user_id: Mapped[int] = mapped_column(ForeignKey("users.id"), index=True)
 
 
 class TokenRow(Table):
     """An API token of a program or a guard; its secret is kept as a hash only.
 
-    A token with the scope `guard` speaks for one robot.
+    A token with the scope `guard` speaks for one robot. While it is renewed it has a second secret
+    (`next_digest`), which replaces the first at its first use; that one is `previous_digest` then.
+    `groups` are as of a user.
     """
 
     __tablename__ = "tokens"
+    __table_args__ = (
+        Index("tokens_by_next_digest", "next_digest", unique=True),
+        Index("tokens_by_previous_digest", "previous_digest", unique=True),
+    )
 
     id: Mapped[int] = mapped_column(_Long, primary_key=True)
     name: Mapped[str] = mapped_column(String(100), unique=True)
@@ -200,8 +285,29 @@ class TokenRow(Table):
     by: Mapped[str] = mapped_column(String(100))
     created: Mapped[int]
     expires: Mapped[int | None]
+    lifetime: Mapped[int | None]
+    next_digest: Mapped[str | None] = mapped_column(String(64))
+    next_created: Mapped[int | None]
+    previous_digest: Mapped[str | None] = mapped_column(String(64))
     revoked: Mapped[int | None]
     used: Mapped[int | None]
+    groups: Mapped[list[str] | None] = mapped_column(JSON(none_as_null=True))
+
+
+class PendingChangeRow(Table):
+    """A change of users or tokens that waits for a second admin; `owner` is the person behind `by`.
+
+    Secrets in it are hashes.
+    """
+
+    __tablename__ = "pending_changes"
+
+    id: Mapped[int] = mapped_column(_Long, primary_key=True)
+    change: Mapped[dict[str, Any]]
+    by: Mapped[str] = mapped_column(String(100))
+    owner: Mapped[str] = mapped_column(String(100))
+    created: Mapped[int]
+    expires: Mapped[int]
 
 
 class WebhookRow(Table):
@@ -230,3 +336,65 @@ class AuditRow(Table):
     target: Mapped[str] = mapped_column(String(300))
     detail: Mapped[dict[str, Any]]
     outcome: Mapped[str] = mapped_column(String(300))
+
+
+class AcknowledgementRow(Table):
+    """Who has seen an alarm of a robot, which is `kind`, `topic`, `node` and `peer`, and a note.
+
+    It ends (`ended`) when the guard tells of the alarm again: that it is over, or that it is back.
+    """
+
+    __tablename__ = "acknowledgements"
+    __table_args__ = (
+        _partial_index("acknowledgements_in_force", "robot_id", where="ended IS NULL"),
+    )
+
+    id: Mapped[int] = mapped_column(_Long, primary_key=True)
+    robot_id: Mapped[int] = mapped_column(ForeignKey("robots.id"))
+    kind: Mapped[str] = mapped_column(String(40))
+    topic: Mapped[str] = mapped_column(String(300))
+    node: Mapped[str] = mapped_column(String(300))
+    peer: Mapped[str] = mapped_column(String(300))
+    by: Mapped[str] = mapped_column(String(100))
+    note: Mapped[str] = mapped_column(String(200))
+    at: Mapped[int]
+    ended: Mapped[int | None]
+
+
+class HandoverRow(Table):
+    """What one shift tells the next; `situation` counts what was so when it was written."""
+
+    __tablename__ = "handovers"
+
+    id: Mapped[int] = mapped_column(_Long, primary_key=True)
+    at: Mapped[int]
+    by: Mapped[str] = mapped_column(String(100))
+    text: Mapped[str] = mapped_column(String(4000))
+    situation: Mapped[dict[str, Any]]
+
+
+class ChainRow(Table):
+    """A hash chain by name, with its head; `anchor` is the signed statement of where it begins.
+
+    Without an anchor it begins with its first entry.
+    """
+
+    __tablename__ = "chains"
+
+    id: Mapped[int] = mapped_column(_Long, primary_key=True)
+    name: Mapped[str] = mapped_column(String(120), unique=True)
+    number: Mapped[int]
+    hash: Mapped[str] = mapped_column(String(64))
+    anchor: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
+
+
+class ChainLinkRow(Table):
+    """An entry's place in a chain; `entry_id` is that of its event, or of its line in the log."""
+
+    __tablename__ = "chain_links"
+    __table_args__ = ({"sqlite_with_rowid": False},)
+
+    chain_id: Mapped[int] = mapped_column(ForeignKey("chains.id"), primary_key=True)
+    number: Mapped[int] = mapped_column(primary_key=True)
+    hash: Mapped[str] = mapped_column(String(64))
+    entry_id: Mapped[int] = mapped_column(index=True)

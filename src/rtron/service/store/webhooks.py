@@ -6,9 +6,9 @@ from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.errors import ConflictError, NotFoundError
+from rtron.service.domain.schemas import WebhookLevel
 from rtron.service.store.accounts.secrets import new_secret
 from rtron.service.store.tables import WebhookRow
-from rtron.vocabulary import GuardEventLevel
 
 _MAX_WEBHOOKS = 20
 _MAX_REASON = 300
@@ -19,7 +19,7 @@ def all_webhooks(session: Session) -> Sequence[WebhookRow]:
     return session.scalars(select(WebhookRow).order_by(WebhookRow.id)).all()
 
 
-def add_webhook(session: Session, now: int, url: str, level: GuardEventLevel) -> WebhookRow:
+def add_webhook(session: Session, now: int, url: str, level: WebhookLevel) -> WebhookRow:
     """Add a webhook with a secret of its own; ConflictError if there are too many."""
     if len(all_webhooks(session)) >= _MAX_WEBHOOKS:
         raise ConflictError(f"there are {_MAX_WEBHOOKS} webhooks, no more are served")

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from rtron.errors import WireError
+from rtron.wire.ros1.network import HOST_NETWORK, Network
 from rtron.wire.ros1.xmlrpc import ros_call
 
 NamedNode: TypeAlias = tuple[str, str]
@@ -48,29 +49,43 @@ class BusConnection:
     port: int | None = None
 
 
-def query_system_state(master: str, caller: str, timeout: float) -> SystemState:
+def query_system_state(
+    master: str, caller: str, timeout: float, network: Network = HOST_NETWORK
+) -> SystemState:
     """Ask a master who publishes, subscribes and serves what."""
-    return parse_system_state(ros_call(master, "getSystemState", caller, timeout=timeout))
+    return parse_system_state(
+        ros_call(master, "getSystemState", caller, timeout=timeout, network=network)
+    )
 
 
-def query_node_uri(master: str, caller: str, node: str, timeout: float) -> str:
+def query_node_uri(
+    master: str, caller: str, node: str, timeout: float, network: Network = HOST_NETWORK
+) -> str:
     """Ask a master for the address of a node."""
-    return parse_text(ros_call(master, "lookupNode", caller, node, timeout=timeout))
+    return parse_text(
+        ros_call(master, "lookupNode", caller, node, timeout=timeout, network=network)
+    )
 
 
-def query_process_id(uri: str, caller: str, timeout: float) -> int:
+def query_process_id(uri: str, caller: str, timeout: float, network: Network = HOST_NETWORK) -> int:
     """Ask a node for its process id."""
-    return parse_process_id(ros_call(uri, "getPid", caller, timeout=timeout))
+    return parse_process_id(ros_call(uri, "getPid", caller, timeout=timeout, network=network))
 
 
-def query_guard_pids(uri: str, caller: str, timeout: float) -> frozenset[int]:
+def query_guard_pids(
+    uri: str, caller: str, timeout: float, network: Network = HOST_NETWORK
+) -> frozenset[int]:
     """Ask the guard's own node for the ids of all processes of the guard."""
-    return parse_process_ids(ros_call(uri, "getGuardPids", caller, timeout=timeout))
+    return parse_process_ids(
+        ros_call(uri, "getGuardPids", caller, timeout=timeout, network=network)
+    )
 
 
-def query_bus_info(uri: str, caller: str, timeout: float) -> object:
+def query_bus_info(
+    uri: str, caller: str, timeout: float, network: Network = HOST_NETWORK
+) -> object:
     """Ask a node for its connections; `parse_bus_info` reads the answer."""
-    return ros_call(uri, "getBusInfo", caller, timeout=timeout)
+    return ros_call(uri, "getBusInfo", caller, timeout=timeout, network=network)
 
 
 def parse_system_state(reply: object) -> SystemState:

@@ -15,6 +15,7 @@ import h11
 from defusedxml.xmlrpc import DefusedExpatParser
 
 from rtron.errors import SourceError, WireError
+from rtron.wire.ros1.network import HOST_NETWORK, Network
 
 MAX_BODY = 1 << 24
 """The longest XML-RPC document accepted, bytes; a master's system state is the long one."""
@@ -89,13 +90,19 @@ class RefusalError(SourceError):
     """A ROS API has answered, and says no."""
 
 
-def ros_call(uri: str, method: str, *params: Any, timeout: float) -> Any:  # noqa: ANN401
+def ros_call(
+    uri: str,
+    method: str,
+    *params: Any,  # noqa: ANN401 - XML-RPC values have any type
+    timeout: float,
+    network: Network = HOST_NETWORK,
+) -> Any:  # noqa: ANN401
     """Call a ROS API and return the value of its `[code, message, value]` answer.
 
     `timeout` (s) is for the whole call. SourceError if the node cannot be reached, does not
     answer in time or says no (RefusalError); WireError if its answer is not one.
     """
-    answer = call(uri, method, *params, timeout=timeout)
+    answer = call(uri, method, *params, timeout=timeout, network=network)
     code, message, value = _reply_parts(answer, f"{method} at {uri}: ")
     if code != _ROS_SUCCESS:
         raise RefusalError(f"{method} at {uri}: {_shortened(message)}")
@@ -116,13 +123,19 @@ def _reply_parts(answer: object, where: str = "") -> list[Any]:
     return answer
 
 
-def call(uri: str, method: str, *params: Any, timeout: float) -> Any:  # noqa: ANN401
+def call(
+    uri: str,
+    method: str,
+    *params: Any,  # noqa: ANN401 - XML-RPC values have any type
+    timeout: float,
+    network: Network = HOST_NETWORK,
+) -> Any:  # noqa: ANN401
     """Make one XML-RPC call; errors as in `ros_call`."""
     host, port = split_uri(uri)
     body = dumps(params, method, allow_none=True).encode()
     deadline = time.monotonic() + timeout
     try:
-        with socket.create_connection((host, port), timeout) as connection:
+        with network.connect((host, port), timeout) as connection:
             connection.sendall(_request(host, body))
             return decode_response(b"".join(_body(connection, deadline)))
     except (OSError, UnicodeError) as error:

@@ -1,7 +1,7 @@
 """C structures of rcutils and rmw, and C functions with types.
 
 No call of theirs tells how a structure is laid out, so each says for which releases it holds: by
-the headers of Foxy (rmw 1.0) to Kilted (rmw 7.8), on x86-64 and AArch64. The guard checks those
+the headers of Foxy (rmw 1.0) to Lyrical (rmw 7.10), on x86-64 and AArch64. The guard checks those
 that it reads when it starts (`rtron.guard.transport.ros2.abi_check`).
 """
 
@@ -67,7 +67,7 @@ class TypeHash(Structure):
 
 
 class EndpointInfo(Structure):
-    """rmw_topic_endpoint_info_t. Iron (rmw 7.1) to Kilted (7.8).
+    """rmw_topic_endpoint_info_t. Iron (rmw 7.1) to Lyrical (7.10).
 
     ros2/rmw#419 appends a field: arrays have another stride.
     """

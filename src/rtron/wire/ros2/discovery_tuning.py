@@ -1,13 +1,18 @@
-"""Letting DDS announce the guard often, so that the guard learns soon of whoever comes.
+"""Settings of DDS for RTron's own participants: found soon, and held up by nobody.
 
 Two participants know each other when one has heard the other's announcement and answered. Fast DDS
 repeats it every 3 s (its own default, `leaseAnnouncement`), Cyclone DDS every 30 s (SPDPInterval):
 where the first ones are lost, an intruder and a driver may have met seconds before the guard hears
 of the intruder.
+
+A participant of Fast DDS that uses shared memory opens the other's part of it when they meet; where
+the other has not been seen alive just then it waits 333 ms, and hears and sends nothing meanwhile
+(`healthy_check` of its SharedMemGlobal.hpp). So what carries commands uses UDP alone.
 """
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import socket
@@ -26,27 +31,72 @@ log = logging.getLogger(__name__)
 _FAST_DDS = "rmw_fastrtps"
 _FILE = "FASTDDS_DEFAULT_PROFILES_FILE"
 _FASTDDS_2_FILE = "FASTRTPS_DEFAULT_PROFILES_FILE"
-_PROFILES = {
-    _FILE: str(Path(__file__).with_name("announce.xml")),
-    _FASTDDS_2_FILE: str(Path(__file__).with_name("announce_fastdds2.xml")),
-}
-"""Both say the same: each version refuses the other's spelling of the heartbeat's period."""
+_USERS_TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
+_RANGE, _ONLY_LOCALHOST = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"
+_USERS_RANGE = "RTRON_USERS_DISCOVERY_RANGE"
+_LOOPBACK_UDP = "loopback_udp"
+_PROFILES = Path(__file__).with_name("fastdds_profiles")
+"""Those of Fast DDS 2 and 3 say the same: each refuses the other's spelling of the heartbeat's
+period."""
 
 
-def enable_fast_announcements(environ: MutableMapping[str, str] = os.environ) -> bool:
-    """Announce the participants made from now on ten times a second; tell whether that is so.
+def configure_fast_dds(
+    rmw: str,
+    *,
+    shares_memory: bool | None = None,
+    environ: MutableMapping[str, str] = os.environ,
+) -> bool:
+    """Give the participants that this process makes from now on a profile; tell whether they have.
 
-    Where the user has profiles of their own, these count: then intruders may be found later.
+    Fast DDS reads it once, before the first of them. With `shares_memory` None it is that of the
+    process that started this one, if that has one of ours. Where the user has profiles, these
+    count: then intruders may be found later.
     """
-    profile = environ.get(_FILE) or environ.get(_FASTDDS_2_FILE)
-    if profile in _PROFILES.values():
-        return True
-    if profile:
+    if not rmw.startswith(_FAST_DDS):
+        return False
+    path = environ.get(_FILE) or environ.get(_FASTDDS_2_FILE) or ""
+    if path and not _is_ours(path):
         log.info("your profiles of Fast DDS count: intruders may be found up to 3 s later")
         return False
-    name = _file_variable(rmw_version())
-    environ[name] = _PROFILES[name]
+    if not path or shares_memory is not None:
+        name = _file_variable(rmw_version())
+        version = "fastdds_2" if name == _FASTDDS_2_FILE else "fastdds_3"
+        _restore_range(environ)
+        transport = _choose_transport(environ, shares_memory=shares_memory is not False)
+        if transport == _LOOPBACK_UDP:
+            _widen_range(environ)
+        environ[name] = str(_PROFILES / version / f"{transport}.xml")
     return True
+
+
+def _choose_transport(environ: Mapping[str, str], *, shares_memory: bool) -> str:
+    """Return the profile of a process."""
+    if shares_memory or environ.get(_USERS_TRANSPORTS):
+        return "any_transport"
+    stays = environ.get(_ONLY_LOCALHOST) == "1" or environ.get(_RANGE) == "LOCALHOST"
+    return _LOOPBACK_UDP if stays else "udp"
+
+
+def _widen_range(environ: MutableMapping[str, str]) -> None:
+    """Have the profile alone keep discovery on this machine.
+
+    Where the environment does, the RMW of Kilted adds shared memory to what a profile names.
+    """
+    users = {each: environ.get(each, "") for each in (_RANGE, _ONLY_LOCALHOST)}
+    environ[_USERS_RANGE] = json.dumps(users)
+    environ[_RANGE], environ[_ONLY_LOCALHOST] = "SUBNET", "0"
+
+
+def _restore_range(environ: MutableMapping[str, str]) -> None:
+    """Undo `_widen_range`, of this process or of the one that started it."""
+    for name, value in json.loads(environ.pop(_USERS_RANGE, "{}")).items():
+        environ[name] = value
+        if not value:
+            del environ[name]
+
+
+def _is_ours(path: str) -> bool:
+    return _PROFILES in Path(path).parents
 
 
 def _file_variable(version: Version | None) -> str:
@@ -60,7 +110,7 @@ def publishes_without_waiting(rmw: str, environ: Mapping[str, str] = os.environ)
     The profile says so. It counts where the user has none, in Fast DDS 3; Cyclone DDS has no such
     setting.
     """
-    return rmw.startswith(_FAST_DDS) and environ.get(_FILE) == _PROFILES[_FILE]
+    return rmw.startswith(_FAST_DDS) and _is_ours(environ.get(_FILE, ""))
 
 
 _CYCLONE = "CYCLONEDDS_URI"

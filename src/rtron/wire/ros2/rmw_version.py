@@ -10,6 +10,7 @@ Version = tuple[int, int]
 IRON: Version = (7, 1)
 HUMBLE: Version = (6, 1)
 KILTED: Version = (7, 8)
+LYRICAL: Version = (7, 10)
 """Versions of rmw by release; Jazzy's is 7.3."""
 _VERSION = re.compile(r"<version>\s*(\d{1,4})\.(\d{1,4})\.\d{1,4}\s*</version>")
 _MAX_BYTES = 1 << 16

@@ -119,6 +119,15 @@ def test_a_launch_file_that_a_node_starts_is_guarded_in_a_copy(instrument, launc
     assert "/planner" not in {end["what"] for end in document["unenforceable"]}
 
 
+def test_cells_do_not_get_one_user(instrument, tmp_path):
+    graph = tmp_path / "graph.json"
+    graph.write_text('{"schema": "rtron.graph/1", "app": "base"}')
+    cells = ("--cell", "/base", "--cell", "/arm", "--cell-user", "driver")
+    ran = instrument("rate:=9", "--graph", graph, *cells)
+    assert ran.code == 2
+    assert "/base, /arm need a user each" in ran.err
+
+
 def test_no_launch_and_no_plan_are_2(rtron, plan_file, launch_file, tmp_path):
     out = tmp_path / "out.launch"
     assert rtron("instrument", tmp_path / "none", "--plan", plan_file, "-o", out).code == 2

@@ -139,6 +139,12 @@ def test_a_plan_of_an_app_in_source(rtron, folder, tmp_path):
     assert "/cmd_vel" in (tmp_path / "rtron.yaml").read_text()
 
 
+def test_the_next_step_names_the_launch_file_as_seen_from_here(rtron, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    ran = rtron("plan", folder, *APP, "speed:=1", "-o", "rtron.yaml")
+    assert "rtron instrument launch/app.launch --plan rtron.yaml" in ran.out
+
+
 BRANCHES = """<launch><arg name="mission" default="patrol"/>
 <node pkg="robot" type="$(optenv KIND base).py" name="kind"/>
 <node pkg="elsewhere" type="arm" name="arm"/>
@@ -188,6 +194,9 @@ def test_the_distribution_is_guessed_from_the_workspace(rtron, folder, branches,
     said = head(rtron("scan", folder, *branches))
     assert "ROS_DISTRO=melodic is a guess, from robot/.travis.yml" in said
     assert "a guess" not in head(rtron("scan", folder, *branches, "--env", "ROS_DISTRO"))
+    said = head(rtron("plan", folder, *branches[:2]))
+    assert "ROS_DISTRO=melodic is a guess, from robot/.travis.yml" in said
+    assert "a guess" not in rtron("plan", folder, *branches[:2], "--env", "ROS_DISTRO").out
 
 
 @pytest.mark.parametrize(

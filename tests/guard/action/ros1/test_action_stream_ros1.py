@@ -43,7 +43,7 @@ from rtron.messages.ros1.actions import (
     result_message,
 )
 from rtron.policies.goals.registry import ID_REUSE_DELAY, MAX_GOALS
-from rtron.policies.goals.status_list import LOST_TIMEOUT
+from rtron.policies.goals.status_list import LOST_TIMEOUT, UNREAD_TIMEOUT
 from rtron.vocabulary import SECOND, Flow, OnSilence, PolicyName, StreamKind
 
 
@@ -89,6 +89,36 @@ def test_results_come_once(app):
     app.finish(b"a")
     app.finish(b"a", ABORTED)
     assert app.answers() == [(b"a", SUCCEEDED)]
+
+
+def test_a_result_waits_for_a_client_that_does_not_hear_the_guard_yet(app):
+    app.send_goal(ONE, b"a")
+    app.transport.unreachable.add(ONE)
+    app.finish(b"a")
+    app.transport.advance(SECOND)
+    assert app.answers() == []
+    app.transport.unreachable.remove(ONE)
+    app.transport.advance(SECOND // 50)
+    assert app.answers() == [(b"a", SUCCEEDED)]
+
+
+def test_a_result_of_a_client_that_stays_away_is_sent_once(app):
+    app.send_goal(ONE, b"a")
+    app.transport.unreachable.add(ONE)
+    app.finish(b"a")
+    app.transport.advance(3 * SECOND)
+    app.transport.unreachable.remove(ONE)
+    app.transport.advance(SECOND)
+    assert app.answers() == [(b"a", SUCCEEDED)]
+
+
+def test_results_of_clients_that_stay_away_are_bounded(app):
+    app.transport.unreachable.add(ONE)
+    ids = [b"%d" % number for number in range(65)]
+    for id in ids:
+        app.send_goal(ONE, id)
+        app.finish(id)
+    assert app.answers() == [(ids[0], SUCCEEDED)]
 
 
 def test_a_blocked_flow_is_rejected_with_the_reason(app):
@@ -260,6 +290,23 @@ def test_goals_are_aborted_when_a_new_server_does_not_know_them(app):
     app.serve()
     assert app.answers() == [(b"a", ABORTED)]
     assert app.started() == [b"a", b"b"]
+
+
+def test_a_goal_that_a_busy_server_has_still_to_read_is_not_answered_for_it(app):
+    app.send_goal(ONE, b"a")
+    app.transport.advance(UNREAD_TIMEOUT - 1)
+    app.serve()
+    assert app.answers() == []
+    app.serve(*active(b"a"))
+    app.finish(b"a")
+    assert app.answers() == [(b"a", SUCCEEDED)]
+
+
+def test_a_goal_that_a_server_never_lists_is_aborted(app):
+    app.send_goal(ONE, b"a")
+    app.transport.advance(UNREAD_TIMEOUT)
+    app.serve()
+    assert app.answers() == [(b"a", ABORTED)]
 
 
 def test_a_result_that_does_not_come_is_made_good_from_the_status(app):

@@ -123,6 +123,7 @@ def test_a_goal_of_an_earlier_time_is_served_too(approved):
     assert one.done(2)[2] == "SUCCEEDED"
 
 
+@pytest.mark.long
 def test_a_flow_that_floods_touches_no_goal_of_others(ros1, programs):
     plan = action_plan(PolicyName.PRIORITY_QUEUE, ("/one", "/stranger"), queue_size=20)
     act = Act(ros1, programs, plan)
@@ -165,6 +166,7 @@ def with_giant(ros1, programs, count, state, max_age=SECOND):
     return act, act.client("cpp", name="/one")
 
 
+@pytest.mark.long
 def test_a_server_that_tells_of_thousands_of_goals_that_are_over_serves_others(ros1, programs):
     _, one = with_giant(ros1, programs, 10_000, SUCCEEDED, 10 * SECOND)
     one.wait_for("connected")

@@ -109,6 +109,7 @@ def test_under_priority_queue_the_highest_waiting_goal_is_next(ros1, programs):
     assert [words[1] for words in served.of("started")] == ["2000", "1", "2", "3"]
 
 
+@pytest.mark.long
 def test_under_preemption_a_higher_goal_ends_a_lower_one(ros1, programs):
     _, served, one, other = connect(guarded(ros1, programs, PolicyName.PREEMPTION))
     other.send(LONG)
@@ -136,6 +137,7 @@ def test_a_blocked_client_is_told_so(ros1, programs):
     assert sum(served.executed().values()) == 1
 
 
+@pytest.mark.long
 def test_a_full_queue_refuses_and_what_waits_too_long_is_recalled(ros1, programs):
     settings = {"queue_size": 2, "max_age": SECOND // 2}
     _, served, one, other = connect(guarded(ros1, programs, **settings))
@@ -170,6 +172,7 @@ def test_a_cancel_never_waits_and_touches_only_its_client_s_goals(two):
     assert other.done(3)[3] == "SUCCEEDED"
 
 
+@pytest.mark.long
 def test_without_a_server_goals_are_refused(two):
     act, served, one, _ = two
     kill_server(act, served)

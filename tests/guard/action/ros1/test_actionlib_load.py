@@ -26,6 +26,7 @@ def test_each_of_a_thousand_goals_is_answered_once(ros1, programs, policy, serve
     assert load.flooded() > FLOOD
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("policy", "server"), [(PolicyName.FIFO_QUEUE, "py"), (PolicyName.PRIORITY_QUEUE, "cpp")]
 )

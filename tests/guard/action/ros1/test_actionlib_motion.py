@@ -4,7 +4,6 @@ It is wired as the guarded launch does it: what it publishes and hears has the n
 """
 
 from dataclasses import replace
-from itertools import groupby
 
 import pytest
 from action_app import ACT, ANSWERED, ASKED, GUARD, SERVER, Act, Server, action_plan
@@ -99,15 +98,22 @@ def test_a_rule_stops_the_robot_that_a_cancelled_goal_still_drives(ros1, driving
     base.light.turn("green")
     base.one.send(LONG)
     wait_for(lambda: 2 in speeds(driven), what="the second goal's velocity")
-    assert_stopped_between(speeds(driven))
+    assert_stopped_between(driven.speeds_of_senders())
 
 
 def assert_stopped_between(told):
-    """Assert that the robot was slowed down to a stop, and nothing but the next goal moved it."""
-    moved = told[told.index(1) :]  # a supervisor may stop a resting robot before its guard is there
-    first, *ramp, rest, second = [speed for speed, _ in groupby(moved)]
-    assert (first, rest, second) == (1, 0, 2)
-    assert ramp == sorted(ramp, reverse=True)
+    """Assert that the robot was slowed down to a stop, and nothing but the next goal moved it.
+
+    A supervisor whose guard is late stops the robot, too; what the two send may cross on the way.
+    """
+    speeds = [speed for _, speed in told]
+    moved = told[speeds.index(1) : speeds.index(2)]
+    assert moved[0][1] == 1
+    assert moved[-1][1] == 0
+    for sender in {sender for sender, _ in moved}:
+        slowed = [speed for each, speed in moved if each == sender]
+        assert slowed == sorted(slowed, reverse=True)
+    assert set(speeds[speeds.index(2) :]) == {2}
 
 
 class Poses(Base):
@@ -181,6 +187,7 @@ def test_goals_of_both_kinds_that_wait_go_one_after_the_other(poses):
     poses.assert_one_after_the_other(3)
 
 
+@pytest.mark.long
 def test_a_goal_without_an_id_waits_for_a_goal_of_the_action(poses):
     poses.one.send(2500)
     assert poses.started(1) == [2500]
@@ -190,6 +197,7 @@ def test_a_goal_without_an_id_waits_for_a_goal_of_the_action(poses):
     poses.assert_one_after_the_other(2)
 
 
+@pytest.mark.long
 def test_a_rule_cancels_the_goal_that_one_without_an_id_has_become(poses):
     poses.give("giver", LONG)
     assert poses.started(1) == [LONG]

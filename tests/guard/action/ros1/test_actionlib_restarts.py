@@ -71,6 +71,7 @@ def test_a_client_that_dies_leaves_the_goals_of_others_alone(busy):
     assert_answered_once(served, one, again)
 
 
+@pytest.mark.long
 def test_a_client_that_dies_while_its_goal_is_in_progress_does_not_hold_up_the_others(busy):
     act, served, one, other = busy
     one.process.kill()

@@ -229,6 +229,25 @@ def test_a_guard_that_is_restarted_answers_the_goals_of_the_one_before(start_act
     assert app.server.started == [1, 3]
 
 
+@pytest.mark.long
+def test_a_goal_that_ends_between_two_deaths_of_the_guard_is_answered(start_action_app):
+    app = start_action_app()
+    app.one.send_goal(1)
+    wait_for(lambda: app.server.started, what="the goal")
+    wait_for(lambda: goals_in_handover(app) == 1, what="the handover")
+    app.end(app.guard)
+    app.guard = app.keep(GuardThread(app.domain, app.plan, handed_over(app)))
+    task = app.guard.action.replies.tasks[id_of(app.one, 1)]
+    app.server.finish(1)
+    # a client that finds the guard before the goal ends has its answer from this one
+    wait_for(lambda: task.is_held or app.one.answers[1], what="the end of the goal")
+    app.end(app.guard)
+    app.guard = app.keep(GuardThread(app.domain, app.plan, handed_over(app)))
+    wait_for(lambda: app.one.answers[1], what="the answer")
+    assert app.one.answers[1] == [("succeeded", [1, 2])]
+
+
+@pytest.mark.long
 def test_the_goals_of_the_guard_before_are_answered_though_the_server_comes_late(start_action_app):
     app = start_action_app()
     app.one.send_goal(1)
@@ -306,6 +325,7 @@ def test_who_only_tells_a_status_does_not_keep_a_goal_from_being_cancelled(start
     assert app.server.cancels == [1]
 
 
+@pytest.mark.long
 def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(start_action_app):
     app = start_action_app()
     guard = app.guard
@@ -339,6 +359,7 @@ def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(start_actio
     assert other.started == []
 
 
+@pytest.mark.long
 def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(start_action_app):
     app = start_action_app()
     app.one.send_goal(1)
@@ -355,6 +376,7 @@ def test_a_guard_that_comes_after_a_second_server_follows_the_goal_of_the_first(
     wait_for(lambda: app.server.cancels, what="the cancel")
 
 
+@pytest.mark.long
 def test_who_only_answers_for_results_ends_no_goal(start_action_app):
     app = start_action_app()
     app.one.send_goal(1)
@@ -368,6 +390,10 @@ def test_who_only_answers_for_results_ends_no_goal(start_action_app):
     wait_for(lambda: action.server.doubt == "/mallory answers in its place", what="the liar")
     app.guard.call(lambda: action.brake("a test", "a person is there"))
     wait_for(lambda: app.server.cancels, what="the cancel")
+
+
+def handed_over(app):
+    return HandoverState(app.handovers[-1], app.handovers.append)
 
 
 def goals_in_handover(app):
@@ -412,6 +438,7 @@ def test_a_brake_cancels_the_goal_in_progress(start_action_app):
     assert (app.two.answers[2], app.server.started) == ([("rejected", [])], [1, 3])
 
 
+@pytest.mark.long
 def test_a_client_that_cancels_a_crowd_of_goals_gets_all_the_answers(start_action_app):
     app = start_action_app()
     crowd = range(1, 41)

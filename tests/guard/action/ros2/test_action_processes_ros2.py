@@ -11,7 +11,7 @@ from harness import wait_for
 
 from rtron.vocabulary import Ros2ActionEntity, ros2_entity_name
 
-pytestmark = pytest.mark.ros2
+pytestmark = [pytest.mark.ros2, pytest.mark.long]
 
 PLAN = """\
 app: fib

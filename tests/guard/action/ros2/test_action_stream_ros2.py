@@ -606,13 +606,48 @@ def test_the_next_guard_answers_what_was_asked_of_the_one_before():
     assert next_app.started() == [3]
 
 
-def test_the_next_guard_gives_up_on_a_server_that_it_does_not_find():
+def handed_over():
+    """Return the documents of a guard that ended while a client waited for its goal's result."""
     written = []
     app = Ros2ActionApp(handover=HandoverState(write=written.append))
     app.send_goal(ONE, 1)
     app.accept(1)
     app.request_result(ONE, 1)
     app.transport.advance(SECOND // 100)
+    return written
+
+
+def test_an_answer_that_ends_with_its_guard_is_given_by_the_one_after():
+    written = handed_over()
+    second = Ros2ActionApp(handover=HandoverState(written[-1], written.append))
+    lost = second.endpoints.replies[f"{ONE} 1"]
+    lost.is_reachable = False
+    second.finish(1)
+    second.publish_status((1, SUCCEEDED))
+    second.transport.advance(5 * SECOND)
+    assert lost.answers == []
+    third = Ros2ActionApp(handover=HandoverState(written[-1]))
+    third.finish(1)
+    assert third.endpoints.replies[f"{ONE} 1"].answers == [(SUCCEEDED, "result")]
+
+
+def test_a_result_waits_for_its_client_and_is_given_once():
+    written = handed_over()
+    second = Ros2ActionApp(handover=HandoverState(written[-1]))
+    reply = second.endpoints.replies[f"{ONE} 1"]
+    reply.is_reachable = False
+    second.finish(1)
+    second.publish_status((1, SUCCEEDED))
+    second.transport.advance(2 * SECOND - 1)
+    reply.is_reachable = True
+    second.transport.advance(SECOND)
+    assert reply.answers == [(SUCCEEDED, "result")]
+    second.send_goal(TWO, 2)
+    assert second.started() == [2]
+
+
+def test_the_next_guard_gives_up_on_a_server_that_it_does_not_find():
+    written = handed_over()
     next_app = Ros2ActionApp(handover=HandoverState(written[-1]), served=False)
     next_app.transport.advance(10 * SECOND - 1)
     assert next_app.endpoints.replies[f"{ONE} 1"].answers == []

@@ -195,6 +195,8 @@ def test_it_is_not_cleared_while_the_audit_still_hears_the_intruder(braked):
     [
         ({"clear": TOPIC}, "a request has clear, reason"),
         ({"clear": TOPIC, "reason": " "}, "needs a reason"),
+        ({"clear": TOPIC, "reason": "\u200b\u2060"}, "needs a reason"),
+        ({"clear": TOPIC, "reason": "\u2800\u3164 \u115f"}, "needs a reason"),
         ({"clear": TOPIC, "reason": 1}, "a reason is a text"),
         ({"clear": "/other", "reason": "x"}, "no intruder has stopped '/other'"),
         ({"clear": ["/cmd_vel"], "reason": "x"}, "no intruder has stopped"),

@@ -80,7 +80,7 @@ def closed():
 class AuditedDriver:
     """The driver, whose answers the tests give; `alarms` are those that stand."""
 
-    def __init__(self, master, stack, on_foreign=OnForeign.ALARM):
+    def __init__(self, master, stack, on_foreign=OnForeign.ALARM, expected=EXPECTED):
         self._loop = EventLoop()
         self.listeners, self.guard_uris, self.unknown = set(), {}, frozenset()
         stack.callback(self._loop.close)
@@ -94,9 +94,9 @@ class AuditedDriver:
             now=self._loop.now,
             subscribers=lambda _topic: self.listeners,
         )
-        nodes = AuditedNodes(self._loop, master, EXPECTED, PollSchedule(self._loop, SECOND))
+        nodes = AuditedNodes(self._loop, master, expected, PollSchedule(self._loop, SECOND))
         self.response = AlarmResponse(host, transport, on_foreign, dry_run=False)
-        intruders = Intrusions(self._loop, master, transport, EXPECTED, nodes, self.response, {})
+        intruders = Intrusions(self._loop, master, transport, expected, nodes, self.response, {})
         self.look_again, self.unidentified = intruders.update_all, intruders.unidentified
         self.learn_publisher = intruders.learn_publisher
         self.keep_listener = partial(intruders.keep_listener, DRIVER, OUT)
@@ -114,9 +114,9 @@ class AuditedDriver:
     def node(self):
         return self._nodes.by_name[DRIVER]
 
-    def answer(self, *sources):
+    def answer(self, *sources, topic=OUT):
         """Let the driver answer that it hears these; wait until that was read."""
-        rows = [[n, uri, "i", "TCPROS", OUT, True, ""] for n, uri in enumerate(sources)]
+        rows = [[n, uri, "i", "TCPROS", topic, True, ""] for n, uri in enumerate(sources)]
         body = encode_response([1, "", rows])
         self.node.poll_target.on_response(body)
         self.run(lambda: self.node.last_body == body, 5)
@@ -159,6 +159,21 @@ def test_an_alarm_does_not_wait_for_a_master_that_hangs(stack, monkeypatch):
     audited.answer()
     audited.answer(closed())
     assert audited.told_within(LIMIT_S)
+
+
+@pytest.mark.parametrize(("topic", "is_told"), [("/rtron/cmd_vel/flow2", False), (OUT, True)])
+def test_a_node_that_hears_itself_is_known_before_the_master_says_who_it_is(
+    stack, monkeypatch, topic, is_told
+):
+    monkeypatch.setattr(master_queries, "_CALL_S", NEVER_S)
+    expected = ExpectedGraph(plan_of(grcn("/cmd_vel", ["/nav", DRIVER], [DRIVER])))
+    master = stack.enter_context(hanging_master())
+    audited = AuditedDriver(master, stack, expected=expected)
+    own = stack.enter_context(hanging_master())
+    audited.node.poll_target.server = master_queries.resolve_uri(own)
+    audited.answer()
+    audited.answer(own, topic=topic)
+    assert audited.told_within(LIMIT_S if is_told else PATIENT_S) is is_told
 
 
 def test_a_dead_address_that_was_there_before_the_guard_is_excused(audited):

@@ -103,6 +103,7 @@ def test_a_ghost_that_does_not_register(ros1, program):
         assert_found_and_stopped(scene, "ghost publisher", lambda: ghost(*addresses))
 
 
+@pytest.mark.long
 def test_a_rogue_behind_a_second_master(ros1, program, tmp_path):
     with Ros1(tmp_path / "other") as other, Scene(ros1, program) as scene:
         assert_found_and_stopped(scene, "ghost publisher", lambda: bridged(scene, other))
@@ -121,6 +122,7 @@ def test_an_impostor_with_the_guards_name(ros1, program):
         assert not scene.guard.ended
 
 
+@pytest.mark.long
 def test_a_driver_that_joins_late_finds_a_ghost_waiting(ros1, program):
     with Scene(ros1, program, drives=False) as scene, Registered(ros1) as rogue:
         wait_for(lambda: scene.alarms("alarm: foreign publisher"), what="the alarm")
@@ -128,6 +130,7 @@ def test_a_driver_that_joins_late_finds_a_ghost_waiting(ros1, program):
         wait_until_found(scene, rogue, "foreign publisher")
 
 
+@pytest.mark.long
 def test_a_driver_that_was_away_when_the_robot_was_stopped_is_told_to_rest(ros1, program):
     with Scene(ros1, program) as scene:
         with Registered(ros1) as rogue:
@@ -139,6 +142,7 @@ def test_a_driver_that_was_away_when_the_robot_was_stopped_is_told_to_rest(ros1,
         wait_for(lambda: scene.stops() > stops, what="the stop")
 
 
+@pytest.mark.long
 def test_where_the_plan_says_alarm_nothing_is_stopped(ros1, program):
     plan = replace(drive_plan(), audit=Audit(on_foreign=OnForeign.ALARM))
     with Scene(ros1, program, plan) as scene:
@@ -157,6 +161,7 @@ def test_where_the_plan_says_alarm_nothing_is_stopped(ros1, program):
         assert not any("stopping: /driver hears" in text for _, text in scene.log.lines)
 
 
+@pytest.mark.long
 def test_an_impostor_with_the_supervisors_name(ros1, program):
     with Scene(ros1, program) as scene:
         wait_for(lambda: SUPERVISOR_NODE in ros1.publishers(OUT), what="the supervisor")
@@ -205,6 +210,7 @@ def kill_guard_and_supervisor(scene):
     return 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kill", [kill_guard, kill_guard_and_supervisor])
 def test_an_intrusion_outlives_the_guard(ros1, program, kill):
     with Scene(ros1, program) as scene:
@@ -234,6 +240,7 @@ def test_each_message_of_an_intruder_is_answered(ros1, program):
         wait_until_released(scene)
 
 
+@pytest.mark.long
 def test_a_ghost_that_keeps_sending_the_guard_away_is_answered_and_the_driver_kept(ros1, program):
     with Scene(ros1, program) as scene:
         stops = scene.stops()

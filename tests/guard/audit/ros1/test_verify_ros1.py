@@ -49,6 +49,7 @@ def test_a_closed_app_is_0(ros1, scene):
     assert states(found) == {"/driver": "closed", "/nav": "closed", "/rogue": "absent"}
 
 
+@pytest.mark.long
 def test_what_does_not_run_is_not_closed(ros1):
     with Scene(ros1, "driver.py", ALARM, drives=False):
         found = verified(ros1, 2, "--format", "json")
@@ -60,6 +61,7 @@ def test_what_does_not_run_is_not_closed(ros1):
         assert "the plan has no node /nva" in verified(ros1, 2, "--absent", "/nva")
 
 
+@pytest.mark.long
 def test_what_a_new_master_does_not_list_is_not_closed(ros1, scene):
     """No client library registers again; the guard does, and knows whom it is connected to."""
     ros1.master.kill()
@@ -92,12 +94,14 @@ def test_missing_remaps_are_1(ros1, scene):
     wait_for(lambda: len(scene.alarms("alarm: drift")) == 2, what="the guard's own alarms")
 
 
+@pytest.mark.long
 def test_a_dead_guard_is_1(ros1, scene):
     scene.guard.stop()
     found = verified(ros1, 1, "--format", "json")
     assert any("is not running" in problem for problem in found["problems"])
 
 
+@pytest.mark.long
 def test_it_cannot_be_told_without_a_master_or_a_plan(ros1, scene):
     ros1.master.kill()
     assert "nothing can be verified" in verified(ros1, 2)

@@ -108,6 +108,13 @@ def test_a_stranger_on_the_private_output_is_told_and_braked_at_once():
     assert braked == (CMD_VEL,)
 
 
+def test_a_stranger_where_the_driver_is_in_a_cell_is_told_and_brakes_nothing():
+    celled = replace(base_plan(), cell=("/driver",))
+    outside = (*GUARDS[1:], NAV_PUBLISHES)
+    ((alarm, braked),) = found(*outside, publisher(OUT, "/rogue", ROGUE), plan=celled)
+    assert (alarm.kind, alarm.peer, braked) == (AlarmKind.FOREIGN_PUBLISHER, "/rogue", ())
+
+
 def test_a_nameless_one_on_the_private_output_is_a_ghost_at_once():
     ((alarm, braked),) = found(*CLOSED, publisher(OUT, "", ROGUE))
     assert (alarm.kind, braked) == (AlarmKind.UNREGISTERED_PUBLISHER, (CMD_VEL,))
@@ -223,11 +230,15 @@ class TestDoubles:
 
 
 class TestDrift:
-    def drifts(self, *ends):
+    def drifts(self, *ends, plan=None):
         return [
             alarm.reason
-            for alarm in drift_alarms(ExpectedGraph(base_plan()), ObservedGraph(ends), OURS)
+            for alarm in drift_alarms(ExpectedGraph(plan or base_plan()), ObservedGraph(ends), OURS)
         ]
+
+    def test_a_driver_outside_its_cell(self):
+        celled = replace(base_plan(), cell=("/driver",))
+        assert self.drifts(*CLOSED, plan=celled) == [f"/driver listens to {OUT} outside its cell"]
 
     def test_missing_remaps(self):
         told = self.drifts(

@@ -33,9 +33,12 @@ from domain_scene import (
     verified,
 )
 
+from rtron.guard.audit.ros2.observed_graph import ObservedGraph
+from rtron.guard.audit.ros2.verification import verify_ros2_cell
 from rtron.vocabulary import (
     BULK_NODE,
     GUARD_NODE,
+    STOPPER_NODE,
     SUPERVISOR_NODE,
     Durability,
     Liveliness,
@@ -52,6 +55,28 @@ SPEAKS_OUT = publisher(OUT, "/rogue", ROGUE)
 
 def states(verification):
     return {path.node: path.state for path in verification.paths}
+
+
+CELLED = replace(base_plan(), cell=("/driver",))
+INSIDE = (publisher(OUT, GRCN, GUARD), publisher(OUT, STOPPER_NODE, TELEOP), DRIVER_SUBSCRIBES)
+
+
+def inside_cell(*ends):
+    return path_of(verify_ros2_cell(CELLED, ObservedGraph((*INSIDE, *ends))), "/driver")
+
+
+def test_in_a_cell_the_driver_hears_the_guard_and_the_stopper():
+    assert inside_cell().state is PathState.CLOSED
+
+
+def test_in_a_cell_somebody_else_is_heard_past_the_guard():
+    path = inside_cell(SPEAKS_OUT)
+    assert (path.state, path.foreign) == (OPEN, ("/rogue",))
+
+
+def test_in_a_cell_a_type_that_the_guard_does_not_publish_is_drift():
+    path = inside_cell(subscriber(OUT, "/driver", DRIVER, type="geometry_msgs/msg/TwistStamped"))
+    assert path.state is DRIFT
 
 
 def test_a_closed_app():

@@ -36,7 +36,7 @@ def reporting():
     loop, line = EventLoop(), Line()
     base = Base()
     reports = ServiceReports(line, base.host, loop, SettingsInForce(base.applying))
-    yield SimpleNamespace(loop=loop, line=line, record=reports._record)
+    yield SimpleNamespace(loop=loop, line=line, record=reports.record)
     loop.close()
 
 

@@ -9,6 +9,7 @@ from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, lives, wait_for
 
 from rtron.guard.link.settings_file import write_settings
+from rtron.guard.system.machine_time import machine_time
 from rtron.vocabulary import EmergencyStop, Settings
 
 pytestmark = pytest.mark.ros1
@@ -44,7 +45,9 @@ class SavingBase:
 
     def save_stop(self):
         stop = EmergencyStop(by="ann", reason="a child", at=0)
-        write_settings(self.state / "settings.json", Settings(revision=2, stop=stop), 0)
+        write_settings(
+            self.state / "settings.json", Settings(revision=2, stop=stop), machine_time()
+        )
 
     def wait_for_stop(self):
         wait_for(lambda: STOPPED in self.guard.log, what="the emergency stop")
@@ -71,6 +74,7 @@ def test_commands_pass_while_the_disk_hangs(base):
     assert base.guard_process == guard
 
 
+@pytest.mark.long
 def test_a_saved_stop_needs_neither_the_bulk_process_nor_the_link_process(base):
     bulk = int(re.findall(r"the bulk process is there, process (\d+)", base.guard.log)[-1])
     os.kill(bulk, signal.SIGSTOP)

@@ -82,6 +82,7 @@ class LanedBase:
         return self._ros1.ask(self._ros1.uri_of(self._node), "getPid")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_without_the_process_that_counts_frames_the_robot_rests(ros1, driver, number):
     base = LanedBase(ros1, driver, "/rtron/rsrcn", rsrcn=SAFE, fps_monitor=(DETECTOR,))
@@ -105,6 +106,7 @@ def freeze(process, duration_s):
     os.kill(process, signal.SIGCONT)
 
 
+@pytest.mark.long
 def test_a_bulk_process_that_is_late_again_and_again_is_not_killed(ros1, driver):
     """The last time it is away for longer than one that was never late may be."""
     base = LanedBase(ros1, driver, "/rtron/msrcn", msrcn=LIGHT)

@@ -3,12 +3,16 @@
 import os
 import re
 import signal
+import time
+from pathlib import Path
 
 import pytest
 from bulk_load import MOST_DELAY, commands_beside_pictures
 from harness import lives, wait_for
+from rmw_marks import needs_fast_dds
 from ros2_plans import driving, telling, written
 
+from rtron.guard.lanes.bulk.stand_still import LONGEST_STAND
 from rtron.vocabulary import SECOND, flow_topic, output_topic
 
 pytestmark = pytest.mark.ros2
@@ -48,10 +52,26 @@ def base(ros2, guard):
 
 
 def test_commands_do_not_wait_for_pictures(ros2):
-    """A gap counts where the navigation was heard meanwhile: the machine did not stand still."""
-    heard = commands_beside_pictures(ros2.environ, ros2.folder, ros=2)
-    assert heard.longest_gap() <= MOST_DELAY
+    heard, longest_gap = commands_beside_pictures(ros2.environ, ros2.folder, ros=2)
+    assert longest_gap <= MOST_DELAY
     assert heard.unguarded() == []
+
+
+@pytest.mark.long
+@needs_fast_dds("Cyclone DDS uses no shared memory here")
+def test_what_carries_commands_never_waits_for_shared_memory(guard):
+    """Whoever opens that of a process that stands still hears nothing meanwhile."""
+    shares = {name: "/dev/shm/fastdds_" in maps for name, maps in programs_of(guard)}
+    assert shares == {"supervisor_program": False, "guard_program": False, "bulk_program": True}
+
+
+def programs_of(guard):
+    """Give each program of the guard, the supervisor first, and the files in its memory."""
+    children = Path(f"/proc/{guard.pid}/task/{guard.pid}/children").read_text().split()
+    for pid in (guard.pid, *children):
+        words = Path(f"/proc/{pid}/cmdline").read_text().split("\0")
+        (name,) = (word.removeprefix("rtron-") for word in words if word.startswith("rtron-"))
+        yield name, Path(f"/proc/{pid}/maps").read_text()
 
 
 def bulk_process(guard):
@@ -59,17 +79,28 @@ def bulk_process(guard):
     return int(re.findall(r"the bulk process is there, process (\d+)", guard.log)[-1])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_commands_go_on_without_the_process_of_the_pictures(ros2, guard, base, number):
     pid = bulk_process(guard)
-    before = last_count(base.log, OUT)[0]
+    before = [last_count(base.log, topic)[0] for topic in (NAV, OUT)]
     os.kill(pid, number)
     wait_for(lambda: not lives(pid), what="the end of the bulk process")
     wait_for(lambda: bulk_process(guard) != pid, what="the next bulk process")
-    assert last_count(base.log, OUT)[0] > before
-    longest = {topic: last_count(base.log, topic)[1] for topic in (NAV, OUT)}
-    assert longest[OUT] <= longest[NAV] + MOST_DELAY / SECOND
+    said, heard = (last_count(base.log, topic)[0] for topic in (NAV, OUT))
+    assert heard - before[1] > (said - before[0]) / 2
     viewer = ros2.node("gap_meter.py", f"{SEEN}=sensor_msgs/Image", name="/viewer")
     ros2.node("image_publisher.py", PICTURE, 1000, PICTURE_RATE, name="/camera")
     wait_for(lambda: last_count(viewer.log, SEEN)[0] > 3, what="pictures behind the next one")
     assert guard.log.count("the guard begins") == 1
+
+
+@pytest.mark.long
+def test_a_process_that_stood_still_is_followed_by_another(ros2, guard):
+    """It is shorter than what the command process takes for a hang."""
+    pid = bulk_process(guard)
+    os.kill(pid, signal.SIGSTOP)
+    time.sleep(1.2 * LONGEST_STAND / SECOND)
+    os.kill(pid, signal.SIGCONT)
+    wait_for(lambda: bulk_process(guard) != pid, what="the next bulk process")
+    assert "stood still for" in guard.log

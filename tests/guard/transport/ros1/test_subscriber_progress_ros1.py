@@ -6,6 +6,7 @@ import pytest
 from raw_ros1 import RawSubscriber
 
 from rtron.guard.transport.ros1 import kernel_queues
+from rtron.wire.ros1 import network
 
 pytestmark = [pytest.mark.ros1, pytest.mark.parametrize("world", ["ros1"], indirect=True)]
 TOPIC, COUNT = "/commands", 5
@@ -52,7 +53,7 @@ def test_a_few_small_messages_that_nobody_reads_are_seen_until_they_are_read(wor
 def test_where_the_kernel_does_not_tell_what_waits_elsewhere_its_own_queue_counts(
     world, monkeypatch
 ):
-    monkeypatch.setattr(kernel_queues, "_NETLINK_SOCK_DIAG", 255)
+    monkeypatch.setattr(network, "NETLINK_SOCK_DIAG", 255)
     queues = kernel_queues.KernelQueues()
     output, large = advertised(world), world.text("x" * (1 << 24))
     with RawSubscriber(world.transport.port) as base:

@@ -185,6 +185,13 @@ def test_an_absent_publisher_is_a_note(guard):
     assert "will count as unapproved" in guarded.notes[0]
 
 
+@pytest.mark.parametrize("launch", ["", '<include file="$(find none)/x.launch"/>'])
+def test_a_client_of_a_bridge_is_absent_from_every_launch(guard, launch):
+    guarded = guard(launch, plan_of(grcn(T, ["/bridge/tablet"], [])))
+    assert said(guarded) == []
+    assert not any("/bridge/tablet" in note for note in guarded.notes)
+
+
 def test_an_absent_publisher_that_may_be_in_what_was_not_read_is_unenforceable(guard):
     guarded = guard('<include file="$(find none)/x.launch"/>', plan_of(grcn(T, ["/a"], [])))
     assert said(guarded) == [("/a", False)]

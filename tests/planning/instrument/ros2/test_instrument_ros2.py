@@ -163,21 +163,23 @@ def test_rules_in_a_nodes_arguments_count_before_all_others(guard, tmp_path):
     assert said(result) == []
 
 
-def test_a_component_under_a_set_remap_is_not_reached(guard):
+@pytest.mark.parametrize("tag", ["composable_node", "composable_lifecycle_node"])
+def test_a_component_under_a_set_remap_is_not_reached(guard, tag):
     box = '<node_container pkg="p" exec="e" name="box" namespace="">{}</node_container>'
-    component = '<composable_node pkg="b" plugin="B" name="base"/>'
+    component = f'<{tag} pkg="b" plugin="B" name="base"/>'
     result = guard('<set_remap from="v" to="/cmd_vel"/>' + box.format(component) + TELEOP)
     assert said(result) == ["/base"]
 
 
-def test_components_of_containers_and_loads(guard, tmp_path):
+@pytest.mark.parametrize("tag", ["composable_node", "composable_lifecycle_node"])
+def test_components_of_containers_and_loads(guard, tmp_path, tag):
     box = (
         '<node_container pkg="p" exec="e" name="box" namespace="">'
-        '<composable_node pkg="b" plugin="B" name="base"><remap from="in" to="cmd_vel"/>'
-        "</composable_node></node_container>"
+        f'<{tag} pkg="b" plugin="B" name="base"><remap from="in" to="cmd_vel"/></{tag}>'
+        "</node_container>"
         '<group><push_ros_namespace namespace="nav"/><load_composable_node target="/box">'
-        '<composable_node pkg="b" plugin="C" name="controller"/>'
-        '<composable_node pkg="b" plugin="C" name="controller" namespace="/other"/>'
+        f'<{tag} pkg="b" plugin="C" name="controller"/>'
+        f'<{tag} pkg="b" plugin="C" name="controller" namespace="/other"/>'
         "</load_composable_node></group>"
     )
     result = guard(box + TELEOP)

@@ -28,11 +28,20 @@ ADMINS = {"session admin", "token admin"}
 ALLOWED = {
     "GET /healthz": EVERYBODY,
     "GET /readyz": EVERYBODY,
+    "GET /readyz/read": EVERYBODY,
     "GET /metrics": MEASURERS,
     "POST /api/v1/login": EVERYBODY,
+    "POST /api/v1/login/code": set(),
+    "GET /api/v1/login/methods": EVERYBODY,
+    "GET /api/v1/login/oidc": EVERYBODY,
+    "GET /api/v1/login/oidc/callback": EVERYBODY,
     "POST /api/v1/logout": SESSIONS,
     "GET /api/v1/me": KNOWN,
     "POST /api/v1/me/password": SESSIONS,
+    "GET /api/v1/me/second-factor": SESSIONS,
+    "POST /api/v1/me/second-factor": SESSIONS,
+    "POST /api/v1/me/second-factor/confirmation": SESSIONS,
+    "DELETE /api/v1/me/second-factor": SESSIONS,
     "GET /api/v1/robots": READERS,
     "GET /api/v1/robots/{robot}": READERS,
     "GET /api/v1/robots/{robot}/plan": READERS,
@@ -48,16 +57,50 @@ ALLOWED = {
     "DELETE /api/v1/robots/{robot}/nodes/{node}/override": MEMBERS,
     "POST /api/v1/robots/{robot}/stop": MEMBERS,
     "DELETE /api/v1/robots/{robot}/stop": MEMBERS,
+    "POST /api/v1/robots/stop": MEMBERS,
+    "GET /api/v1/acknowledgements": READERS,
+    "POST /api/v1/acknowledgements": MEMBERS,
+    "GET /api/v1/handovers": READERS,
+    "POST /api/v1/handovers": MEMBERS,
+    "POST /api/v1/robots/{robot}/settings/restore": MEMBERS,
+    "GET /api/v1/export/robots": READERS,
+    "POST /api/v1/export/robots": READERS,
+    "GET /api/v1/export/events": READERS,
+    "GET /api/v1/export/settings": READERS,
+    "GET /api/v1/export/acknowledgements": READERS,
+    "GET /api/v1/export/handovers": READERS,
+    "GET /api/v1/robots/{robot}/leases": READERS,
+    "POST /api/v1/robots/{robot}/leases/{lease}": {"session developer", "session end_user"},
+    "GET /api/v1/robots/{robot}/requests": READERS,
+    "POST /api/v1/robots/{robot}/requests/{digest}": {"session developer", "session end_user"},
     "GET /api/v1/robots/{robot}/figures": READERS,
+    "PUT /api/v1/robots/{robot}/labels": ADMINS,
+    "GET /api/v1/groups": READERS,
+    "GET /api/v1/groups/{group}": READERS,
+    "PUT /api/v1/groups/{group}": ADMINS,
+    "GET /api/v1/rollouts": READERS,
+    "POST /api/v1/rollouts": MEMBERS,
+    "GET /api/v1/rollouts/{rollout}": READERS,
+    "GET /api/v1/rollouts/{rollout}/robots": READERS,
+    "POST /api/v1/rollouts/{rollout}/pause": MEMBERS,
+    "POST /api/v1/rollouts/{rollout}/resume": MEMBERS,
+    "POST /api/v1/rollouts/{rollout}/cancel": MEMBERS,
     "GET /api/v1/events": READERS,
+    "GET /api/v1/incidents": READERS,
+    "GET /api/v1/robots/{robot}/incidents/{incident}": READERS,
     "GET /api/v1/audit": ADMINS | DEVELOPERS,
     "GET /api/v1/users": ADMINS,
     "POST /api/v1/users": ADMINS,
     "PATCH /api/v1/users/{user}": ADMINS,
     "DELETE /api/v1/users/{user}": ADMINS,
+    "DELETE /api/v1/users/{user}/second-factor": ADMINS,
     "GET /api/v1/tokens": ADMINS,
     "POST /api/v1/tokens": ADMINS,
+    "POST /api/v1/tokens/renewal": TOKENS - {"token guard"},
     "DELETE /api/v1/tokens/{token}": ADMINS,
+    "GET /api/v1/approvals": ADMINS,
+    "POST /api/v1/approvals/{id}": ADMINS,
+    "DELETE /api/v1/approvals/{id}": ADMINS,
     "GET /api/v1/webhooks": ADMINS,
     "POST /api/v1/webhooks": ADMINS,
     "DELETE /api/v1/webhooks/{webhook}": ADMINS,
@@ -160,7 +203,12 @@ def test_who_may_open_which_socket(site, headers, path, who):
 def _called(client, operation, headers):
     """Call it with names that nobody has and an empty object, so that nothing is changed."""
     method, _, path = operation.partition(" ")
-    path = path.replace("{webhook}", "999").replace("{node}", "none")
+    path = (
+        path.replace("{webhook}", "999")
+        .replace("{rollout}", "999")
+        .replace("{id}", "999")
+        .replace("{node}", "none")
+    )
     path = re.sub(r"\{\w+\}", "nobody.x", path)
     client.cookies.clear()
     return client.request(

@@ -5,7 +5,7 @@ from itertools import accumulate
 
 import pytest
 from harness import LIMIT_S, wait_for
-from service_app import AccountFactory, serve_in_thread
+from service_app import AccountFactory, open_app, serve_in_thread
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
@@ -15,13 +15,14 @@ from rtron.service.api.middleware.request_body import (
     MAX_BODY_BYTES,
     MAX_DEPTH,
     MAX_GRAPH_BYTES,
+    MAX_STRANGER_BYTES,
     is_too_deep,
 )
 from rtron.service.api.middleware.request_checks import parse_host_name
 from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
-from rtron.service.server.http_protocol import MAX_PER_ADDRESS as MOST_OF_ONE
-from rtron.service.server.http_protocol import MAX_PER_TRUSTED_ADDRESS, ConnectionLimit
+from rtron.service.server.connection_limit import MAX_PER_ADDRESS as MOST_OF_ONE
+from rtron.service.server.connection_limit import MAX_PER_TRUSTED_ADDRESS, ConnectionLimit
 
 HEADERS = {
     "content-security-policy",
@@ -36,7 +37,8 @@ HEADERS = {
 
 @pytest.fixture(scope="module")
 def app(tmp_path_factory):
-    return create_app(ServiceConfig(database=tmp_path_factory.mktemp("gates") / "rtron.db"))
+    with open_app(ServiceConfig(database=tmp_path_factory.mktemp("gates") / "rtron.db")) as app:
+        yield app
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +54,8 @@ def people(app):
 
 @pytest.fixture
 def own_app(tmp_path):
-    return create_app(ServiceConfig(database=tmp_path / "rtron.db"))
+    with open_app(ServiceConfig(database=tmp_path / "rtron.db")) as app:
+        yield app
 
 
 @pytest.fixture
@@ -213,15 +216,42 @@ def test_a_socket_from_another_page_is_refused(port, people, origin):
 # bodies
 
 
-def put(path="/api/v1/users"):
-    return f"POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n".encode()
+def put(path="/api/v1/users", sender=None):
+    given = {"Host": "localhost", "Content-Type": "application/json", **(sender or {})}
+    lines = "".join(f"{name}: {value}\r\n" for name, value in given.items())
+    return f"POST {path} HTTP/1.1\r\n{lines}".encode()
+
+
+@pytest.mark.parametrize("says", [True, False])
+@pytest.mark.parametrize(
+    ("path", "length", "status"),
+    [
+        ("/api/v1/login", MAX_STRANGER_BYTES, 422),
+        ("/api/v1/login", MAX_STRANGER_BYTES + 1, 401),
+        ("/api/v1/users", MAX_BODY_BYTES, 401),
+    ],
+)
+def test_strangers_send_small_bodies(port, says, path, length, status):
+    with socket.create_connection(("127.0.0.1", port), timeout=60) as sock:
+        head = f"Content-Length: {length}\r\n" if says else "Transfer-Encoding: chunked\r\n"
+        sock.sendall(put(path) + head.encode() + b"\r\n")
+        if status == 422 or not says:
+            body = b"0" * min(length, MAX_STRANGER_BYTES + 1)
+            sock.sendall(body if says else chunk(body) + b"0\r\n\r\n")
+        assert http_answer(sock)[0] == status
+
+
+@pytest.fixture
+def sender(people):
+    """The headers of a program that is known."""
+    return people.token_headers("program", "read")
 
 
 @pytest.mark.parametrize(
     ("length", "status"), [(MAX_BODY_BYTES, 422), (MAX_BODY_BYTES + 1, 413), (1 << 40, 413)]
 )
-def test_a_body_is_bounded_by_what_it_says(raw, length, status):
-    head = put() + f"Content-Length: {length}\r\n\r\n".encode()
+def test_a_body_is_bounded_by_what_it_says(raw, sender, length, status):
+    head = put(sender=sender) + f"Content-Length: {length}\r\n\r\n".encode()
     answer = raw(head, b"0" * min(length, MAX_BODY_BYTES) if status == 422 else b"")
     assert answer[0] == status
     if status == 413:
@@ -229,16 +259,16 @@ def test_a_body_is_bounded_by_what_it_says(raw, length, status):
 
 
 @pytest.mark.parametrize(("more", "status"), [(0, 422), (1, 413)])
-def test_a_body_in_chunks_is_bounded_by_what_comes(raw, more, status):
+def test_a_body_in_chunks_is_bounded_by_what_comes(raw, sender, more, status):
     chunks = [chunk(b"0" * (MAX_BODY_BYTES // 16))] * 16
-    head = put() + b"Transfer-Encoding: chunked\r\n\r\n"
+    head = put(sender=sender) + b"Transfer-Encoding: chunked\r\n\r\n"
     tail = (chunk(b"0") if more else b"") + b"0\r\n\r\n"
     assert raw(head, *chunks, tail)[0] == status
 
 
-def test_a_body_without_end_is_refused_while_it_comes(port):
+def test_a_body_without_end_is_refused_while_it_comes(port, sender):
     with socket.create_connection(("127.0.0.1", port), timeout=60) as sock:
-        sock.sendall(put() + b"Transfer-Encoding: chunked\r\n\r\n")
+        sock.sendall(put(sender=sender) + b"Transfer-Encoding: chunked\r\n\r\n")
         sent = 0
         try:
             while sent < 64 * MAX_BODY_BYTES:
@@ -547,7 +577,7 @@ def test_an_idle_connection_ends(own_app, monkeypatch):
 
 
 def test_no_address_has_all_connections(own_app, monkeypatch, people):
-    monkeypatch.setattr("rtron.service.server.http_protocol.MAX_PER_TRUSTED_ADDRESS", 3)
+    monkeypatch.setattr("rtron.service.server.connection_limit.MAX_PER_TRUSTED_ADDRESS", 3)
     with serve_in_thread(own_app) as port:
         place = ("127.0.0.1", port)
         socks = [socket.create_connection(place, timeout=60) for _ in range(3)]
@@ -577,7 +607,7 @@ def _is_served(place):
 
 def test_websockets_are_not_of_the_crowd(own_app, monkeypatch):
     """Many guards may be behind one address; their tokens bound them."""
-    monkeypatch.setattr("rtron.service.server.http_protocol.MAX_PER_TRUSTED_ADDRESS", 1)
+    monkeypatch.setattr("rtron.service.server.connection_limit.MAX_PER_TRUSTED_ADDRESS", 1)
     headers = AccountFactory(own_app.state.service).token_headers("t", "read")
     with serve_in_thread(own_app) as port:
         options = {"additional_headers": headers, "proxy": None, "open_timeout": LIMIT_S}
@@ -612,3 +642,19 @@ def test_neighbours_of_ipv6_are_one():
     assert all(crowd.acquire(f"2001:db8::{number:x}") for number in range(MOST_OF_ONE))
     assert not crowd.acquire("2001:db8::ffff")
     assert crowd.acquire("2001:db8:0:1::1")
+
+
+def test_silent_connections_make_room_for_the_next_and_no_request_ends():
+    crowd, ended = ConnectionLimit((), max_connections=3), []
+    for number, name in enumerate(("oldest", "asking", "newest")):
+        address = f"203.0.113.{number}"
+        assert crowd.acquire(address)
+
+        def abort(name=name, address=address):
+            ended.append(name)
+            crowd.release(address)
+
+        crowd.add_waiting(name, abort)
+    crowd.remove_waiting("asking")
+    assert [crowd.acquire(f"198.51.100.{number}") for number in range(3)] == [True, True, False]
+    assert ended == ["oldest", "newest"]

@@ -3,7 +3,7 @@ from threading import Thread
 
 import httpx
 import pytest
-from service_app import PASSWORD, AccountFactory, serve_in_thread
+from service_app import PASSWORD, TLS, AccountFactory, serve_in_thread
 from sqlalchemy import create_engine, text
 
 from rtron.service.api.routes.monitoring import lost_messages
@@ -27,6 +27,7 @@ def test_a_user_is_added_listed_changed_and_removed(client, admin, clock):
     made = client.post(USERS, json=NEW, headers=admin)
     assert made.status_code == 201
     view = {"name": "mary", "roles": ["developer"], "disabled": False, "created": clock.now}
+    view |= {"is_from_provider": False, "groups": None}
     assert made.json() == view
     assert [each["name"] for each in client.get(USERS, headers=admin).json()] == ["mary", "root"]
     changed = client.patch(f"{USERS}/mary", json={"roles": ["end_user"]}, headers=admin)
@@ -338,13 +339,13 @@ def test_a_database_that_fails_is_told_without_what_was_to_be_stored(
 
 
 def test_all_of_it_works_on_each_kind_of_database(where, clock):
-    app = create_app(ServiceConfig(database=where), clock)
+    app = create_app(ServiceConfig(database=where), clock, clock)
     people = AccountFactory(app.state.service)
     admin = people.session_headers("root", "admin", "developer")
     people.add_user("mary", "end_user")
     with (
         serve_in_thread(app) as port,
-        httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60) as client,
+        httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60, verify=TLS) as client,
     ):
         login = {"name": "mary", "password": PASSWORD}
         assert client.post("/api/v1/login", json=login).status_code == 200

@@ -1,4 +1,5 @@
 import json
+import time
 
 import pytest
 from harness import LIMIT_S, wait_for
@@ -8,8 +9,18 @@ from websockets.sync.client import connect
 from rtron.service.api.routes import live
 from rtron.service.store.accounts.tokens import revoke_token
 from rtron.service.store.accounts.users import get_user, set_disabled
+from rtron.vocabulary import GuardState
 
 MOVE = {"type": "connection", "robot": "car1", "connected": True}
+EVENT = {"type": "event", "event": {"robot": "car1", "reason": "it moves"}}
+
+
+class FakeLink:
+    def push(self, settings):
+        """Nobody is there."""
+
+    def replace(self):
+        """Nobody is there."""
 
 
 @pytest.fixture
@@ -46,7 +57,8 @@ def test_what_is_live_is_told(app, people, listening):
     with listening(people.session_headers("mary", "end_user")) as socket:
         wait_for_listener(app)
         app.state.service.hub.broadcast(MOVE)
-        assert json.loads(socket.recv(timeout=60)) == MOVE
+        robots = {"car1": {"connected": True, "silent": False}}
+        assert json.loads(socket.recv(timeout=60)) == {"type": "robots", "robots": robots}
     wait_for(lambda: not app.state.sockets)
     wait_for(lambda: len(app.state.service.hub._listeners) == 1)
 
@@ -79,13 +91,56 @@ def test_it_ends_with_the_token(app, clock, people, listening):
         assert close_code(socket) == 1008
 
 
-def test_a_console_that_talks_is_not_listened_to(app, people, listening):
+@pytest.mark.parametrize(
+    "said",
+    [
+        "x" * 1000,
+        b"\xff",
+        "{}",
+        '{"robots": [], "events": false, "more": 1}',
+        '{"robots": "car1", "events": false}',
+        json.dumps({"robots": [f"car{n}" for n in range(51)], "events": False}),
+        '{"robots": ["\\u0000"], "events": false}',
+    ],
+)
+def test_what_is_no_request_changes_nothing(app, people, listening, said):
     with listening(people.session_headers("mary", "end_user")) as socket:
         wait_for_listener(app)
-        socket.send("x" * 1000)
-        socket.send(b"\xff")
-        app.state.service.hub.broadcast(MOVE)
-        assert json.loads(socket.recv(timeout=60)) == MOVE
+        socket.send(said)
+        socket.send('{"robots": ["car2"], "events": true}')
+        app.state.service.hub.broadcast(EVENT)
+        assert json.loads(socket.recv(timeout=60)) == EVENT
+
+
+def test_a_console_hears_of_the_robots_that_it_watches(app, people, listening):
+    hub, link = app.state.service.hub, FakeLink()
+    hub.register("car1", link, dry_run=False)
+    hub.set_state("car1", link, GuardState(at=1, revision=7))
+    with listening(people.session_headers("mary", "end_user")) as socket:
+        wait_for_listener(app)
+        socket.send('{"robots": ["car1"], "events": false}')
+        whole = json.loads(socket.recv(timeout=60))
+        assert (whole["type"], whole["state"]["revision"]) == ("state", 7)
+        hub.broadcast({"type": "event", "event": {"robot": "car2"}})
+        hub.broadcast(EVENT)
+        assert json.loads(socket.recv(timeout=60)) == EVENT
+
+
+def test_requests_are_read_one_after_the_other(app, monkeypatch, people, listening):
+    monkeypatch.setattr(live, "_REQUEST_INTERVAL_S", 0.2)
+    hub, link = app.state.service.hub, FakeLink()
+    hub.register("car1", link, dry_run=False)
+    hub.set_state("car1", link, GuardState(at=1, revision=7))
+    with listening(people.session_headers("mary", "end_user")) as socket:
+        wait_for_listener(app)
+        begin = time.monotonic()
+        for robots in (["car1"], [], ["car1"], [], ["car1"]):
+            socket.send(json.dumps({"robots": robots, "events": False}))
+        states = 0
+        while states < 3:
+            states += json.loads(socket.recv(timeout=60))["type"] == "state"
+        assert time.monotonic() - begin >= 4 * 0.2
+    hub.unregister("car1", link)
 
 
 def test_there_are_not_too_many(app, monkeypatch, people, listening):
@@ -95,6 +150,16 @@ def test_there_are_not_too_many(app, monkeypatch, people, listening):
         pass
     wait_for(lambda: not app.state.sockets)
     with listening(headers):
+        pass
+
+
+def test_one_reader_does_not_take_all_places(app, monkeypatch, people, listening):
+    monkeypatch.setattr(live, "_MAX_OWN_SOCKETS", 1)
+    reader, mary = people.token_headers("wall", "read"), people.session_headers("mary", "end_user")
+    with listening(reader), pytest.raises(InvalidStatus, match="403"), listening(reader):
+        pass
+    wait_for(lambda: not app.state.sockets)
+    with listening(reader), listening(mary):
         pass
 
 

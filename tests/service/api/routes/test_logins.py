@@ -58,7 +58,8 @@ def test_the_secret_of_a_session_is_not_in_the_database(app, mary, login):
     secret = login().cookies["rtron"]
     assert len(secret) == 43
     app.state.service.database.close()
-    for file in app.state.service.config.database.parent.iterdir():
+    folder = app.state.service.config.database.parent
+    for file in (path for path in folder.rglob("*") if path.is_file()):
         assert secret.encode() not in file.read_bytes()
         assert PASSWORD.encode() not in file.read_bytes()
 
@@ -147,9 +148,13 @@ def test_a_new_password_ends_the_other_sessions(client, mary, login, people):
     mine, other = browser(login()), browser(login())
     new = "another fine password"
     change = {"old": PASSWORD, "new": new}
-    assert client.post("/api/v1/me/password", json=change, headers=mine).status_code == 204
-    assert me(client, mine) == 200
-    assert me(client, other) == 401
+    answer = client.post("/api/v1/me/password", json=change, headers=mine)
+    client.cookies.clear()
+    assert answer.status_code == 204
+    renewed = {**mine, "Cookie": f"rtron={answer.cookies['rtron']}"}
+    assert [me(client, each) for each in (renewed, other)] == [200, 401]
+    assert me(client, mine) == 401  # whoever has stolen the cookie before
+    assert client.post("/api/v1/logout", headers=renewed).status_code == 204
     assert login().status_code == 401
     assert login(password=new).status_code == 200
 

@@ -1,5 +1,8 @@
 """Users, sessions, tokens and webhooks on a database of each kind."""
 
+import os
+import sys
+
 import pytest
 
 from rtron.service.domain.audit_events import AuditEvent
@@ -85,6 +88,16 @@ def test_webhooks_and_the_audit_log(database):
         remove_webhook(session, row.id)
     with pytest.raises(NotFoundError), database.session() as session:
         remove_webhook(session, hook.id)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads have no priorities elsewhere")
+def test_who_hashes_passwords_comes_last_for_the_processor():
+    def priority():
+        return os.getpriority(os.PRIO_PROCESS, 0)
+
+    before = priority()
+    assert passwords._run(priority) == min(before + 10, 19)
+    assert priority() == before
 
 
 @pytest.mark.usefixtures("real_password_hashing")

@@ -187,6 +187,7 @@ def test_the_names_lead_to_the_same_services_as_the_gids(session):
     assert [(e.node, e.is_server) for e in clients_of(node, "/start")] == [("/teleop", False)]
 
 
+@pytest.mark.long
 def test_a_node_that_is_gone_is_not_there(app):
     leaving = app.node("node_group.py", "/leaving", ">/left:std_msgs/String")
     wait_for(

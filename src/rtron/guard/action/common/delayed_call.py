@@ -1,4 +1,4 @@
-"""A call that follows soon after a change, once for many changes."""
+"""A call that follows a change at once, and seldom where there are many changes."""
 
 from collections.abc import Callable
 
@@ -6,20 +6,26 @@ from rtron.guard.transport.common.protocol import Transport
 
 
 class DelayedCall:
-    """Calls a function `delay` ns after `schedule`, once however often that was asked for."""
+    """Calls a function after the event in which it is asked for, `delay` ns after the last call.
+
+    So the first change counts at once, and many that follow cost one call.
+    """
 
     def __init__(self, transport: Transport, delay: int, function: Callable[[], None]) -> None:
         self._transport = transport
         self._delay = delay
         self._function = function
         self._is_scheduled = False
+        self._called_at = -delay
 
     def schedule(self) -> None:
-        """Call it soon."""
+        """Call it as soon as it may be called."""
         if not self._is_scheduled:
             self._is_scheduled = True
-            self._transport.call_at(self._transport.now() + self._delay, self._run)
+            due = max(self._transport.now(), self._called_at + self._delay)
+            self._transport.call_at(due, self._run)
 
     def _run(self) -> None:
         self._is_scheduled = False
+        self._called_at = self._transport.now()
         self._function()

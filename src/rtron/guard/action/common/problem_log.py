@@ -10,7 +10,6 @@ from rtron.guard.transport.common.protocol import MessageHandler, Peer, Transpor
 log = logging.getLogger(__name__)
 
 MAX_NAME_LENGTH = 128
-_MAX_NAMES = 64
 
 
 class ProblemLog:
@@ -29,7 +28,7 @@ class ProblemLog:
 
     def allows(self, kind: str, name: str) -> bool:
         """Tell whether something may be logged of a node now."""
-        return self._log_throttle.allows((kind, hash(name) % _MAX_NAMES), self._transport.now())
+        return self._log_throttle.allows((kind, name), self._transport.now())
 
     def decoding_receiver(self, peer: Peer, take: Callable[[bytes], None]) -> MessageHandler:
         """Return what takes a node's messages, and drops those that cannot be read."""

@@ -73,6 +73,7 @@ class ServerTracker:
             self._was_ready = False
             self._topics.clear_latched_status()
             self._goals.queue.await_server(now)
+            self._goals.registry.forget_unread()
             self._transport.call_at(now + LOST_TIMEOUT, self._finish_lost_goals)
 
     def cancel(self, id: bytes) -> None:
@@ -129,7 +130,7 @@ class ServerTracker:
             self._goals.end(goal, now)
             self._replies.list_ended(status)
         self._goals.store()
-        self._topics.publish(Ros1ActionTopic.RESULT, message)
+        self._replies.forward(goal.client if goal else "", message)
         if goal:
             self._goals.queue.end_turn(goal)
 

@@ -85,6 +85,11 @@ class ActionTopics:
         """Tell whether cancels reach the server."""
         return any(output.is_subscribed_by(node) for output in self._cancel_outputs)
 
+    def reaches_client(self, node: str) -> bool:
+        """Tell whether results reach a client."""
+        outputs = self._server_outputs[Ros1ActionTopic.RESULT]
+        return any(output.is_subscribed_by(node) for output in outputs)
+
     def _open_cancel_topics(self) -> None:
         stream, topic = self._stream, ros1_topic_name(self._stream.action, Ros1ActionTopic.CANCEL)
         self._cancel_outputs = [

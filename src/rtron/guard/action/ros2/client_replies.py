@@ -26,6 +26,7 @@ log = logging.getLogger(__name__)
 
 _MAX_ENDED = 1024
 _PUBLISH_DELAY = SECOND // 50
+_RETRY = SECOND // 10
 
 
 class StatusPublisher:
@@ -125,8 +126,19 @@ class ClientReplies:
     def finish(
         self, task: GoalTask, status: int, result: object | None = None, *, reason: str = ""
     ) -> None:
-        """End a goal and answer its client; `reason` says why the guard does, not the server."""
+        """End a goal and answer its client; `reason` says why the guard does, not the server.
+
+        While its client cannot be told, it goes on: the next guard would not know of an answer that
+        is lost with this one.
+        """
+        if task.is_held:
+            return
         goal, now = task.goal, self._transport.now()
+        if not task.is_reachable:
+            task.is_held = True
+            again = partial(self._finish_held, task, status, result, reason=reason)
+            self._transport.call_at(now + _RETRY, again)
+            return
         self.end(goal, now)
         self._goals.store()
         if reason:
@@ -140,6 +152,13 @@ class ClientReplies:
         task.reply_with_result(status, result)
         if reason:
             self.status.add_ended(task, status)
+
+    def _finish_held(
+        self, task: GoalTask, status: int, result: object | None, *, reason: str
+    ) -> None:
+        task.is_held = False
+        if self.tasks.get(task.goal.id) is task:
+            self.finish(task, status, result, reason=reason)
 
     def end(self, goal: Goal, now: int) -> None:
         """Know that a goal is over, and no cancel of it is answered any more."""

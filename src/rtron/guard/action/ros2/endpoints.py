@@ -40,6 +40,11 @@ class ResultReply(Protocol):
 
     token: str
 
+    @property
+    def is_reachable(self) -> bool:
+        """Whether the client has had the time to find this guard: before, an answer may be lost."""
+        ...
+
     def __call__(self, status: int, result: object | None) -> None:
         """Answer; without a result, with an empty one."""
         ...

@@ -24,7 +24,7 @@ class GoalTask:
     `goal_reply` answers the client while it does not know yet whether its goal is accepted.
     `is_accepted` tells whether the server has it, `is_cancelled` that its client has given it up,
     `must_cancel` that the server is to cancel it as soon as it has it, `is_over` that it says that
-    the goal has ended.
+    the goal has ended, `is_held` that its end is known and its client cannot be told yet.
     """
 
     goal: Goal
@@ -33,6 +33,7 @@ class GoalTask:
     is_cancelled: bool = False
     must_cancel: bool = False
     is_over: bool = False
+    is_held: bool = False
     result_replies: list[ResultReply] = field(default_factory=list)
 
     @property
@@ -52,6 +53,11 @@ class GoalTask:
         reply, self.goal_reply = self.goal_reply, None
         if reply:
             reply(None)
+
+    @property
+    def is_reachable(self) -> bool:
+        """Whether all who wait for the result can be told."""
+        return all(reply.is_reachable for reply in self.result_replies)
 
     def add_result_request(self, reply: ResultReply) -> bool:
         """Let a request wait for the result; False if too many do."""

@@ -111,6 +111,7 @@ class Intrusions:
         Who is still there, and is no stranger any more, never was one. While a process of the guard
         has not told its nodes, nobody new is judged on its streams, and who was found stays.
         """
+        self._learn_listener(node)
         unknown = self._guard.unknown_streams()
         found = frozenset(
             each
@@ -129,6 +130,14 @@ class Intrusions:
             self._open_intrusion(foreign)
         for topic in {foreign.connection.topic for foreign in found}:
             self.keep_listener(node.name, topic)
+
+    def _learn_listener(self, node: AuditedNode) -> None:
+        """Know a node that may hear itself, as an action server does, by where it is asked."""
+        server = node.poll_target.server
+        if server and any(each.may_publish(node.name) for each in node.audited_topics.values()):
+            uri = normalise_uri(server.uri)
+            if self.addresses.address_of(node.name) != uri:
+                self.learn_publisher(node.name, uri)
 
     def keep_listener(self, name: str, topic: str) -> None:
         """Tell a node that has left us whom it may hear: an intruder may have sent it away.

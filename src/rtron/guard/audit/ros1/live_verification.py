@@ -4,6 +4,8 @@ from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures import TimeoutError as LateError
 from contextlib import suppress
+from dataclasses import replace
+from functools import partial
 from typing import TypeVar
 
 from rtron.errors import RTronError, SourceError
@@ -11,8 +13,13 @@ from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import parse_connections
 from rtron.guard.audit.ros1.registrations import guarded_subscribers, select_registrations
 from rtron.guard.audit.ros1.verification import ApiAnswers, pinged_nodes, queried_nodes, verify
+from rtron.guard.cell.access import WATCH, CellAccess, CellNetwork
+from rtron.guard.cell.cell_report import verify_cells
+from rtron.guard.master_proxy.master_file import find_private_master
+from rtron.guard.transport.ros1.celled_transport import PRIVATE_MASTER
 from rtron.vocabulary import GUARD_NODE, Plan
 from rtron.vocabulary.verification import Verification
+from rtron.wire.ros1.network import HOST_NETWORK, Network
 from rtron.wire.ros1.ros_api import (
     parse_bus_peers,
     query_bus_info,
@@ -28,28 +35,49 @@ _THREADS = 32
 _HELP = "is the app running? name its master with --master or ROS_MASTER_URI"
 
 
-def verify_live(plan: Plan, master: str, timeout: float) -> Verification:
-    """Audit the app that is running; each call may take `timeout` seconds.
+def verify_live(plan: Plan, address: str, timeout: float) -> Verification:
+    """Audit the app that is running, and its cells; each call may take `timeout` seconds.
 
     SourceError if the master does not answer, or not as a master.
     """
-    return verify(plan, _query_app(ExpectedGraph(plan), master, timeout))
+    outside = _verify_at(plan, find_private_master(address), timeout)
+    return verify_cells(plan, address, outside, partial(_verify_inside, plan, timeout))
 
 
-def _query_app(expected: ExpectedGraph, master: str, timeout: float) -> ApiAnswers:
+def _verify_inside(plan: Plan, timeout: float, access: CellAccess) -> Verification:
+    """Compare the plan with what is in a cell; only the paths are told, for not all is inside."""
+    connection, _, sockets = access.watch(WATCH)
+    network = CellNetwork(access, sockets)
     try:
-        state = query_system_state(master, _CALLER, timeout)
+        inside = _verify_at(plan, PRIVATE_MASTER, timeout, network)
+        return replace(inside, problems=(), unguarded=())
+    finally:
+        connection.close()
+        network.close()
+
+
+def _verify_at(
+    plan: Plan, master: str, timeout: float, network: Network = HOST_NETWORK
+) -> Verification:
+    return verify(plan, _query_app(ExpectedGraph(plan), master, timeout, network))
+
+
+def _query_app(
+    expected: ExpectedGraph, master: str, timeout: float, network: Network
+) -> ApiAnswers:
+    try:
+        state = query_system_state(master, _CALLER, timeout, network)
     except RTronError as error:
         raise SourceError(f"nothing can be verified at {master}: {error}", help=_HELP) from error
     listed = select_registrations(state, expected.topics)
     uris = _query_all(
         {node: node for node in queried_nodes(expected, listed)},
-        lambda node: query_node_uri(master, _CALLER, node, timeout),
+        lambda node: query_node_uri(master, _CALLER, node, timeout, network),
         timeout,
     )
     guards = _select(uris, expected.guard_nodes)
     peers = _query_all(
-        guards, lambda uri: parse_bus_peers(query_bus_info(uri, _CALLER, timeout)), timeout
+        guards, lambda uri: parse_bus_peers(query_bus_info(uri, _CALLER, timeout, network)), timeout
     )
     return ApiAnswers(
         state=listed,
@@ -59,18 +87,18 @@ def _query_app(expected: ExpectedGraph, master: str, timeout: float) -> ApiAnswe
         uris=uris,
         connections=_query_all(
             _select(uris, guarded_subscribers(listed, expected)),
-            lambda uri: parse_connections(query_bus_info(uri, _CALLER, timeout)),
+            lambda uri: parse_connections(query_bus_info(uri, _CALLER, timeout, network)),
             timeout,
         ),
         pids=_query_all(
             _select(uris, pinged_nodes(expected, listed)),
-            lambda uri: query_process_id(uri, _CALLER, timeout),
+            lambda uri: query_process_id(uri, _CALLER, timeout, network),
             timeout,
         ),
         guard_pids=frozenset().union(
             *_query_all(
                 _select(uris, frozenset({GUARD_NODE})),
-                lambda uri: query_guard_pids(uri, _CALLER, timeout),
+                lambda uri: query_guard_pids(uri, _CALLER, timeout, network),
                 timeout,
             ).values()
         ),

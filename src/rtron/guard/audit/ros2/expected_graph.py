@@ -40,7 +40,8 @@ class ExpectedGraph:
     `enforcing_nodes` are the guard's nodes on these streams, `guard_nodes` all of its nodes and the
     supervisor's.
     `outputs` are the private outputs by their public names, `types` the streams' types by theirs.
-    `lanes` are the nodes of the command process and of the bulk process.
+    `lanes` are the nodes of the command process and of the bulk process. `celled` are the streams
+    that lead into cells alone: nobody outside can speak to those behind them.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -52,6 +53,10 @@ class ExpectedGraph:
         self.topics = {topic.topic: topic for topic in planned}
         self.inputs = tuple(way for stream in enforced for way in _inputs(stream))
         self.outputs = dict(pair for stream in enforced for pair in _outputs(stream))
+        self._cells = plan.cell
+        self.celled = frozenset(
+            each.topic for each in enforced if all(map(self.is_in_cell, each.successors))
+        )
         self.types = {each.topic: normalise_type(each.type) for each in enforced}
         self.enforcing_nodes = frozenset(
             {GUARD_NODE, BULK_NODE, *(node for stream in enforced for node in stage_nodes(stream))}
@@ -70,6 +75,10 @@ class ExpectedGraph:
     def is_planned(self, node: str) -> bool:
         """Tell whether a node is one that the guard stands before or behind."""
         return node not in self.guard_nodes and matches_any(self._planned_nodes, node)
+
+    def is_in_cell(self, node: str) -> bool:
+        """Tell whether a node, or each that a pattern of the plan means, is in a cell."""
+        return node in self._cells
 
     def is_successor(self, node: str) -> bool:
         """Tell whether a node is behind the guard: what it is told moves the robot."""

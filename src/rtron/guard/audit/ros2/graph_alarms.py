@@ -56,7 +56,7 @@ def foreign_endpoint_alarms(
     """Return who speaks where the plan lets them not, and who has a name of ours."""
     alarms = [*_name_takeovers(expected, observed, guard_participants)]
     for topic in _audited_topics(expected, observed):
-        is_past_guard = (
+        is_past_guard = topic.stream_topic not in expected.celled and (
             expected.has_consumers_outside_guard(topic) or topic.topic in expected.outputs
         )
         endpoints = (
@@ -110,15 +110,9 @@ def drift_alarms(
             what = f"{node} listens to {display_name(public)}, not to {display_name(private)}"
             yield _drift_alarm(node, public, f"{what}: its remap is missing")
         for endpoint in observed.subscribers(private):
-            why = (
-                subscription_problem(expected, observed, topic, endpoint, guard_participants)
-                if topic.may_subscribe(endpoint.node)
-                else ""
-            )
+            why = _listener_problem(expected, observed, topic, endpoint, guard_participants)
             if why:
-                yield _drift_alarm(
-                    endpoint.node, private, f"{endpoint.node} does not hear the guard: {why}"
-                )
+                yield _drift_alarm(endpoint.node, private, f"{endpoint.node} {why}")
     for guard_input in expected.inputs:
         for node in matching_nodes(
             expected, observed.publishers(guard_input.public), guard_input.publishers
@@ -139,6 +133,22 @@ def drift_alarms(
                     guard_input.private,
                     f"the guard does not hear {endpoint.node}: {why}",
                 )
+
+
+def _listener_problem(
+    expected: ExpectedGraph,
+    observed: ObservedGraph,
+    topic: TopicAccess,
+    endpoint: Ros2Endpoint,
+    guard_participants: Participants,
+) -> str:
+    """Return what is wrong with a listener of a private output, nothing if it is a stranger."""
+    if expected.is_in_cell(endpoint.node):
+        return f"listens to {display_name(topic)} outside its cell"
+    if not topic.may_subscribe(endpoint.node):
+        return ""
+    why = subscription_problem(expected, observed, topic, endpoint, guard_participants)
+    return f"does not hear the guard: {why}" if why else ""
 
 
 def _audited_topics(expected: ExpectedGraph, observed: ObservedGraph) -> Iterator[TopicAccess]:
@@ -168,6 +178,7 @@ def _name_takeovers(
             reason = f"the participant {who} has taken the name {node}"
             topics = expected.topics.values()
             bypassed = {topic.stream_topic for topic in topics if topic.may_publish(node)}
+            bypassed -= expected.celled
             alarm = Alarm(kind=AlarmKind.IMPOSTOR, reason=reason, node=node, peer=who)
             endpoints = observed.endpoints_of(participant)
             yield BrakingAlarm(alarm, tuple(sorted(bypassed)), endpoints)

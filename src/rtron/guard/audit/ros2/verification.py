@@ -67,10 +67,22 @@ def verify_ros2(plan: Plan, observed: ObservedGraph) -> Verification:
         has_supervisor_node,
     )
     return Verification(
-        paths=(*_output_paths(comparison), *_input_paths(comparison)),
+        paths=tuple(_paths(comparison)),
         problems=tuple(_problems(comparison)),
         unguarded=tuple(unguarded_interfaces(plan, expected, observed)),
     )
+
+
+def verify_ros2_cell(plan: Plan, inside: ObservedGraph) -> Verification:
+    """Compare what is in a cell with what the plan says; only the paths are told.
+
+    There is only the node and what RTron has started, so a name of the guard is the guard's.
+    """
+    expected = ExpectedGraph(plan)
+    found = (inside.participants.get(name, ()) for name in expected.guard_nodes)
+    guards = frozenset(each for participants in found for each in participants)
+    comparison = _Comparison(expected, inside, guards, {}, has_supervisor_node=True)
+    return Verification(paths=tuple(_paths(comparison)), problems=(), unguarded=())
 
 
 def find_guard_participants(expected: ExpectedGraph, observed: ObservedGraph) -> Participants:
@@ -89,6 +101,11 @@ def find_duplicate_names(observed: ObservedGraph) -> dict[str, frozenset[bytes]]
     """Return the node names that several participants have, and which."""
     found = observed.participants
     return {node: frozenset(each) for node, each in found.items() if len(each) > 1}
+
+
+def _paths(comparison: _Comparison) -> Iterator[GuardedPath]:
+    yield from _output_paths(comparison)
+    yield from _input_paths(comparison)
 
 
 def _output_paths(comparison: _Comparison) -> Iterator[GuardedPath]:

@@ -16,11 +16,13 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
+from rtron.guard.incidents.recorder_link import RecorderLink
 from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.bulk.board_writer import BoardWriter
 from rtron.guard.lanes.bulk.command_connection import CommandConnection
 from rtron.guard.lanes.bulk.command_nodes import CommandNodes
 from rtron.guard.lanes.bulk.remote_response import RemoteResponse
+from rtron.guard.lanes.bulk.stand_still import StandStillEnd
 from rtron.guard.lanes.exchange.messages import (
     BulkParticipant,
     HoldStream,
@@ -28,6 +30,7 @@ from rtron.guard.lanes.exchange.messages import (
     RepeatStop,
     StoppedStreams,
 )
+from rtron.guard.link.options import INCIDENTS, state_folder
 from rtron.guard.link.service_link import ServiceLink
 from rtron.guard.middleware import Middleware, open_middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
@@ -75,12 +78,34 @@ def run_bulk_process(
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
     _follow_brakes(coordinator, transport, connection)
     parts: list[Part] = [GraphPart(coordinator.open, transport), writer]
+    settings = service_link = None
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, bulk_part))
         settings_at_start(settings, link)
-        parts.append(ServiceLink(plan, coordinator, settings, loop, link, connection))
+        service_link = ServiceLink(plan, coordinator, settings, loop, link, connection)
+        service_link.on_lease_command = connection.send
+        connection.message_listeners.append(service_link.receive)
+        parts.append(service_link)
+    if plan.incidents.keep:
+        state = link.state if link else state_folder(plan.app)
+        recorder = RecorderLink(plan, state / INCIDENTS, coordinator, loop, settings)
+        _connect(recorder, coordinator, connection)
+        if service_link:
+            recorder.on_saved = service_link.report_incident
+        parts.append(recorder)
     parts += _audit_parts(plan, middleware, connection, loop)
-    run_parts(loop, [*parts, connection, UnusedEnd(connection, loop)])
+    parts += [connection, UnusedEnd(connection, loop)]
+    if plan.ros != 1:
+        parts.append(StandStillEnd(loop))
+    run_parts(loop, parts)
+
+
+def _connect(
+    recorder: RecorderLink, coordinator: Coordinator, connection: CommandConnection
+) -> None:
+    """Let the recorder have what the command process notes, and say how it is."""
+    connection.message_listeners.append(recorder.receive)
+    coordinator.other_statuses = lambda: [*connection.statuses(), *recorder.statuses()]
 
 
 def _follow_brakes(

@@ -6,11 +6,18 @@ import logging
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
+from rtron.guard.authority.latched_stops import LatchedStops, StopFile, stop_file
+from rtron.guard.authority.lease_controller import LeaseController
+from rtron.guard.authority.lease_topics import LeaseTopics
+from rtron.guard.authority.service_leases import ServiceLeases
+from rtron.guard.authority.stop_buttons import StopButtons
+from rtron.guard.cell.access import GUARD
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.control_socket import control_path
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
+from rtron.guard.incidents.stream_notes import IncidentNotes
 from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.command.audit_watchdog import AuditWatchdog
 from rtron.guard.lanes.command.board_observations import BoardObservations
@@ -36,10 +43,12 @@ from rtron.guard.settings.saved_stop import SavedStop
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
 from rtron.guard.supervision.output_watch import OutputWatch
 from rtron.vocabulary import Mode, Plan, build_streams
+from rtron.wire.common.link_protocol import LeaseCommand
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rtron.guard.core.control_socket import RequestHandler
     from rtron.guard.link.options import LinkOptions
     from rtron.guard.supervision.supervisor_client import SupervisorClient
     from rtron.guard.transport.common.protocol import LiveTransport
@@ -63,7 +72,7 @@ def run_command_process(
     """
     raise_file_limit()
     loop = EventLoop()
-    middleware = open_middleware(plan, master, loop, supervisor.session)
+    middleware = open_middleware(plan, master, loop, supervisor.session, GUARD)
     transport = middleware.transport
     board = BoardObservations(command_part(plan))
     heartbeat = HeartbeatFile(heartbeat_path(control or control_path(plan.app), master))
@@ -86,10 +95,14 @@ def run_command_process(
         middleware.create_listener(response),
         AuditWatchdog(connection, coordinator, loop, plan, handover),
     ]
+    file = stop_file(plan, master)
+    authority, handler, leases = _create_authority(plan, coordinator, transport, handover, file)
+    parts += authority
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
-        parts += _service_parts(settings, coordinator, connection, loop, link)
-    handler = create_request_handler(coordinator, transport)
+        parts += _service_parts(settings, leases, coordinator, connection, loop, link)
+    if plan.incidents.keep:
+        parts.append(IncidentNotes(connection, coordinator, loop))
     if socket := open_control_socket(loop, plan, control, handler):
         parts.append(socket)
         heartbeat.beat(loop)
@@ -99,8 +112,25 @@ def run_command_process(
     run_parts(loop, [*parts, rehearsal, supervisor])
 
 
+def _create_authority(
+    plan: Plan,
+    coordinator: Coordinator,
+    transport: LiveTransport,
+    handover: HandoverState,
+    file: StopFile,
+) -> tuple[list[Part], RequestHandler, LeaseController]:
+    """Return what listens to commanders and stop buttons, and what persons may ask for."""
+    stops = LatchedStops(coordinator, transport, plan)
+    stops.keep(handover, file)
+    leases = LeaseController(coordinator, transport)
+    buttons = StopButtons(plan.stop_sources.buttons, stops, transport)
+    handler = create_request_handler(coordinator, transport, leases, stops)
+    return [LeaseTopics(leases, transport), buttons], handler, leases
+
+
 def _service_parts(
     settings: SettingsInForce,
+    leases: LeaseController,
     coordinator: Coordinator,
     connection: BulkConnection,
     loop: EventLoop,
@@ -110,7 +140,18 @@ def _service_parts(
     settings_at_start(settings, link)
     reports = ServiceReports(connection, coordinator, loop, settings)
     connection.on_settings = reports.apply
+    _follow_leases(connection, ServiceLeases(leases, reports.record))
     return [reports, SavedStop(settings, link, loop)]
+
+
+def _follow_leases(connection: BulkConnection, leases: ServiceLeases) -> None:
+    """Do what persons at the service ask of leases, and answer."""
+
+    def receive(message: object) -> None:
+        if isinstance(message, LeaseCommand):
+            connection.send(leases.carry_out(message))
+
+    connection.message_listeners.append(receive)
 
 
 def _follow_audit(

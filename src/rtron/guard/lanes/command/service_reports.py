@@ -35,7 +35,7 @@ class ServiceReports:
         self._loop = loop
         self._settings = settings
         self._unsent: deque[RecordedEvent] = deque()
-        self._events = HostEvents(host, self._record)
+        self._events = HostEvents(host, self.record)
         self._events.on_change = self._schedule_state
         self._state_sent_at = 0
         self._is_state_due = self._is_sending_due = False
@@ -56,19 +56,13 @@ class ServiceReports:
         self._connection.send(SettingsAnswer(settings.revision, error))
         self._schedule_state()
 
-    def _report_periodically(self) -> None:
-        now = self._loop.now()
-        self._loop.call_at(now + SECOND, self._report_periodically)
-        figures = stream_figures(self._events.stream_monitors.values(), now)
-        self._connection.send(Figures(figures))
-        self._send_state()
-
-    def _record(
+    def record(
         self,
         kind: EventKind,
         level: GuardEventLevel = GuardEventLevel.INFO,
         **values: Any,  # noqa: ANN401
     ) -> None:
+        """Tell an event, or count it as lost if too many wait."""
         if len(self._unsent) == MAX_PENDING_EVENTS:
             self._lost_count += 1
             return
@@ -77,6 +71,13 @@ class ServiceReports:
         self._unsent.append(RecordedEvent(time.time_ns(), kind, level, values))
         if not self._is_sending_due:
             self._send_events()
+
+    def _report_periodically(self) -> None:
+        now = self._loop.now()
+        self._loop.call_at(now + SECOND, self._report_periodically)
+        figures = stream_figures(self._events.stream_monitors.values(), now)
+        self._connection.send(Figures(figures))
+        self._send_state()
 
     def _record_lost(self) -> None:
         count, self._lost_count = self._lost_count, 0

@@ -8,6 +8,7 @@ from typing import Any
 from rtron.errors import WireError
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.guard.transport.ros1.tcp_server import set_socket_options
+from rtron.wire.ros1.network import HOST_NETWORK, Network
 from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
 from rtron.wire.ros1.xmlrpc import call, ros_call
 
@@ -24,6 +25,7 @@ class TopicRequest:
     topic: str
     type: str
     master: str
+    network: Network = HOST_NETWORK
 
 
 def connect(request: TopicRequest, uri: str) -> tuple[socket.socket, Peer]:
@@ -34,7 +36,7 @@ def connect(request: TopicRequest, uri: str) -> tuple[socket.socket, Peer]:
     """
     host, port = _request_address(request, uri)
     try:
-        sock = socket.create_connection((host, port), TIMEOUT_S)
+        sock = request.network.connect((host, port), TIMEOUT_S)
     except ValueError as error:
         raise WireError(f"{uri} names a host that is none: {host[:64]!r}") from error
     try:
@@ -49,9 +51,8 @@ def connect(request: TopicRequest, uri: str) -> tuple[socket.socket, Peer]:
 
 
 def _request_address(request: TopicRequest, uri: str) -> tuple[str, int]:
-    answer = ros_call(
-        uri, "requestTopic", request.node, request.topic, [["TCPROS"]], timeout=TIMEOUT_S
-    )
+    params = (request.node, request.topic, [["TCPROS"]])
+    answer = ros_call(uri, "requestTopic", *params, timeout=TIMEOUT_S, network=request.network)
     if not isinstance(answer, list) or len(answer) != _ADDRESS_LENGTH or answer[0] != "TCPROS":
         raise WireError(f"{uri} offers no TCPROS address for {request.topic}")
     return str(answer[1]), _port(answer[2])
@@ -109,5 +110,6 @@ def _is_registered_at(request: TopicRequest, node: str, uri: str) -> bool:
 
     A master that does not answer has not said no: its SourceError goes up, and we try again.
     """
-    answer = call(request.master, "lookupNode", request.node, node, timeout=TIMEOUT_S)
+    params = (request.node, node)
+    answer = call(request.master, "lookupNode", *params, timeout=TIMEOUT_S, network=request.network)
     return isinstance(answer, list) and answer[:1] == [1] and answer[-1] == uri

@@ -5,17 +5,14 @@ its kernel does: on the same machine, sock_diag(7) tells what waits there. Else 
 """
 
 import fcntl
-import logging
 import socket
 import struct
 import termios
 from contextlib import suppress
 
-log = logging.getLogger(__name__)
+from rtron.wire.ros1.network import HOST_NETWORK, Network
 
 _COUNT = struct.Struct("=i")
-_NETLINK_SOCK_DIAG = 4
-"""linux/netlink.h"""
 _SOCK_DIAG_BY_FAMILY, _NLM_F_REQUEST = 20, 1
 """linux/sock_diag.h, linux/netlink.h"""
 _HEADER = struct.Struct("=IHHII")
@@ -32,8 +29,8 @@ _MOST_ANSWER = 1 << 12
 class KernelQueues:
     """Asks the kernel about connected TCP sockets."""
 
-    def __init__(self) -> None:
-        self._diag = _open_diag()
+    def __init__(self, network: Network = HOST_NETWORK) -> None:
+        self._diag = network.open_diag()
 
     def close(self) -> None:
         """Ask no more."""
@@ -64,17 +61,6 @@ class KernelQueues:
             _HEADER.unpack_from(answer)[1] == _SOCK_DIAG_BY_FAMILY
         )
         return int(_COUNT.unpack_from(answer, _RECEIVE_QUEUE_AT)[0]) if is_found else 0
-
-
-def _open_diag() -> socket.socket | None:
-    """Return a socket to ask the kernel with; None where there is no such thing."""
-    try:
-        diag = socket.socket(socket.AF_NETLINK, socket.SOCK_DGRAM, _NETLINK_SOCK_DIAG)
-    except OSError as error:
-        log.info("whether nodes here read what they get is not known: %s", error)
-        return None
-    diag.settimeout(0)
-    return diag
 
 
 def _request(sock: socket.socket) -> bytes:

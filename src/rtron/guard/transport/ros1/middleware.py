@@ -29,6 +29,7 @@ from rtron.guard.transport.ros1.subscription import Subscription, link_factory
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.messages.common.encoding import Encoding
 from rtron.wire.ros1.host_address import advertised_host, bind_address
+from rtron.wire.ros1.network import HOST_NETWORK, Network
 
 log = logging.getLogger(__name__)
 
@@ -38,24 +39,33 @@ _WORKERS = 4
 class Ros1Transport:
     """Nodes, topics and a clock on ROS 1; everything happens in the loop's thread.
 
-    `public` is the master's address as other nodes know it, where it differs from `master`.
+    `public` is the master's address as other nodes know it, where it differs from `master`. All
+    sockets are made in one `network`.
     """
 
     encoding = Encoding.ROS1
 
     def __init__(
-        self, loop: EventLoop, master: str, host: str | None = None, *, public: str = ""
+        self,
+        loop: EventLoop,
+        master: str,
+        host: str | None = None,
+        *,
+        public: str = "",
+        network: Network = HOST_NETWORK,
     ) -> None:
         self._loop = loop
         self.master = master
         self._public = public or master
         self._host = host or advertised_host()
+        self.network = network
         self._nodes: dict[str, Ros1Node] = {}
         self._publications: dict[str, Publication] = {}
-        self._workers: list[ThreadPoolExecutor] = []
-        self._queues = KernelQueues()
-        self._server = TcpServer(loop, bind_address(self._host), self._on_connection)
-        self._registrar = Registrar(loop, master, lambda: list(self._nodes.values()))
+        self._workers: dict[str, ThreadPoolExecutor] = {}
+        self._queues = KernelQueues(network)
+        address = bind_address(self._host)
+        self._server = TcpServer(loop, address, self._on_connection, network=network)
+        self._registrar = Registrar(loop, master, lambda: list(self._nodes.values()), network)
         self.other_pids: Callable[[], Iterable[int]] = tuple
         """Tells the ids of the guard's other processes."""
         self.on_shutdown_request: Callable[[str, str], None] = lambda node, reason: None
@@ -78,15 +88,19 @@ class Ros1Transport:
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`. In ROS 1 nobody is reliable but TCP."""
         del keep_all
-        publication = _TypedPublication(
+        publication = TypedPublication(
             node, topic, type, self.now, queue_size=queue_size, successors=successors
         )
-        owner = self._node(node)
+        publication.on_subscriber_lost = lambda name: self.on_subscriber_lost(topic, name)
+        self.add_publication(publication)
+        return publication
+
+    def add_publication(self, publication: "TypedPublication") -> None:
+        """Publish what was published on a transport that has been abandoned, or is new."""
+        owner, topic = self._node(publication.node), publication.topic
         owner.publications[topic] = self._publications[topic] = publication
         publication.on_type = lambda: self._registrar.publish(owner, topic)
-        publication.on_subscriber_lost = lambda name: self.on_subscriber_lost(topic, name)
         self._registrar.publish(owner, topic)
-        return publication
 
     def subscribe(
         self,
@@ -102,7 +116,7 @@ class Ros1Transport:
         ROS 1 knows neither the age of messages nor what a publisher's queue has dropped: of the
         options only `begin` counts.
         """
-        request = TopicRequest(node, topic, type, self.master)
+        request = TopicRequest(node, topic, type, self.master, self.network)
         workers = self._create_workers(topic)
         link = link_factory(self._loop, workers, request, on_connect, on_lost, options.begin)
         self._subscribe(node, Subscription(topic, type, link))
@@ -110,7 +124,7 @@ class Ros1Transport:
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
         output = self.advertise(publisher, topic, type)
-        request = TopicRequest(subscriber, topic, type, self.master)
+        request = TopicRequest(subscriber, topic, type, self.master, self.network)
         link = link_factory(
             self._loop, self._create_workers(topic), request, lambda peer: None, ignore_lost
         )
@@ -158,6 +172,10 @@ class Ros1Transport:
         """Return the URI of each node of ours."""
         return {name: node.uri for name, node in self._nodes.items()}
 
+    def node_uri(self, name: str) -> str:
+        """Return the URI of a node of ours, which is made if it is not there."""
+        return self._node(name).uri
+
     def unknown_streams(self) -> frozenset[str]:
         """Return nothing: all nodes here are known."""
         return frozenset()
@@ -192,24 +210,60 @@ class Ros1Transport:
                 self._publications.pop(topic, None)
             node.close()
 
+    def remove_publication(self, node: str, topic: str) -> None:
+        """Publish a topic as a node no more; nothing if it does not."""
+        owner = self._node(node)
+        publication = owner.publications.pop(topic, None)
+        if publication:
+            self._publications.pop(topic, None)
+            self._registrar.unpublish(owner, topic)
+            publication.close()
+
+    def remove_subscription(self, node: str, topic: str) -> None:
+        """Subscribe to a topic as a node no more; nothing if it does not."""
+        owner = self._node(node)
+        subscription = owner.subscriptions.pop(topic, None)
+        if subscription:
+            self._registrar.unsubscribe(owner, topic)
+            subscription.close()
+
+    def abandon(self) -> None:
+        """Close every connection, without a word to a master that is gone; the loop goes on."""
+        self._registrar.abandon()
+        for node in self._nodes.values():
+            node.close()
+        self._server.close()
+        self._queues.close()
+        for workers in self._workers.values():
+            workers.shutdown(wait=False, cancel_futures=True)
+
     def close(self) -> None:
         """Unregister everything and close every connection."""
+        self._close_all()
+        self._registrar.close()
+
+    def leave(self) -> None:
+        """Unregister everything and close every connection, while the loop goes on."""
+        self._close_all()
+        self._registrar.close(wait=False)
+
+    def _close_all(self) -> None:
         for name in list(self._nodes):
             self.remove_node(name)
         self._server.close()
         self._queues.close()
-        for workers in self._workers:
+        for workers in self._workers.values():
             workers.shutdown(wait=False, cancel_futures=True)
-        self._registrar.close()
 
     def _create_workers(self, topic: str) -> ThreadPoolExecutor:
-        """Give a subscription its own threads: publishers that hang delay no other topic."""
-        self._workers.append(ThreadPoolExecutor(_WORKERS, thread_name_prefix=topic))
-        return self._workers[-1]
+        """Give a topic its own threads: publishers that hang delay no other topic."""
+        if topic not in self._workers:
+            self._workers[topic] = ThreadPoolExecutor(_WORKERS, thread_name_prefix=topic)
+        return self._workers[topic]
 
     def _node(self, name: str) -> Ros1Node:
         if name not in self._nodes:
-            node = Ros1Node(self._loop, name, self._host, self._public)
+            node = Ros1Node(self._loop, name, self._host, self._public, self.network)
             node.tcpros_address = (self._host, self._server.port)
             node.other_pids = self.other_pids
             node.on_publisher_update = lambda topic: self._registrar.subscribe(node, topic)
@@ -234,12 +288,13 @@ class Ros1Transport:
             self.on_subscriber(publication.topic, link.node)
 
 
-class _TypedPublication(Publication):
+class TypedPublication(Publication):
     """A publication that is registered once its type is known."""
 
     on_type: Callable[[], None]
 
     def learn_type(self, info: TypeInfo) -> bool:
+        """Take the type; see `Publication`."""
         waiting = not self.type
         agreed = super().learn_type(info)
         if waiting and agreed:

@@ -12,6 +12,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1.http_connection import XmlRpcConnection
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.wire.ros1.host_address import bind_address
+from rtron.wire.ros1.network import HOST_NETWORK, Network
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -26,7 +27,14 @@ _MAX_TEXT = 100
 class Ros1Node:
     """One name in the ROS graph, reachable at its own XML-RPC address."""
 
-    def __init__(self, loop: EventLoop, name: str, host: str, master: str) -> None:
+    def __init__(
+        self,
+        loop: EventLoop,
+        name: str,
+        host: str,
+        master: str,
+        network: Network = HOST_NETWORK,
+    ) -> None:
         self.name = name
         self.master = master
         self.publications: dict[str, Publication] = {}
@@ -37,7 +45,7 @@ class Ros1Node:
         """Tells the ids of the guard's other processes, for `rtron verify`."""
         self.tcpros_address: tuple[str, int] = (host, 0)
         self._loop = loop
-        self._server = TcpServer(loop, bind_address(host), self._on_connection)
+        self._server = TcpServer(loop, bind_address(host), self._on_connection, network=network)
         self.uri = f"http://{host}:{self._server.port}/"
         self._methods: dict[str, tuple[int, Callable[..., Any]]] = {
             "getBusInfo": (1, self._bus_info),

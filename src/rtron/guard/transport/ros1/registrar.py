@@ -14,6 +14,7 @@ from functools import partial
 from rtron.errors import RTronError, SourceError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1.node import Ros1Node
+from rtron.wire.ros1.network import HOST_NETWORK, Network
 from rtron.wire.ros1.xmlrpc import ros_call
 
 log = logging.getLogger(__name__)
@@ -31,15 +32,21 @@ class Registrar:
     """Registers the guard's nodes and keeps their lists of publishers up to date."""
 
     def __init__(
-        self, loop: EventLoop, master: str, nodes: Callable[[], Iterable[Ros1Node]]
+        self,
+        loop: EventLoop,
+        master: str,
+        nodes: Callable[[], Iterable[Ros1Node]],
+        network: Network = HOST_NETWORK,
     ) -> None:
         self._loop = loop
         self._master = master
+        self._network = network
         self._nodes = nodes
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="master")
         self._pid = 0
         self._round = 0
         self._is_master_lost = False
+        self._is_abandoned = False
         self._deadline = math.inf
         self._pending_calls: set[tuple[str, str, str]] = set()
         self._refusal_log = _RefusalLog()
@@ -69,19 +76,32 @@ class Registrar:
         for topic in list(node.subscriptions):
             self.subscribe(node, topic)
 
+    def unpublish(self, node: Ros1Node, topic: str) -> None:
+        """Unregister a publication."""
+        self._thread.submit(self._call, "unregisterPublisher", node.name, topic, node.uri)
+
+    def unsubscribe(self, node: Ros1Node, topic: str) -> None:
+        """Unregister a subscription."""
+        self._thread.submit(self._call, "unregisterSubscriber", node.name, topic, node.uri)
+
     def unregister_all(self, node: Ros1Node) -> None:
         """Unregister all that a node has."""
-        for method, topics in (
-            ("unregisterPublisher", node.publications),
-            ("unregisterSubscriber", node.subscriptions),
-        ):
-            for topic in topics:
-                self._thread.submit(self._call, method, node.name, topic, node.uri)
+        for topic in node.publications:
+            self.unpublish(node, topic)
+        for topic in node.subscriptions:
+            self.unsubscribe(node, topic)
 
-    def close(self) -> None:
-        """Wait until all calls are answered, at most as long as one call may take."""
+    def abandon(self) -> None:
+        """Wait for no answer: the master is gone."""
+        self._is_abandoned = True
+        self._deadline = 0.0
+        self._thread.shutdown(wait=False, cancel_futures=True)
+
+    def close(self, *, wait: bool = True) -> None:
+        """Begin no more calls; wait until all are answered, at most as long as one may take."""
+        self._is_abandoned = True
         self._deadline = time.monotonic() + _TIMEOUT_S
-        self._thread.shutdown(wait=True)
+        self._thread.shutdown(wait=wait)
 
     def _call_soon(
         self,
@@ -91,7 +111,7 @@ class Registrar:
         type: str,
         on_answer: Callable[[object], None],
     ) -> None:
-        if (method, node.name, topic) in self._pending_calls:
+        if self._is_abandoned or (method, node.name, topic) in self._pending_calls:
             return
         self._pending_calls.add((method, node.name, topic))
 
@@ -108,7 +128,7 @@ class Registrar:
         if timeout <= 0:
             return None
         try:
-            return ros_call(self._master, method, *params, timeout=timeout)
+            return ros_call(self._master, method, *params, timeout=timeout, network=self._network)
         except RTronError as error:
             if _is_refusal(error) and method.startswith("register"):
                 self._refusal_log.log_once(str(error))
@@ -117,6 +137,8 @@ class Registrar:
             return None
 
     def _schedule_check(self) -> None:
+        if self._is_abandoned:
+            return
         self._thread.submit(self._check_master).add_done_callback(
             lambda _: self._loop.post(
                 lambda: self._loop.call_later(_REFRESH_S, self._schedule_check)

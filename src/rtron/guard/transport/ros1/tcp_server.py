@@ -5,6 +5,7 @@ import socket
 from collections.abc import Callable
 
 from rtron.guard.core.event_loop import EventLoop
+from rtron.wire.ros1.network import HOST_NETWORK, Network
 
 _OPTIONS = (
     (socket.IPPROTO_TCP, socket.TCP_NODELAY, 1),
@@ -36,10 +37,11 @@ class TcpServer:
         host: str,
         on_connection: Callable[[socket.socket], object],
         port: int = 0,
+        network: Network = HOST_NETWORK,
     ) -> None:
         self._loop = loop
         self._on_connection = on_connection
-        self._sock = socket.create_server((host, port), backlog=_BACKLOG)
+        self._sock = network.listen(host, port, _BACKLOG)
         self._sock.settimeout(0)
         self.port: int = self._sock.getsockname()[1]
         loop.watch(self._sock, self._accept, self._on_error)

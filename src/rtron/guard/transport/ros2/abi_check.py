@@ -30,7 +30,7 @@ from rtron.vocabulary import PRIVATE_ROOT, Direction
 from rtron.wire.ros2.c_structures import typed_function
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, await_publishers
 from rtron.wire.ros2.interfaces import find_interface
-from rtron.wire.ros2.rmw_version import HUMBLE, KILTED, release_name, rmw_version
+from rtron.wire.ros2.rmw_version import HUMBLE, LYRICAL, release_name, rmw_version
 from rtron.wire.ros2.session import rmw_identifier
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from rtron.guard.transport.ros2.sender_ids import SenderIds
+    from rtron.wire.ros2.rmw_version import Version
 
 log = logging.getLogger(__name__)
 
@@ -52,7 +53,12 @@ _SERVICE_INFO = "rmw_service_info_t"
 _SEQUENCE_NUMBERS = 0
 """RMW_FEATURE_MESSAGE_INFO_PUBLICATION_SEQUENCE_NUMBER"""
 _EMPTY_MESSAGE = b"\0\1\0\0\0"
-_HELP = "use Humble, Jazzy or Kilted (rmw 6.1 to 7.8), or report which release this is"
+_HELP = "use Humble, Jazzy, Kilted or Lyrical (rmw 6.1 to 7.10), or report which release this is"
+_BUFFER_AWARE_RMW = "rmw_fastrtps_cpp"
+_BUFFERS = (
+    "%s: %s sends images and other types with uint8[] to topics of its own, which are not guarded "
+    "and whose messages are dropped here: use Cyclone DDS, see docs/ros2.md"
+)
 _PROFILES = (
     QoSProfile(
         depth=7,
@@ -89,8 +95,7 @@ def check_endpoint_info(node: Node) -> None:
     version = rmw_version()
     if version and version < HUMBLE:
         raise SourceError(f"{release_name(version)} is older than ROS 2 Humble", help=_HELP)
-    if version is None or version > KILTED:
-        log.warning("%s is not known: only its structures are checked", release_name(version))
+    _warn_of_release(version)
     topic, cls = _unique_name(), find_interface("std_msgs/Empty").cls
     with ExitStack() as stack:
         for profile in _PROFILES:
@@ -98,6 +103,14 @@ def check_endpoint_info(node: Node) -> None:
             stack.callback(node.destroy_publisher, publisher)
         expected = {each.gid: each for each in await_publishers(node, topic, len(_PROFILES))}
         _compare_endpoints(GraphQuery(node), topic, expected)
+
+
+def _warn_of_release(version: Version | None) -> None:
+    """Log what of a release was not tried, and what of it is known not to pass the guard."""
+    if version is None or version > LYRICAL:
+        log.warning("%s is not known: only its structures are checked", release_name(version))
+    if (version is None or version >= LYRICAL) and rmw_identifier() == _BUFFER_AWARE_RMW:
+        log.warning(_BUFFERS, release_name(version), _BUFFER_AWARE_RMW)
 
 
 def _compare_endpoints(query: GraphQuery, topic: str, expected: dict[bytes, Ros2Endpoint]) -> None:

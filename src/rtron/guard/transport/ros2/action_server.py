@@ -139,7 +139,8 @@ class ActionServer:
             return None
         if len(request_id) != self._context.shared.sender_ids.request_id_size:
             return None
-        return ResultResponder(self.flow, request_id, self._send_inherited_result)
+        send = self._send_inherited_result
+        return ResultResponder(self.flow, request_id, send, lambda: self._early() <= 0)
 
     def _send_result(self, request_id: bytes, status: int, result: object | None) -> None:
         """Answer a request for a result."""
@@ -153,12 +154,16 @@ class ActionServer:
         if not self._services:
             self._deferred_replies.append(retry)
             return
-        early = self._opened_at + _DISCOVERY_TIME - self._context.shared.loop.now()
-        if early > 0:
+        if (early := self._early()) > 0:
             self._context.shared.loop.call_later(early / SECOND, retry)
             return
         request_id = self._writer_request_id(Ros2ActionEntity.GET_RESULT, request_id)
         self._send_result(request_id, status, result)
+
+    def _early(self) -> int:
+        """Return how long (ns) the clients of a former guard still need to find this one."""
+        found_at = self._opened_at + _DISCOVERY_TIME
+        return found_at - self._context.shared.loop.now() if self._services else 0
 
     def _writer_request_id(self, end: Ros2ActionEntity, request_id: bytes) -> bytes:
         """Return the place of a request by its writer's GUID, where Fast DDS gave its reader's.
@@ -266,11 +271,21 @@ class ResultResponder:
     """Where one request for a result is answered, now or by a later guard."""
 
     def __init__(
-        self, flow: str, request_id: bytes, send: Callable[[bytes, int, object | None], None]
+        self,
+        flow: str,
+        request_id: bytes,
+        send: Callable[[bytes, int, object | None], None],
+        is_reachable: Callable[[], bool] = lambda: True,
     ) -> None:
         self._request_id = request_id
         self._send = send
+        self._is_reachable = is_reachable
         self.token = f"{flow} {request_id.hex()}"
+
+    @property
+    def is_reachable(self) -> bool:
+        """Whether the client has had the time to find this service."""
+        return self._is_reachable()
 
     def __call__(self, status: int, result: object | None) -> None:
         """Answer."""

@@ -57,9 +57,11 @@ class RosGraph:
     of a topic is bounded, and after each query the graph is idle in proportion to its work.
     """
 
-    def __init__(self, loop: EventLoop, session: Ros2Session, rcl: Rcl) -> None:
+    def __init__(
+        self, loop: EventLoop, session: Ros2Session, rcl: Rcl, node: str = GUARD_NODE
+    ) -> None:
         self._loop = loop
-        self._node = session.node(GUARD_NODE)
+        self._node = session.node(node)
         self._graph_query, self._raw_graph_query = (
             GraphQuery(self._node),
             GraphQuery(self._node, raw=True),
@@ -67,7 +69,7 @@ class RosGraph:
         self._rcl = rcl
         self._endpoints: dict[str, TopicEndpoints] = {}
         self.listeners: list[Callable[[], None]] = []
-        self.participant = session.participant(GUARD_NODE)
+        self.participant = session.participant(node)
         """The guard's own participant."""
         self.ended: frozenset[bytes] = frozenset()
         """The participants of the guards before: killed, they stay in the graph for a while."""

@@ -22,6 +22,7 @@ from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
 from rtron.guard.transport.ros2.context import TransportContext
 from rtron.guard.transport.ros2.data_reader import DataListener, DataReader
+from rtron.guard.transport.ros2.feedback_reader import FeedbackReader
 from rtron.guard.transport.ros2.graph import RosGraph
 from rtron.guard.transport.ros2.participants import MAX_LEASE, NameOwners, ParticipantLiveness
 from rtron.guard.transport.ros2.process_table import ProcessTable
@@ -29,6 +30,7 @@ from rtron.guard.transport.ros2.publication import Publication
 from rtron.guard.transport.ros2.qos import profile
 from rtron.guard.transport.ros2.rcl import Rcl
 from rtron.guard.transport.ros2.sender_ids import find_sender_ids
+from rtron.guard.transport.ros2.service_endpoints import CalledService, OfferedService
 from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionHandlers
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import GUARD_NODE, SECOND, QoS, Reliability
@@ -63,11 +65,11 @@ class Ros2Transport:
 
     encoding = Encoding.CDR
 
-    def __init__(self, loop: EventLoop, session: Ros2Session) -> None:
+    def __init__(self, loop: EventLoop, session: Ros2Session, node: str = GUARD_NODE) -> None:
         self.session = session
-        self._sender_ids = find_sender_ids(session.node(GUARD_NODE))
+        self._sender_ids = find_sender_ids(session.node(node))
         self.rcl = Rcl(self._sender_ids)
-        self.graph = RosGraph(loop, session, self.rcl)
+        self.graph = RosGraph(loop, session, self.rcl, node)
         self.processes = ProcessTable()
         self.supervisor: Callable[[], SupervisorId] = SupervisorId
         liveness = ParticipantLiveness(self.graph.participant, self.processes)
@@ -89,6 +91,7 @@ class Ros2Transport:
         self._publications: list[Publication] = []
         self._subscriptions: list[Subscription] = []
         self._actions: list[ActionRelay] = []
+        self._services: list[OfferedService | CalledService | FeedbackReader] = []
         self.graph.listeners.append(self._update_names)
 
     def set_shutdown_handler(self, handler: Callable[[str, str], None]) -> None:
@@ -182,6 +185,29 @@ class Ros2Transport:
             is_command=False,
         )
 
+    def create_server(
+        self, node: str, service: str, type: str, on_request: Callable[[bytes, bytes], None]
+    ) -> OfferedService:
+        """Return a service that a node of ours can offer; see `OfferedService`."""
+        server = OfferedService(self.session.node(node), service, type, self._context, on_request)
+        self._services.append(server)
+        return server
+
+    def create_client(
+        self,
+        node: str,
+        service: str,
+        type: str,
+        on_response: Callable[[int, bytes], None],
+        part: str = "",
+    ) -> CalledService:
+        """Return what calls a service as a node of ours; see `CalledService`."""
+        client = CalledService(
+            self.session.node(node), service, type, self._context, on_response, part
+        )
+        self._services.append(client)
+        return client
+
     def action_endpoints(self, stream: Stream, node: str, listener: ActionListener) -> ActionRelay:
         """Return the services and topics of an action; see `ActionTransport`."""
         endpoints = ActionRelay(stream, self.session.node(node), listener, self._context)
@@ -191,6 +217,32 @@ class Ros2Transport:
     def goal_canceller(self, node: str, action: str) -> GoalCanceller:
         """Return a canceller of goals of an unguarded action; see `CancelTransport`."""
         return GoalCanceller(self.session.node(node), action, self._sender_ids)
+
+    def remove_publication(self, node: str, topic: str) -> None:
+        """Publish a topic as a node no more; nothing if it does not."""
+        for each in [each for each in self._publications if each.is_of(node, topic)]:
+            self._publications.remove(each)
+            each.leave()
+
+    def remove_subscription(self, node: str, topic: str) -> None:
+        """Subscribe to a topic as a node no more; nothing if it does not."""
+        for each in [each for each in self._subscriptions if each.is_of(node, topic)]:
+            self._subscriptions.remove(each)
+            each.close()
+
+    def create_feedback_reader(
+        self, node: str, action: str, type: str, on_feedback: Callable[[bytes], None]
+    ) -> FeedbackReader:
+        """Return what reads an action's feedback as a node of ours; see `FeedbackReader`."""
+        ros_node = self.session.node(node)
+        reader = FeedbackReader(ros_node, action, type, self._context, on_feedback)
+        self._services.append(reader)
+        return reader
+
+    def remove_client(self, endpoint: CalledService | FeedbackReader) -> None:
+        """Call a service, or read feedback, no more."""
+        self._services.remove(endpoint)
+        endpoint.close()
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
@@ -208,8 +260,8 @@ class Ros2Transport:
             subscription.close()
         for publication in self._publications:
             publication.close()
-        for action in self._actions:
-            action.close()
+        for each in (*self._actions, *self._services):
+            each.close()
         self._sender_ids.close()
         self.session.close()
 

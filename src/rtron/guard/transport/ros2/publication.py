@@ -163,6 +163,15 @@ class Publication:
             self._writer.close()
             self._writer = None
 
+    def is_of(self, node: str, topic: str) -> bool:
+        """Return whether this is a topic of a node of ours."""
+        return self.topic == topic and self._node.get_fully_qualified_name() == node
+
+    def leave(self) -> None:
+        """Stop publishing, and hear no more of the graph."""
+        self.close()
+        self._graph.listeners.remove(self._flush)
+
     def _offer_to_successors(self) -> None:
         subscribers = self._subscribers_named(self._matched_successors)
         requested = [

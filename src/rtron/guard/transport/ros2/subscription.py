@@ -47,7 +47,6 @@ _FRESH = SECOND // 2
 _MAX_UNRESOLVED = 256
 _MAX_PER_PARTICIPANT = 32
 _MAX_READERS = 8
-_MAX_NAMES = 64
 _MAX_TYPES = 512
 _MAX_WAITING_BYTES = 1 << 24
 """The most bytes of all messages that wait for a name."""
@@ -140,6 +139,10 @@ class Subscription:
             reader.close()
         self._readers.clear()
         self._senders.clear()
+
+    def is_of(self, node: str, topic: str) -> bool:
+        """Return whether this is a topic of a node of ours."""
+        return self.topic == topic and self._node.get_fully_qualified_name() == node
 
     def _offer_publisher(self, endpoint: Ros2Endpoint) -> None:
         """Offer a publisher that is new, was refused, or is not what it was."""
@@ -298,7 +301,7 @@ class Subscription:
 
     def _log_problem(self, peer: Peer, why: str) -> None:
         """Report an unreadable message or publisher, at most once a second for each."""
-        if self._log_throttle.allows(hash(peer.node) % _MAX_NAMES, self._context.loop.now()):
+        if self._log_throttle.allows(peer.node, self._context.loop.now()):
             self._context.report_unreadable(self.topic, peer.node, why)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from rtron.planning.instrument.common.guarded_launch import EnforcementGap
 from rtron.planning.instrument.common.nodelets import loaders, manager_of
 from rtron.planning.instrument.common.remaps import NodeRemaps, public_names, stream_role
-from rtron.vocabulary import LaunchNode, LaunchTree, Stream, matches_node
+from rtron.vocabulary import LaunchNode, LaunchTree, Stream, is_bridge_client, matches_node
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +54,7 @@ class RemapCoverage:
                 yield self._remapped_elsewhere(successor, stream)
 
     def _open_publishers(self, stream: Stream) -> Iterator[EnforcementGap]:
-        for publisher in (flow.publisher for flow in stream.flows):
+        for publisher in _launched_publishers(stream):
             nodes = self._launched(publisher)
             if not nodes and self.tree.unresolved:
                 why = f"this launch is not seen to start it{self._unread()}"
@@ -79,7 +79,7 @@ class RemapCoverage:
                 yield EnforcementGap(what=placed.node, why=why)
 
     def _absent_publishers(self, stream: Stream) -> Iterator[str]:
-        for publisher in (flow.publisher for flow in stream.flows):
+        for publisher in _launched_publishers(stream):
             if not self._launched(publisher) and not self.tree.unresolved:
                 absent = f"{publisher} is not started by this launch"
                 yield f"{absent}: what it publishes on {stream.topic} will count as unapproved"
@@ -131,3 +131,8 @@ def _names(node: LaunchNode) -> list[str]:
 def _has_both_roles(node: LaunchNode, stream: Stream) -> bool:
     role = stream_role(node, stream)
     return bool(role and role.flow and role.is_successor)
+
+
+def _launched_publishers(stream: Stream) -> list[str]:
+    """Return who publishes a stream, but for the clients of a bridge, which no launch starts."""
+    return [each.publisher for each in stream.flows if not is_bridge_client(each.publisher)]

@@ -2,7 +2,7 @@
 
 import os.path
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 from xml.sax.saxutils import quoteattr, unescape
@@ -11,7 +11,6 @@ from rtron.errors import InputError
 from rtron.planning.instrument.common.guarded_launch import PlacedRemap
 from rtron.planning.instrument.common.remaps import NodeRemaps
 from rtron.planning.instrument.common.xml_text import ElementSpan, LaunchText
-from rtron.planning.instrument.ros1.launch_prefix_script import STARTER_SCRIPT
 from rtron.planning.instrument.ros1.source_text import eval_literal, source_text
 from rtron.vocabulary import LaunchFile, LaunchInclude, LaunchNode
 
@@ -71,12 +70,12 @@ _UNSAFE = re.compile(r"[^\w.-]")
 class LaunchCopies:
     """Makes changed copies of launch files; `texts` maps each copy's name to its text.
 
-    Every inclusion has its own copy, as the nodes of each have other names. `starters` are the
-    nodes that start launch files; they get a launch-prefix.
+    Every inclusion has its own copy, as the nodes of each have other names. `scripts` are the
+    launch-prefixes of nodes: those that start launch files, or run in a cell.
     """
 
     remaps: NodeRemaps
-    starters: Collection[str] = ()
+    scripts: Mapping[str, str] = field(default_factory=dict)
     texts: dict[str, str] = field(default_factory=dict)
 
     def root(self, file: LaunchFile, folder: str, guard: Collection[str]) -> str:
@@ -114,12 +113,9 @@ class LaunchCopies:
             remaps = self._remaps(node)
             if remaps:
                 text.append(_element(text, file, node.element_index, _NODES), remaps)
-            if node.name in self.starters:
-                add_launch_prefix(
-                    text,
-                    _element(text, file, node.element_index, _NODES),
-                    f"{copies_path}/{STARTER_SCRIPT}",
-                )
+            if script := self.scripts.get(node.name):
+                element = _element(text, file, node.element_index, _NODES)
+                add_launch_prefix(text, element, f"{copies_path}/{script}")
         for include in file.includes:
             if self.changes(include.file):
                 element = _element(text, file, include.element_index, ("include",))
@@ -129,7 +125,7 @@ class LaunchCopies:
         return text
 
     def _edits(self, node: LaunchNode) -> tuple[str, ...]:
-        return (*self._remaps(node), *(name for name in (node.name,) if name in self.starters))
+        return (*self._remaps(node), *(name for name in (node.name,) if name in self.scripts))
 
     def _remaps(self, node: LaunchNode) -> tuple[str, ...]:
         return tuple(_remap(placed) for placed in self.remaps.get(node, ()) if placed.is_placeable)

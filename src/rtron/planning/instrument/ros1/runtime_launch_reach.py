@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rtron.planning.instrument.common.remaps import NodeRemaps
 from rtron.planning.instrument.ros1.launch_copies import Edits, LaunchCopies
+from rtron.planning.instrument.ros1.launch_prefix_script import STARTER_SCRIPT
 from rtron.planning.instrument.ros1.package_files import (
     PackageFile,
     find_modules,
@@ -115,7 +116,9 @@ def find_reachable_launches(
     programs = find_scripts((node for node in app.nodes() if node.name in names), packages)
     modules = frozenset(find_modules(started, programs))
     check = ReachCheck(app, frozenset({*programs, *modules}))
-    problems = dict(_launch_problems(started, check, LaunchCopies(remaps, names)))
+    problems = dict(
+        _launch_problems(started, check, LaunchCopies(remaps, dict.fromkeys(names, STARTER_SCRIPT)))
+    )
     problems |= _unreachable_starters(tree, started, problems)
     launches = tuple(one for number, one in enumerate(started) if number not in problems)
     unreachable = {node: problems[n] for n in sorted(problems) for node in started[n].tree.nodes()}

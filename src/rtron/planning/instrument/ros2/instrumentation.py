@@ -1,11 +1,12 @@
 """Plan + launch of ROS 2 -> guarded launch (paper section 5.1, Coordination Node Deployment)."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.planning.instrument.common.cells import Cell
 from rtron.planning.instrument.common.guard_files import (
     GUARD_SCRIPT,
     GuardFiles,
@@ -17,6 +18,7 @@ from rtron.planning.instrument.common.guarded_launch import (
 )
 from rtron.planning.instrument.common.remap_coverage import RemapCoverage
 from rtron.planning.instrument.common.remaps import enforced_streams, plan_remaps
+from rtron.planning.instrument.ros2.enclaves import Enclaves
 from rtron.planning.instrument.ros2.launch_copies import LaunchCopies
 from rtron.planning.instrument.ros2.unnamed_nodes import (
     is_unnamed,
@@ -34,12 +36,17 @@ def instrument_ros2(
     plan: Plan,
     out: Path,
     guard: GuardFiles,
+    enclaves: Enclaves | None = None,
+    cells: Sequence[Cell] = (),
 ) -> GuardedLaunch:
     """Return the guarded launch of ROS 2: the app's own, plus remaps, plus the guard.
 
+    With `enclaves`, each process starts in its own; the nodes of `cells` start in theirs.
+
     XML and YAML are rewritten, a Python launch file is wrapped, also where another includes it.
     `out` is the launch file; what else it needs lies in a folder beside it. Nothing is written.
-    Raise InputError if `out` cannot be that file, or if a file of the launch cannot be changed.
+    Raise InputError if `out` cannot be that file, if a file of the launch cannot be changed, or if
+    nothing starts the node of a cell.
     """
     out = out.absolute()
     folder = out.with_suffix(".d")
@@ -47,15 +54,20 @@ def instrument_ros2(
     enforced = enforced_streams(plan)
     table = remap_table(enforced)
     launch_time = _LaunchTimeNodes(tree, table, missing_nodes(table, tree))
+    scripts = {cell.manifest.node: cell.script for cell in cells}
+    _check_started(launch_time, scripts)
     candidates = table if launch_time.has_python() else launch_time.missing
     node_remaps = {**plan_remaps(tree, enforced), **plan_unnamed_remaps(tree, enforced, candidates)}
-    copies = LaunchCopies(folder, node_remaps, table, launch_time.missing, tree.inputs)
+    copies = LaunchCopies(
+        folder, node_remaps, table, launch_time.missing, tree.inputs, enclaves, scripts
+    )
     root = copies.root(tree.root, GUARD_SCRIPT, GUARD_NODE.strip("/"))
     placed = {
         node: remaps for node, remaps in node_remaps.items() if node not in copies.unreachable
     }
     coverage = RemapCoverage(tree, enforced, placed, copies.unreachable)
-    texts = {**copies.texts, **guard.texts()}
+    texts = {**copies.texts, **guard.texts(), **_script_texts(enclaves, cells)}
+    notes = (*launch_time.notes(coverage), *(note for cell in cells for note in cell.notes))
     return GuardedLaunch(
         launch=out,
         folder=folder,
@@ -66,8 +78,14 @@ def instrument_ros2(
             for gap in coverage.gaps()
             if not launch_time.is_decided_at_launch(gap)
         ),
-        notes=tuple(dict.fromkeys(launch_time.notes(coverage))),
+        notes=tuple(dict.fromkeys(notes)),
     )
+
+
+def _script_texts(enclaves: Enclaves | None, cells: Sequence[Cell]) -> dict[str, str]:
+    """Return the files through which processes start in their enclaves and cells, by name."""
+    texts = enclaves.texts() if enclaves else {}
+    return texts | {name: text for cell in cells for name, text in cell.texts().items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +122,17 @@ class _LaunchTimeNodes:
     def has_python(self) -> bool:
         """Tell whether wrappers see what the launch starts, beside what is rewritten."""
         return any(file.path.endswith(".py") for file in self.tree.root.walk())
+
+
+def _check_started(launch_time: _LaunchTimeNodes, nodes: Collection[str]) -> None:
+    """Refuse a cell whose node nothing starts under its name: it would run outside."""
+    started = {node.name for node in launch_time.tree.nodes()}
+    for node in nodes:
+        if node not in started and not launch_time.has_python():
+            help = "give the node its name in the launch file, or start it by hand: `rtron cell`"
+            raise InputError(
+                f"this launch does not start {node}, for which there is a cell", help=help
+            )
 
 
 def _check_out(tree: LaunchTree, out: Path, folder: Path) -> None:

@@ -2,16 +2,23 @@
 
 import os.path
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from pprint import pformat
 
+from rtron.errors import InputError
 from rtron.planning.instrument.common.guarded_launch import PlacedRemap
 from rtron.planning.instrument.common.remaps import NodeRemaps
-from rtron.planning.instrument.ros2.launch_file import GuardedFolder, LaunchFileText, RemapPair
-from rtron.planning.instrument.ros2.wrapper import PrivateNames, wrapper_text
+from rtron.planning.instrument.ros2.enclaves import ENCLAVE_SCRIPT, Enclaves
+from rtron.planning.instrument.ros2.launch_file import (
+    GuardedFolder,
+    GuardStart,
+    LaunchFileText,
+    RemapPair,
+)
+from rtron.planning.instrument.ros2.wrapper import PrivateNames, WrappedStart, wrapper_text
 from rtron.planning.instrument.ros2.xml_file import xml_file
 from rtron.planning.instrument.ros2.yaml_file import yaml_file
 from rtron.vocabulary import LaunchFile, LaunchInput, LaunchNode
@@ -47,7 +54,8 @@ class LaunchCopies:
 
     Every inclusion has its own copy. A Python launch file is wrapped, and gets the whole `table`;
     `missing` are the nodes in it that no XML or YAML starts. `inputs` are what the launch was
-    read for. `unreachable` says of nodes why their rules cannot be placed.
+    read for. With `enclaves`, each process starts in its own. `cells` are scripts by the nodes that
+    run in a cell. `unreachable` says of nodes why their rules cannot be placed.
     """
 
     folder: Path
@@ -55,16 +63,29 @@ class LaunchCopies:
     table: PrivateNames
     missing: Collection[str]
     inputs: tuple[LaunchInput, ...]
+    enclaves: Enclaves | None = None
+    cells: Mapping[str, str] = field(default_factory=dict)
     texts: dict[str, str] = field(default_factory=dict)
     unreachable: dict[LaunchNode, str] = field(default_factory=dict)
 
     def root(self, file: LaunchFile, script: str, name: str) -> str:
         """Return the launch file's text with the guard, whose files lie beside it in `folder`."""
+        environment = self.enclaves.environment() if self.enclaves else {}
         if file.path.endswith(".py"):
-            return wrapper_text(file.path, self.table, f"{self.folder.name}/{script}")
+            prefix = f"{self.folder.name}/{ENCLAVE_SCRIPT}" if self.enclaves else ""
+            cells = {node: f"{self.folder.name}/{each}" for node, each in self.cells.items()}
+            start = WrappedStart(f"{self.folder.name}/{script}", prefix, environment, cells)
+            return wrapper_text(file.path, self.table, start)
         text = self._changed(file)
         guarded_folder = GuardedFolder(folder=f"$(dirname)/{self.folder.name}", variable=_FOLDER)
-        text.add_guard(guarded_folder, script=script, name=name, check=CHECK_FILE)
+        guard = GuardStart(
+            script=script,
+            name=name,
+            check=CHECK_FILE,
+            environment=environment,
+            prefix=ENCLAVE_SCRIPT if self.enclaves else "",
+        )
+        text.add_guard(guarded_folder, guard)
         self.texts[CHECK_FILE] = arguments_text(self.inputs)
         return text.render()
 
@@ -77,13 +98,26 @@ class LaunchCopies:
         text = _text(file.path)
         for node in file.nodes:
             self._remap(text, node)
+            if starter := self._starter(node):
+                self._start_through(text, node, starter)
         for include in file.includes:
             if self._changes(include.file):
                 copy = self._copy(include.file)
-                text.redirect_include(
-                    include.element_index, f"$(var {_FOLDER} {self.folder})/{copy}"
-                )
+                text.redirect_include(include.element_index, self._in_folder(copy))
         return text
+
+    def _starter(self, node: LaunchNode) -> str:
+        """Return the script that starts a node, "" if none does."""
+        return ENCLAVE_SCRIPT if self.enclaves else self.cells.get(node.name, "")
+
+    def _start_through(self, text: LaunchFileText, node: LaunchNode, script: str) -> None:
+        if node.name in self.cells and text.is_component(node.element_index):
+            help = "start it as a node of its own"
+            raise InputError(f"{node.name} is a component: it cannot run in a cell", help=help)
+        text.start_through(node.element_index, self._in_folder(script), node.type)
+
+    def _in_folder(self, name: str) -> str:
+        return f"$(var {_FOLDER} {self.folder})/{name}"
 
     def _remap(self, text: LaunchFileText, node: LaunchNode) -> None:
         rules = _rules(self.remaps.get(node, ()))
@@ -97,7 +131,7 @@ class LaunchCopies:
             text.add_early_remaps(node.element_index, rules)
 
     def _changes(self, file: LaunchFile) -> bool:
-        here = any(self.remaps.get(node) for node in file.nodes)
+        here = any(self._starter(node) or self.remaps.get(node) for node in file.nodes)
         below = any(self._changes(include.file) for include in file.includes)
         return here or below or file.path.endswith(".py")
 
@@ -106,7 +140,9 @@ class LaunchCopies:
         name = f"{len(self.texts) + 1:02}_{plain}"
         self.texts[name] = ""
         if file.path.endswith(".py"):
-            self.texts[name] = wrapper_text(file.path, self.table, expected=self.missing)
+            prefix = ENCLAVE_SCRIPT if self.enclaves else ""
+            start = WrappedStart(prefix=prefix, cells=self.cells)
+            self.texts[name] = wrapper_text(file.path, self.table, start, self.missing)
         else:
             self.texts[name] = self._changed(file).render()
         return name

@@ -1,7 +1,7 @@
 """The text of one launch file of ROS 2 with small changes; the rest of it stays as it was."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
 RemapPair: TypeAlias = tuple[str, str]
@@ -20,6 +20,24 @@ class GuardedFolder:
         return f"$(var {self.variable})/{name}"
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GuardStart:
+    """What comes first in a guarded launch: variables, the file `check`, and the guard's `script`.
+
+    The script is started again when it ends. Every other process starts through `prefix`, if any.
+    """
+
+    script: str
+    name: str
+    check: str
+    environment: Mapping[str, str] = field(default_factory=dict)
+    prefix: str = ""
+
+
+PREFIX = "launch-prefix"
+"""The configuration, and the attribute of a process, that stands before its command (launch)."""
+
+
 class LaunchFileText(Protocol):
     """What can be changed; `index` is where an element stands, as LaunchNode.element says it."""
 
@@ -32,11 +50,14 @@ class LaunchFileText(Protocol):
     def is_component(self, index: int) -> bool:
         """Tell whether a node is a component, which has no arguments."""
 
+    def start_through(self, index: int, prefix: str, name: str) -> None:
+        """Put a prefix before a process's own; it keeps its `name` in the log."""
+
     def redirect_include(self, index: int, file: str) -> None:
         """Lead an include to another file."""
 
-    def add_guard(self, folder: "GuardedFolder", *, script: str, name: str, check: str) -> None:
-        """Include the file `check` first; then start `script`, and again when it ends."""
+    def add_guard(self, folder: GuardedFolder, guard: GuardStart) -> None:
+        """Set the guard's variables and include `check` first; then start its script."""
 
     def render(self) -> str:
         """Return the text with all changes made."""

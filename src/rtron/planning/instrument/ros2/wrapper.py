@@ -6,6 +6,7 @@ where it runs. What its own text says of launch and launch_ros holds from Humble
 
 import re
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from pprint import pformat
@@ -19,7 +20,7 @@ PrivateNames = Mapping[str, Mapping[str, str]]
 
 _TEMPLATE = "wrapper.py.in"
 _HEADER = "Starts the app guarded. Written by `rtron instrument`"
-_PLACEHOLDER = re.compile(r"__(APP|GUARD|REMAPS|EXPECTED)__")
+_PLACEHOLDER = re.compile(r"__(APP|GUARD|REMAPS|EXPECTED|PREFIX|CELLS|ENVIRONMENT)__")
 
 
 def remap_table(enforced: tuple[Stream, ...]) -> PrivateNames:
@@ -29,18 +30,43 @@ def remap_table(enforced: tuple[Stream, ...]) -> PrivateNames:
     return {name: private_names(name, enforced) for name in sorted({*flows, *successors})}
 
 
+@dataclass(frozen=True, slots=True)
+class WrappedStart:
+    """What comes before the app; the paths of scripts are from the launch file's own folder.
+
+    First the script `guard` starts, if any. Every process of the app starts through the script
+    `prefix`, if any, with the variables of the `environment`, and the nodes of `cells` through that
+    of their cell.
+    """
+
+    guard: str = ""
+    prefix: str = ""
+    environment: Mapping[str, str] = field(default_factory=dict)
+    cells: Mapping[str, str] = field(default_factory=dict)
+
+
 def wrapper_text(
-    app: str, table: PrivateNames, guard: str = "", expected: Collection[str] | None = None
+    app: str,
+    table: PrivateNames,
+    start: WrappedStart = WrappedStart(),
+    expected: Collection[str] | None = None,
 ) -> str:
     """Return the launch file that includes `app`.
 
-    Before it starts `guard`, a script whose path is from the launch file's own folder. `expected`
-    are the nodes that nothing else starts, None for all.
+    `expected` are the nodes that nothing else starts, None for all.
     """
     template = files("rtron.planning.instrument.ros2").joinpath(_TEMPLATE).read_text()
     names = {node: dict(private) for node, private in table.items()}
     expected_nodes = sorted(table if expected is None else expected)
-    values = {"APP": app, "GUARD": guard, "REMAPS": names, "EXPECTED": expected_nodes}
+    values = {
+        "APP": app,
+        "GUARD": start.guard,
+        "REMAPS": names,
+        "EXPECTED": expected_nodes,
+        "PREFIX": start.prefix,
+        "CELLS": dict(start.cells),
+        "ENVIRONMENT": dict(start.environment),
+    }
     return _PLACEHOLDER.sub(
         lambda hole: pformat(values[hole[1]], width=88, sort_dicts=False), template
     )

@@ -13,10 +13,18 @@ from rtron.planning.instrument.common.xml_text import (
     find_elements,
     read_utf8,
 )
-from rtron.planning.instrument.ros2.launch_file import GuardedFolder, RemapPair, prepend_remaps
+from rtron.planning.instrument.ros2.launch_file import (
+    PREFIX,
+    GuardedFolder,
+    GuardStart,
+    RemapPair,
+    prepend_remaps,
+)
 
 _DIRNAME = re.compile(rb"\$\( *dirname *\)")
 _FILENAME = re.compile(rb"\$\( *filename *\)")
+_COMPONENTS = frozenset({"composable_node", "composable_lifecycle_node"})
+_LOG_NAME = "exec_name"
 _QUOTES = {"&quot;": '"', "&apos;": "'"}
 
 
@@ -56,22 +64,36 @@ class XmlFile:
             self.text.set_attribute(node, "args", prepend_remaps(rules, args))
 
     def is_component(self, index: int) -> bool:
-        """Tell whether it is a `<composable_node>`."""
-        return self._element(index).tag == "composable_node"
+        """Tell whether it is a `<composable_node>`, or one with a lifecycle."""
+        return self._element(index).tag in _COMPONENTS
+
+    def start_through(self, index: int, prefix: str, name: str) -> None:
+        """Put a prefix into `launch-prefix`, and a name into `exec_name` if there is none."""
+        if self.is_component(index):
+            return
+        node = self._element(index)
+        own = self.text.attribute(node, PREFIX)
+        if own is None:
+            self.text.add_attribute(node, PREFIX, prefix)
+        else:
+            self.text.set_attribute(node, PREFIX, f"{prefix} {unescape(own[1:-1], _QUOTES)}")
+        if self.text.attribute(node, _LOG_NAME) is None:
+            self.text.add_attribute(node, _LOG_NAME, name)
 
     def redirect_include(self, index: int, file: str) -> None:
         """Change an include's `file`."""
         self.text.set_attribute(self._element(index), "file", file)
 
-    def add_guard(self, folder: GuardedFolder, *, script: str, name: str, check: str) -> None:
-        """Put a `<let>`, an `<include>` and an `<executable>` first."""
-        process = f"cmd={quoteattr(folder / script)} name={quoteattr(name)}"
-        variable = f"name={quoteattr(folder.variable)} value={quoteattr(folder.folder)}"
-        first = (
-            f"<let {variable}/>",
-            f"<include file={quoteattr(folder / check)}/>",
-            f'<executable {process} output="screen" respawn="true"/>',
-        )
+    def add_guard(self, folder: GuardedFolder, guard: GuardStart) -> None:
+        """Put variables, a `<let>`, an `<include>` and an `<executable>` first."""
+        cmd, name = quoteattr(folder / guard.script), quoteattr(guard.name)
+        first = [
+            *(_named("set_env", *each) for each in guard.environment.items()),
+            _named("let", folder.variable, folder.folder),
+            f"<include file={quoteattr(folder / guard.check)}/>",
+            f'<executable cmd={cmd} name={name} output="screen" respawn="true"/>',
+            *([_named("let", PREFIX, folder / guard.prefix)] if guard.prefix else []),
+        ]
         self.text.prepend(self.text.elements[0], first)
 
     def render(self) -> str:
@@ -82,3 +104,7 @@ class XmlFile:
         if index >= len(self.text.elements):
             raise InputError("has changed since it was read", path=self.path, help="start again")
         return self.text.elements[index]
+
+
+def _named(tag: str, name: str, value: str) -> str:
+    return f"<{tag} name={quoteattr(name)} value={quoteattr(value)}/>"

@@ -10,10 +10,17 @@ from typing import Any, TypeAlias
 import yaml
 
 from rtron.errors import InputError
-from rtron.planning.instrument.ros2.launch_file import GuardedFolder, RemapPair, prepend_remaps
+from rtron.planning.instrument.ros2.launch_file import (
+    PREFIX,
+    GuardedFolder,
+    GuardStart,
+    RemapPair,
+    prepend_remaps,
+)
 
 YamlNode: TypeAlias = Any
 
+_LOG_NAME = "exec_name"
 _PLAIN = re.compile(r"[\w./+@~-]*")
 _DIRNAME = re.compile(r"\$\( *(dirname|filename) *\)")
 
@@ -78,28 +85,42 @@ class YamlFile:
         """Tell whether it is an entry of `composable_node:`."""
         return self._entry(index, "plugin") is not None
 
+    def start_through(self, index: int, prefix: str, name: str) -> None:
+        """Put a prefix into `launch-prefix:`, and a name into `exec_name:` if there is none."""
+        if self.is_component(index):
+            return
+        own = self._entry(index, PREFIX)
+        if own is None:
+            self._insert_key(index, PREFIX, prefix)
+        else:
+            self._replace(own, f"{prefix} {own.value}")
+        if self._entry(index, _LOG_NAME) is None:
+            self._insert_key(index, _LOG_NAME, name)
+
     def redirect_include(self, index: int, file: str) -> None:
         """Change an include's `file:`."""
         written = self._entry(index, "file")
         if written is not None:
             self._replace(written, file)
 
-    def add_guard(self, folder: GuardedFolder, *, script: str, name: str, check: str) -> None:
-        """Put a `let:`, an `include:` and an `executable:` first into the list of actions."""
+    def add_guard(self, folder: GuardedFolder, guard: GuardStart) -> None:
+        """Put variables, `let:`, `include:` and `executable:` first into the list of actions."""
         actions = self.root.value[0][1]
         if isinstance(actions, yaml.MappingNode):
             actions = next(value for key, value in actions.value if key.value == "children")
-        variable = {"name": folder.variable, "value": folder.folder}
-        guard = {
-            "cmd": folder / script,
-            "name": name,
+        process = {
+            "cmd": folder / guard.script,
+            "name": guard.name,
             "output": "screen",
             "respawn": "true",
         }
+        prefix = {"name": PREFIX, "value": folder / guard.prefix}
         entries = [
-            {"let": variable},
-            {"include": {"file": folder / check}},
-            {"executable": guard},
+            *({"set_env": {"name": n, "value": v}} for n, v in guard.environment.items()),
+            {"let": {"name": folder.variable, "value": folder.folder}},
+            {"include": {"file": folder / guard.check}},
+            {"executable": process},
+            *([{"let": prefix}] if guard.prefix else []),
         ]
         self._insert_items(actions, entries)
 

@@ -8,11 +8,12 @@ from starlette.requests import HTTPConnection
 from rtron.service.api.context import ServiceContext
 from rtron.service.config import ServiceConfig
 from rtron.service.domain.errors import AuthenticationError, ForbiddenError
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import AccessScope, UserRole
+from rtron.service.domain.principal import Principal, group_set
+from rtron.service.domain.roles import TOKEN_ROLES, AccessScope, SessionStage
 from rtron.service.store.accounts.last_use import record_use
 from rtron.service.store.accounts.logins import SessionLifetime, find_session
 from rtron.service.store.accounts.secrets import secret_digest
+from rtron.service.store.accounts.token_renewal import promote_secret, record_replaced_secret
 from rtron.service.store.accounts.tokens import find_token
 from rtron.service.store.accounts.users import roles_of
 from rtron.service.store.tables import SessionRow, TokenRow
@@ -21,11 +22,6 @@ CSRF_HEADER = "X-CSRF-Token"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 _BEARER = "bearer "
 _MAX_SECRET_LENGTH = 200
-_ROLES = {
-    AccessScope.END_USER: UserRole.END_USER,
-    AccessScope.DEVELOPER: UserRole.DEVELOPER,
-    AccessScope.ADMIN: UserRole.ADMIN,
-}
 
 
 def authenticate(service: ServiceContext, connection: HTTPConnection) -> Principal:
@@ -63,6 +59,11 @@ def session_lifetime(config: ServiceConfig) -> SessionLifetime:
     return SessionLifetime(idle=config.session_idle_timeout, maximum=config.session_lifetime)
 
 
+def bearer_secret(connection: HTTPConnection) -> str:
+    """Return the secret of the token that a request shows."""
+    return connection.headers.get("authorization", "")[len(_BEARER) :].strip()
+
+
 def client_address(connection: HTTPConnection) -> str:
     """Return the address that a request is from, "" for a local socket."""
     return connection.client.host[:60] if connection.client else ""
@@ -80,23 +81,28 @@ def _identify(
 def _token_principal(
     service: ServiceContext, connection: HTTPConnection, authorization: str
 ) -> tuple[Principal, TokenRow]:
-    secret = authorization[len(_BEARER) :].strip()
+    secret = bearer_secret(connection)
     if authorization[: len(_BEARER)].lower() != _BEARER or len(secret) > _MAX_SECRET_LENGTH:
         raise AuthenticationError(
             "Authorization has no bearer token", help="Authorization: Bearer rtron_…"
         )
+    now, address = service.clock(), client_address(connection)
     with service.database.session() as session:
-        token = find_token(session, service.clock(), secret)
+        token = find_token(session, now, secret)
     if token is None:
+        record_replaced_secret(service.database, now, secret, address)
         raise AuthenticationError(
             "the token is unknown, over or revoked", help="ask an admin for one"
         )
+    promote_secret(service.database, token, now, secret)
     scopes = frozenset(map(AccessScope, token.scopes))
+    roles = frozenset(TOKEN_ROLES[scope] for scope in scopes if scope in TOKEN_ROLES)
     caller = Principal(
         name=f"token:{token.name}",
-        roles=frozenset(_ROLES[scope] for scope in scopes if scope in _ROLES),
+        roles=roles,
         scopes=scopes,
-        address=client_address(connection),
+        address=address,
+        groups=group_set(token.groups, roles),
     )
     return caller, token
 
@@ -113,9 +119,11 @@ def _session_principal(
     login, user = match
     caller = Principal(
         name=user.name,
-        roles=roles_of(user),
+        roles=roles_of(user) if login.stage == SessionStage.COMPLETE else frozenset(),
         address=client_address(connection),
         session=hashed,
         csrf=login.csrf,
+        stage=SessionStage(login.stage),
+        groups=group_set(user.groups, roles_of(user)),
     )
     return caller, login

@@ -15,12 +15,14 @@ from rtron.service.api.auth.authentication import SAFE_METHODS, check_csrf, iden
 from rtron.service.api.context import service_context
 from rtron.service.api.error_responses import status_of
 from rtron.service.api.middleware.responses import reject
-from rtron.service.domain.errors import ForbiddenError
+from rtron.service.domain.principal import Principal
 from rtron.service.domain.roles import UserRole
 
 MAX_DEPTH = 40
 """The most lists and objects within each other."""
 _CHUNK_BYTES = 1 << 16
+_SMALL_BYTES = 1 << 12
+"""What is checked without a thread: it takes less than to wait for one, as a stop must not."""
 _NON_BRACKETS = bytes(byte for byte in range(256) if byte not in b"[]{}")
 _DEPTH_CHANGE = {ord("["): 1, ord("{"): 1, ord("]"): -1, ord("}"): -1}
 
@@ -45,6 +47,8 @@ def is_too_deep(document: bytes | bytearray) -> bool:
     return False
 
 
+MAX_STRANGER_BYTES = 1 << 16
+"""The most bytes of a body of who shows no login and no token: very many may come at once."""
 MAX_BODY_BYTES = 1 << 20
 """The most bytes of a body."""
 MAX_GRAPH_BYTES = 16 << 20
@@ -61,7 +65,8 @@ class _RefusedError(Exception):
 class RequestBodyLimit:
     """Gives the app a body that is there, or refuses it; `timeout_s` is in seconds.
 
-    A large one is read only from who may upload one, and one at a time.
+    A large one is read only from who may upload one, and one at a time; one that is not small only
+    from who is logged in, or has a token.
     """
 
     def __init__(self, app: ASGIApp, timeout_s: float = 20.0) -> None:
@@ -92,11 +97,7 @@ class RequestBodyLimit:
         """Return the body, None if the other side has gone."""
         max_bytes = MAX_GRAPH_BYTES if _is_graph_upload(scope) else MAX_BODY_BYTES
         length = int(Headers(scope=scope).get("content-length", "0"))
-        if length > max_bytes:
-            raise _too_large_error(max_bytes)
-        is_large = length > MAX_BODY_BYTES
-        if is_large:
-            await self._admit_large_body(scope, stack)
+        admitted = await self._admit(scope, stack, length, MAX_STRANGER_BYTES, max_bytes)
         body, more = bytearray(), True
         while more:
             message = await receive()
@@ -104,36 +105,49 @@ class RequestBodyLimit:
                 return None
             body += message.get("body", b"")
             more = message.get("more_body", False)
-            if len(body) > max_bytes:
-                raise _too_large_error(max_bytes)
-            if len(body) > MAX_BODY_BYTES and not is_large:
-                is_large = True
-                await self._admit_large_body(scope, stack)
-        if body:
+            admitted = await self._admit(scope, stack, len(body), admitted, max_bytes)
+        if len(body) <= _SMALL_BYTES:
+            _check_content(body)
+        else:
             await to_thread.run_sync(_check_content, body)
         return bytes(body)
 
-    async def _admit_large_body(self, scope: Scope, stack: AsyncExitStack) -> None:
-        """Let a large body come from who may upload it, if there is no other one."""
+    async def _admit(
+        self, scope: Scope, stack: AsyncExitStack, size: int, admitted: int, max_bytes: int
+    ) -> int:
+        """Return how many bytes may come without another look at who sends them."""
+        if size > max_bytes:
+            raise _too_large_error(max_bytes)
+        if size <= admitted:
+            return admitted
+        if size <= MAX_BODY_BYTES:
+            await to_thread.run_sync(_check_sender, scope)
+            return MAX_BODY_BYTES
         await to_thread.run_sync(_check_uploader, scope)
         if self.has_large_body:
             raise _RefusedError(HTTPStatus.SERVICE_UNAVAILABLE, "another large body comes just now")
         self.has_large_body = True
         stack.callback(self._release_large_body)
+        return max_bytes
 
     def _release_large_body(self) -> None:
         self.has_large_body = False
 
 
-def _check_uploader(scope: Scope) -> None:
+def _check_sender(scope: Scope) -> Principal:
     request = Request(scope)
     try:
         caller = identify(service_context(request), request)
         check_csrf(caller, request)
-        if UserRole.DEVELOPER not in caller.roles:
-            raise ForbiddenError(f"{caller.name} may upload no graph")
     except RTronError as error:
         raise _RefusedError(status_of(error), str(error)) from None
+    return caller
+
+
+def _check_uploader(scope: Scope) -> None:
+    caller = _check_sender(scope)
+    if UserRole.DEVELOPER not in caller.roles:
+        raise _RefusedError(HTTPStatus.FORBIDDEN, f"{caller.name} may upload no graph")
 
 
 def _check_content(body: bytearray) -> None:

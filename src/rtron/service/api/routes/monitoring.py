@@ -1,6 +1,8 @@
 """Figures for Prometheus, looked up when they are asked for."""
 
+import asyncio
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, generate_latest
@@ -10,17 +12,25 @@ from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 from starlette.responses import Response
 
+from rtron.errors import SourceError
 from rtron.service.api.auth.authorization import MetricsReader
 from rtron.service.api.context import ServiceContext, ServiceDependency
 from rtron.service.api.schemas import ErrorResponse, Health
 from rtron.service.collector.data_collector import CollectorCounters
+from rtron.service.domain.clock import Clock
 from rtron.service.domain.login_throttle import LoginThrottle
 from rtron.service.domain.schemas import SettingsOutcome
+from rtron.service.live.live_robots import LiveRobot
 from rtron.service.store.accounts.last_use import short_transaction
+from rtron.service.store.database import Database
+from rtron.service.store.partitions.event_partitions import stored_count
 from rtron.service.store.retention import used_bytes
 from rtron.service.store.robots import list_robots
 from rtron.service.store.tables import AuditRow, EventRow, SettingsRow
 from rtron.vocabulary import GuardState
+
+if TYPE_CHECKING:
+    from rtron.service.replicas.replica import Replica
 
 router = APIRouter()
 
@@ -53,6 +63,7 @@ class ServiceMetrics(Collector):
         with self._service.database.session() as session:
             yield from _stored_metrics(session)
             names = [robot.name for robot, _ in list_robots(session)]
+            robots = self._service.live.find(session, names)
         yield _counter(
             "rtron_logins_failed", "Logins that were refused.", self._throttle.failed_count
         )
@@ -60,7 +71,7 @@ class ServiceMetrics(Collector):
             _counter(f"rtron_collector_{name}", help, value)
             for name, help, value in self._collector_counters()
         )
-        yield from self._live_metrics(names)
+        yield from self._live_metrics(robots)
 
     def _collector_counters(self) -> Iterator[tuple[str, str, float]]:
         counters = self._counters
@@ -87,18 +98,17 @@ class ServiceMetrics(Collector):
         )
         yield "connections_slow", "Connections that were too slow.", counters.slow_connections
 
-    def _live_metrics(self, names: list[str]) -> Iterator[Metric]:
-        hub = self._service.hub
-        yield _gauge("rtron_guards_connected", "Guards that are connected.", hub.connection_count())
+    def _live_metrics(self, robots: Mapping[str, LiveRobot]) -> Iterator[Metric]:
+        connections = self._service.hub.connection_count()
+        yield _gauge("rtron_guards_connected", "Guards that are connected.", connections)
         alarms = GaugeMetricFamily("rtron_alarms", "Alarms that stand.", labels=["robot"])
         lost = CounterMetricFamily("rtron_events_lost", "Events known lost.", labels=["robot"])
-        for name in names:
-            state = hub.state(name)
-            alarms.add_metric([name], len(state.alarms) if state else 0)
-            lost.add_metric([name], hub.lost_event_count(name))
+        for name, robot in robots.items():
+            alarms.add_metric([name], len(robot.state.alarms) if robot.state else 0)
+            lost.add_metric([name], robot.dropped)
         yield alarms
         yield lost
-        yield lost_messages({name: hub.state(name) for name in names})
+        yield lost_messages({name: robot.state for name, robot in robots.items()})
 
 
 def lost_messages(states: Mapping[str, GuardState | None]) -> Metric:
@@ -117,7 +127,8 @@ def lost_messages(states: Mapping[str, GuardState | None]) -> Metric:
 
 def _stored_metrics(session: Session) -> Iterator[Metric]:
     newest = session.scalar(select(func.max(EventRow.id))) or 0
-    yield _counter("rtron_events_stored", "Events stored since the database began.", newest)
+    stored = stored_count(newest)
+    yield _counter("rtron_events_stored", "Events stored since the database began.", stored)
     pending = select(func.count()).where(SettingsRow.outcome == SettingsOutcome.PENDING.value)
     waiting = session.scalar(pending) or 0
     yield _gauge("rtron_settings_pending", "Settings that no guard has answered.", waiting)
@@ -141,14 +152,50 @@ async def healthz() -> Health:
     return Health()
 
 
+class WriteCheck:
+    """Tries whether the database can be written, once for all who ask meanwhile: strangers may ask.
+
+    Used in the event loop.
+    """
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        self._database, self._clock = database, clock
+        self._running: asyncio.Future[None] | None = None
+
+    async def run(self) -> None:
+        """Raise SQLAlchemyError if the database cannot be written."""
+        if self._running is None or self._running.done():
+            self._running = asyncio.ensure_future(asyncio.to_thread(self._try_write))
+        await asyncio.shield(self._running)
+
+    def _try_write(self) -> None:
+        """Write a row that is not kept."""
+        with short_transaction(self._database, _LOCK_TIMEOUT_MS) as session:
+            row = AuditRow(
+                at=self._clock(), who="", address="", action="", target="", detail={}, outcome=""
+            )
+            session.add(row)
+            session.flush()
+            session.execute(delete(AuditRow).where(AuditRow.id == row.id))
+
+
 @router.get("/readyz", responses={503: {"model": ErrorResponse}})
-def readyz(service: ServiceDependency) -> Health:
-    """Tell whether the database can be written; 503 if not. The row that is tried is not kept."""
-    with short_transaction(service.database, _LOCK_TIMEOUT_MS) as session:
-        row = AuditRow(
-            at=service.clock(), who="", address="", action="", target="", detail={}, outcome=""
-        )
-        session.add(row)
-        session.flush()
-        session.execute(delete(AuditRow).where(AuditRow.id == row.id))
+async def readyz(request: Request) -> Health:
+    """Tell whether the database can be written; 503 if not."""
+    check: WriteCheck = request.app.state.write_check
+    await check.run()
+    return Health()
+
+
+@router.get("/readyz/read", responses={503: {"model": ErrorResponse}})
+def readyz_read(request: Request, service: ServiceDependency) -> Health:
+    """Tell whether this replica can serve people and guards: it reads, and hears of the others.
+
+    A balancer asks this: a full disk takes no replica away.
+    """
+    replica: Replica | None = request.app.state.replica
+    if replica and not replica.is_connected:
+        raise SourceError("cut off from the other replicas", help="is the database away?")
+    with service.database.session() as session:
+        session.execute(select(1))
     return Health()

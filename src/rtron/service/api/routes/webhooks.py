@@ -10,9 +10,9 @@ from rtron.service.api.audit_transaction import audit_transaction
 from rtron.service.api.auth.authorization import AdminOnly
 from rtron.service.api.context import ServiceDependency
 from rtron.service.api.schemas import CreatedWebhook, NewWebhook, WebhookView
+from rtron.service.domain.schemas import WebhookLevel
 from rtron.service.store.tables import WebhookRow
 from rtron.service.store.webhooks import add_webhook, all_webhooks, remove_webhook
-from rtron.vocabulary import GuardEventLevel
 
 router = APIRouter(prefix="/webhooks")
 
@@ -59,7 +59,7 @@ def _view(row: WebhookRow) -> dict[str, Any]:
     return {
         "id": row.id,
         "url": row.url,
-        "level": GuardEventLevel(row.level),
+        "level": WebhookLevel(row.level),
         "created": row.created,
         "failing": row.failing,
     }

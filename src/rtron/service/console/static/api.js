@@ -17,20 +17,36 @@ export class Refused extends Error {
   }
 }
 
+export const addressOf = (path, query) => ROOT + path + search(query);
 export const get = (path, query) => call("GET", path + search(query));
 export const post = (path, body) => call("POST", path, body ?? {});
+export const postForFile = async (path, body) => (await send("POST", path, body, (answer) => answer.blob())).said;
+export const put = (path, body) => call("PUT", path, body);
 export const patch = (path, body) => call("PATCH", path, body);
 export const remove = (path, body) => call("DELETE", path, body);
 export const at = (...parts) => `/${parts.map(encodeURIComponent).join("/")}`;
 
-async function call(method, path, body) {
-  const headers = { Accept: "application/json" };
+// All pages of a list, as far as the header `Link` leads.
+export async function getAll(path, query) {
+  const found = [];
+  for (let next = search(query); next !== null;) {
+    const { answer, said } = await send("GET", path + next);
+    found.push(...said);
+    next = /^<(\?[^>]*)>; rel="next"$/.exec(answer.headers.get("link"))?.[1] ?? null;
+  }
+  return found;
+}
+
+const call = async (...request) => (await send(...request)).said;
+
+async function send(method, path, body, read = json) {
+  const headers = {};
   if (method !== "GET") headers["X-CSRF-Token"] = csrf;
   if (body !== undefined) headers["Content-Type"] = "application/json";
-  const answer = await reach(ROOT + path, { method, headers, body: body && JSON.stringify(body), cache: "no-store" });
+  const answer = await reach(ROOT + path, { method, headers, body: body && JSON.stringify(body) });
   setClock(answer);
-  const said = await json(answer);
-  if (answer.ok) return said;
+  const said = await (answer.ok ? read : json)(answer);
+  if (answer.ok) return { answer, said };
   if (answer.status === 401 && path !== "/login") ended();
   throw new Refused(answer.status, problemOf(said));
 }

@@ -40,7 +40,7 @@ function Dialog({ dialog }) {
   </dialog>`;
 }
 
-export const Diff = ({ diff, heads = ["What", "Now", "Then"] }) => html`<div class="scroll"><table class="diff"><thead><tr>${heads.map((head) => html`<th>${head}</th>`)}</tr></thead><tbody>
+export const Diff = ({ diff, heads = ["What", "Now", "Then"], look = "" }) => html`<div class="scroll"><table class=${`diff ${look}`}><thead><tr>${heads.map((head) => html`<th>${head}</th>`)}</tr></thead><tbody>
   ${diff.map((d) => html`<tr><td>${d.what}</td><td>${d.before}</td><td>${d.after}</td></tr>`)}</tbody></table></div>`;
 
 // A secret is shown this once.

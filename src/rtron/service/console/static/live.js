@@ -1,14 +1,33 @@
 // What is live, over one WebSocket; when it ends, the page says so and tries again, slower each time.
 import { get } from "./api.js";
-import { loadRobots, loadSettings, notify, robotOf, store, takeOwnerEvent, takeSettings, takeState } from "./store.js";
+import { useEffect } from "./html.js";
+import { forgetRobot, loadRobots, loadSettings, notify, store, takeChanges, takeOwnerEvent, takeSettings, takeState, takeStateDelta, toast } from "./store.js";
 
 const FIRST = 500, LONGEST = 15000, QUIET = 10000;
-const eventListeners = new Set();
-let socket = null, wait = FIRST, timer = 0, heard = 0;
+const eventListeners = new Set(), interests = new Set();
+let socket = null, wait = FIRST, timer = 0, heard = 0, watched = { robots: [], events: false };
 
 export function onEvent(then) {
   eventListeners.add(then);
   return () => eventListeners.delete(then);
+}
+
+// A view hears everything of some robots while it is shown, or the events of all.
+export function useWatch(robots, events = false) {
+  useEffect(() => {
+    const own = { robots, events };
+    interests.add(own);
+    setTimeout(watch);
+    return () => { interests.delete(own); setTimeout(watch); };
+  }, [robots.join(" "), events]);
+}
+
+function watch() {
+  const all = [...interests], robots = [...new Set(all.flatMap((each) => each.robots))].sort(), events = all.some((each) => each.events);
+  if (robots.join(" ") === watched.robots.join(" ") && events === watched.events) return;
+  watched.robots.filter((name) => !robots.includes(name)).forEach(forgetRobot);
+  watched = { robots, events };
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(watched));
 }
 
 export function start() {
@@ -29,6 +48,7 @@ export function stop() {
 
 async function opened() {
   heard = performance.now();
+  socket.send(JSON.stringify(watched));
   try {
     await loadRobots();
     await Promise.all([...store.settings.keys()].map(loadSettings));
@@ -37,6 +57,7 @@ async function opened() {
   }
   wait = FIRST;
   setLink("live");
+  notify("rollouts");
 }
 
 async function lost() {
@@ -64,10 +85,14 @@ function setLink(link) {
 }
 
 const TAKE = {
+  robots: (m) => takeChanges(m.robots),
   state: (m) => takeState(m.robot, m.state),
+  state_delta: (m) => takeStateDelta(m.robot, m) || askAgain(),
   settings: (m) => takeSettings(m.robot, m.view),
   event: (m) => takeEvent(m.event),
-  connection: (m) => takeConnection(m.robot, m.connected),
+  handover: () => notify("handovers"),
+  incident: () => notify("incidents"),
+  rollout: (m) => { notify("rollouts"); if (m.alert) toast("error", m.alert); },
 };
 
 function take(message) {
@@ -75,16 +100,15 @@ function take(message) {
   TAKE[message.type]?.(message);
 }
 
+// A difference from a state that is not known here: the whole state comes to who begins to watch.
+function askAgain() {
+  socket.send(JSON.stringify({ robots: [], events: watched.events }));
+  socket.send(JSON.stringify(watched));
+}
+
 function takeEvent(event) {
   if (event.kind === "owner" || event.kind === "stop") takeOwnerEvent(event);
   eventListeners.forEach((tell) => tell(event));
-}
-
-function takeConnection(name, connected) {
-  const robot = robotOf(name);
-  if (!robot || connected) return void loadRobots().catch(() => {});
-  Object.assign(robot, { connected, seen: Date.now() * 1e6 });
-  notify("robots");
 }
 
 // A connection that is dead without having ended is found by asking.

@@ -1,14 +1,15 @@
 // The frame of the page: who is logged in, where we are, what is live.
-import { html, render, useEffect } from "./html.js";
+import { html, render, useEffect, useRef } from "./html.js";
 import { get } from "./api.js";
 import { Dialogs } from "./dialog.js";
 import { Icon, Logo } from "./icons.js";
 import { Badge, Notice } from "./parts.js";
 import { here, to } from "./router.js";
 import { enter } from "./session.js";
+import { useWatch } from "./live.js";
 import { Side } from "./side.js";
 import { StopButton } from "./stop.js";
-import { notify, store, useStore } from "./store.js";
+import { FIRST_ROBOTS, notify, store, useStore } from "./store.js";
 import { lasting } from "./format.js";
 import { Login } from "./views/login.js";
 import { viewOf } from "./views.js";
@@ -22,8 +23,13 @@ function App() {
 function Page() {
   const [kind, name] = here(), robot = kind === "robots" ? name : undefined;
   const { View, full, props } = viewOf(here());
-  useEffect(() => document.getElementById("content")?.focus({ preventScroll: true }), [location.hash.split("?")[0]]);
-  return html`<div class=${`page ${store.link === "live" ? "" : "lost"}`}>
+  useWatch(robot ? [robot] : []);
+  const page = useRef(null), begun = useRef(false);
+  useEffect(() => {
+    (begun.current ? document.getElementById("content") : page.current).focus({ preventScroll: true });
+    begun.current = true;
+  }, [location.hash.split("?")[0]]);
+  return html`<div ref=${page} tabindex="-1" class=${`page ${store.link === "live" ? "" : "lost"}`}>
     <${Bar} robot=${robot} />
     ${store.link !== "live" && html`<${Lost} />`}
     <${Side} robot=${robot} />
@@ -33,12 +39,13 @@ function Page() {
 }
 
 const Bar = ({ robot }) => html`<header class="bar">
+  <${StopButton} robot=${robot} />
+  <a class="skip button" href="#content" onClick=${(e) => { e.preventDefault(); document.getElementById("content").focus(); }}>To the content</a>
   <a class="brand" href="#/" aria-label="RTron, overview"><${Logo} /><span class="wide">RTron</span></a>
   <span class="space"></span>
   <span class="wide"><${LinkBadge} /></span>
   <button class="plain" onClick=${nextTheme} title="Light, dark, or as the system" aria-label="Change the theme"><${Icon} name="moon" /></button>
   <a class="button plain" href=${to("account")} title="Account"><${Icon} name="user" /><span class="wide">${store.me.name}</span></a>
-  <${StopButton} robot=${robot} />
 </header>`;
 
 function LinkBadge() {
@@ -73,7 +80,12 @@ function nextTheme() {
 }
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => notify("theme"));
-get("/me").then(enter, () => {}).then(() => {
+// Who is not logged in any more has asked for the robots in vain: that answer is not for who logs in next.
+const forgetFirstData = () => document.querySelector("link[as=fetch][href*=robots]") && get("/robots", FIRST_ROBOTS).catch(() => {});
+// A login of which the second step is open shows that step.
+const begin = (me) => { if (me.stage === "complete") return enter(me); store.begun = me; return forgetFirstData(); };
+
+get("/me").then(begin, forgetFirstData).then(() => {
   store.started = true;
   render(html`<${App} />`, document.getElementById("app"));
 });

@@ -11,7 +11,8 @@ export function samplesOf(robot) {
   return series.get(robot);
 }
 export const newestRates = (robot) => samplesOf(robot).at(-1)?.rates ?? new Map();
-export const forget = () => { series.clear(); asked.clear(); };
+export const forget = (robot) => { series.delete(robot); asked.delete(robot); };
+export const forgetAll = () => { series.clear(); asked.clear(); };
 
 // A sample: when (ns), what each stream is at, and messages a second of each flow since the one before.
 export function record(robot, state) {

@@ -2,7 +2,7 @@
 import { onSessionEnd, post, useCsrf } from "./api.js";
 import { start, stop } from "./live.js";
 import { forgetDrafts } from "./node/form.js";
-import { forget } from "./series.js";
+import { forgetAll } from "./series.js";
 import { ask, loadRobots, notify, store } from "./store.js";
 
 export function enter(me) {
@@ -22,7 +22,7 @@ export async function logout() {
 function leave() {
   stop();
   ask(null);
-  forget();
+  forgetAll();
   forgetDrafts();
   Object.assign(store, { me: null, robots: new Map(), settings: new Map(), nodes: new Map(), plans: new Map(), owners: new Map() });
   notify("me");

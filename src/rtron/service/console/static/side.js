@@ -1,25 +1,29 @@
 // The way to every view.
 import { html, useEffect, useRef } from "./html.js";
 import { Icon } from "./icons.js";
-import { Select } from "./parts.js";
+import { RobotFinder } from "./fleet/robot_finder.js";
 import { go, here, to } from "./router.js";
 import { store, useStore } from "./store.js";
 
-const OF_ROBOT = [["now", "Now", "robot"], ["graph", "Graph", "graph"], ["risks", "Risks", "warning"], ["nodes", "Coordination", "shield"], ["rules", "Mission rules", "rules"], ["events", "Events", "list"], ["settings", "Settings", "settings"]];
+const FEW = 5;
+const OF_ROBOT = [["now", "Now", "robot"], ["command", "Command", "key"], ["graph", "Graph", "graph"], ["risks", "Risks", "warning"], ["nodes", "Coordination", "shield"], ["rules", "Mission rules", "rules"], ["events", "Events", "list"], ["incidents", "Incidents", "curve"], ["settings", "Settings", "settings"]];
 const has = (...roles) => roles.some((role) => store.me.roles.includes(role));
 
 export function Side({ robot }) {
   useStore("robots", "route");
-  const names = [...store.robots.keys()], shown = robot ?? names[0];
+  const names = [...store.robots.keys()], shown = robot ?? (names.length <= FEW ? names[0] ?? "" : "");
   return html`<nav class="side" aria-label="Views">
     <${Way} parts=${[]} icon="home">Overview<//>
-    ${shown && html`<h3>Robot</h3>
-      <${Select} aria-label="Robot" value=${shown} options=${names.includes(shown) ? names.map((n) => [n, n]) : [shown, ...names].map((n) => [n, n])} onChange=${(name) => go("robots", name, here()[2] ?? "now")} />
-      ${OF_ROBOT.map(([part, label, icon]) => html`<${Way} parts=${["robots", shown, part]} icon=${icon}>${label}<//>`)}`}
+    ${names.length + shown.length > 0 && html`<h3>Robot</h3>
+      <${RobotFinder} id="robot" names=${names} value=${shown} hint="Find a robot" onChange=${(name) => go("robots", name, here()[2] ?? "now")} />
+      ${shown && OF_ROBOT.map(([part, label, icon]) => html`<${Way} parts=${["robots", shown, part]} icon=${icon}>${label}<//>`)}`}
     <h3>Service</h3>
+    <${Way} parts=${["shift"]} icon="clock">Shift<//>
+    <${Way} parts=${["rollouts"]} icon="steps">Roll-outs<//>
     <${Way} parts=${["events"]} icon="list">All events<//>
-    ${has("admin", "developer") && html`<${Way} parts=${["audit"]} icon="clock">Audit log<//>`}
-    ${has("admin") && html`<${Way} parts=${["users"]} icon="user">Users<//><${Way} parts=${["tokens"]} icon="key">Tokens<//><${Way} parts=${["webhooks"]} icon="bell">Webhooks<//>`}
+    <${Way} parts=${["incidents"]} icon="curve">All incidents<//>
+    ${has("admin", "developer") && html`<${Way} parts=${["audit"]} icon="rules">Audit log<//>`}
+    ${has("admin") && html`<${Way} parts=${["users"]} icon="user">Users<//><${Way} parts=${["tokens"]} icon="key">Tokens<//><${Way} parts=${["webhooks"]} icon="bell">Webhooks<//><${Way} parts=${["approvals"]} icon="check">Approvals<//>`}
   </nav>`;
 }
 

@@ -1,10 +1,13 @@
 // What all views share, and who is told when it changes.
 import { useEffect, useState } from "./html.js";
-import { get } from "./api.js";
-import { record } from "./series.js";
+import { get, getAll } from "./api.js";
+import { forget, record } from "./series.js";
 
 export const STALE_AFTER = 4000;
-export const store = { me: null, started: false, link: "connecting", lostAt: null, robots: new Map(), settings: new Map(), nodes: new Map(), plans: new Map(), owners: new Map(), toasts: [], dialog: null };
+const REFRESH = 1500;
+// The page asks for these before the scripts run, in these very words.
+export const FIRST_ROBOTS = { states: false, limit: 1000 };
+export const store = { me: null, started: false, link: "connecting", lostAt: null, robots: new Map(), settings: new Map(), nodes: new Map(), plans: new Map(), owners: new Map(), shown: null, toasts: [], dialog: null };
 
 const listeners = new Map();
 let changed = new Set();
@@ -43,34 +46,81 @@ function listenersOf(channel) {
 
 setInterval(() => notify("second"), 1000);
 
-// Robots with a live state; `heard` is this browser's steady clock.
-export const robotOf = (name) => store.robots.get(name);
-export const isLive = (robot) => Boolean(robot?.connected && robot.state && store.link === "live" && performance.now() - robot.heard < STALE_AFTER);
+// All robots in short; those that are watched have a `state`, and when it was `heard` by this browser's steady clock.
+export const isLive = (robot) => Boolean(robot?.connected && robot.state && !robot.silent && store.link === "live" && performance.now() - robot.heard < STALE_AFTER);
 
+const live = new Map();
+let arriving = null, refresh = 0;
+
+// What comes while all robots are asked for may be newer than the answer.
 export async function loadRobots() {
-  const found = await get("/robots");
-  store.robots = new Map(found.map((robot) => [robot.name, { ...robot, heard: performance.now() }]));
-  found.forEach((robot) => robot.state && noteOwners(robot.name, robot.state));
+  const changes = arriving = [], found = await getAll("/robots", FIRST_ROBOTS);
+  store.robots = new Map(found.map((robot) => [robot.name, { ...robot, silent: store.robots.get(robot.name)?.silent, ...live.get(robot.name) }]));
+  changes.forEach(change);
+  if (arriving === changes) arriving = null;
   notify("robots");
 }
 
+export function takeChanges(robots) {
+  arriving?.push(robots);
+  change(robots);
+  notify("robots");
+}
+
+function change(robots) {
+  for (const [name, what] of Object.entries(robots)) {
+    const robot = store.robots.get(name);
+    if (what.connected === false) live.delete(name);
+    if (what.acknowledged) notify("acknowledged", `state ${name}`);
+    if (!robot || what.connected) refreshSoon();
+    if (robot) Object.assign(robot, what, what.connected === false && { state: undefined, seen: Date.now() * 1e6 });
+  }
+}
+
+// A robot that connects may be new, or run another app: what the service knows of all comes soon, once for many.
+function refreshSoon() {
+  refresh ||= setTimeout(() => { refresh = 0; loadRobots().catch(() => {}); }, REFRESH);
+}
+
 export function takeState(name, state) {
-  const robot = store.robots.get(name);
-  if (!robot) return void loadRobots().catch(() => {});
-  Object.assign(robot, { state, connected: true, heard: performance.now() });
+  live.set(name, { state, heard: performance.now() });
+  Object.assign(store.robots.get(name) ?? {}, live.get(name));
   noteOwners(name, state);
   record(name, state);
   notify("robots", `state ${name}`);
 }
 
+// A state as what differs from the one before.
+export function takeStateDelta(name, { state, unchanged }) {
+  const before = live.get(name)?.state;
+  if (!before) return false;
+  const streams = new Map(state.streams.map((stream) => [stream.topic, stream]));
+  const kept = Object.fromEntries(unchanged.map((key) => [key, before[key]]));
+  takeState(name, { ...state, ...kept, streams: before.streams.map((stream) => streams.get(stream.topic) ?? stream) });
+  return true;
+}
+
+// What is known of a robot that nobody watches any more gets old.
+export function forgetRobot(name) {
+  const robot = store.robots.get(name);
+  live.delete(name);
+  if (robot) delete robot.state;
+  for (const known of [store.settings, store.nodes, store.plans]) known.delete(name);
+  for (const key of [...store.owners.keys()]) if (key.startsWith(`${name} `)) store.owners.delete(key);
+  forget(name);
+}
+
 export function takeSettings(name, view) {
-  const known = store.settings.get(name);
-  if (known && known.revision > view.revision) return;
+  if (isOlder(view, store.settings.get(name))) return;
   store.settings.set(name, view);
   const robot = store.robots.get(name);
   if (robot) Object.assign(robot, { revision: view.revision, outcome: view.outcome, stop: view.settings.stop });
   notify("robots", `settings ${name}`);
 }
+
+// The guard may have answered before the request that made the revision has its own answer.
+const isOlder = (view, known) => known !== undefined
+  && (view.revision < known.revision || (view.revision === known.revision && view.outcome === "pending" && known.outcome !== "pending"));
 
 export async function loadSettings(name) {
   const view = await get(`/robots/${encodeURIComponent(name)}/settings`);

@@ -1,27 +1,27 @@
-// Which view an address shows.
+// Which view an address shows; those of `later.js` are loaded when the first of them is shown.
 import { html } from "./html.js";
-import { Account } from "./views/account.js";
-import { Audit } from "./views/audit.js";
-import { Events } from "./views/events.js";
-import { Graph } from "./views/graph.js";
-import { History } from "./views/history.js";
-import { Node } from "./views/node.js";
-import { Nodes } from "./views/nodes.js";
+import { Loaded, useFetched } from "./parts.js";
+import { loadScript } from "./scripts.js";
 import { Overview, RobotNow } from "./views/overview.js";
-import { Risks } from "./views/risks.js";
-import { Rules } from "./views/rules.js";
-import { Tokens } from "./views/tokens.js";
-import { Users } from "./views/users.js";
-import { Webhooks } from "./views/webhooks.js";
 
-const SERVICE = { events: Events, audit: Audit, users: Users, tokens: Tokens, webhooks: Webhooks, account: Account };
-const ROBOT = { now: RobotNow, graph: Graph, risks: Risks, nodes: Nodes, rules: Rules, events: Events, settings: History };
+const SERVICE = { events: "Events", incidents: "Incidents", shift: "Shift", rollouts: "Rollouts", audit: "Audit", users: "Users", tokens: "Tokens", webhooks: "Webhooks", approvals: "Approvals", account: "Account" };
+const ROBOT = { command: "Command", graph: "Graph", risks: "Risks", nodes: "Nodes", rules: "Rules", events: "Events", incidents: "Incidents", settings: "History" };
+const ONE = { nodes: "Node", incidents: "Incident" };
+const provided = new Map();
+
+export const provide = (views) => Object.entries(views).forEach(([name, View]) => provided.set(name, View));
+export const loadLater = () => loadScript("later.js");
 
 export function viewOf([first, name, part = "now", node]) {
   if (!first) return { View: Overview, props: {} };
-  if (first !== "robots") return { View: SERVICE[first] ?? Missing, props: {} };
-  const View = part === "nodes" && node ? Node : ROBOT[part] ?? Missing;
-  return { View, full: View === Graph, props: { robot: name, node } };
+  if (first !== "robots") return { View: Later, props: { view: SERVICE[first], item: name } };
+  const props = { robot: name, node };
+  if (part === "now") return { View: RobotNow, props };
+  return { View: Later, full: part === "graph", props: { ...props, view: (node && ONE[part]) || ROBOT[part] } };
 }
 
-const Missing = () => html`<p class="empty">There is nothing at this address.</p>`;
+function Later({ view, ...props }) {
+  const fetched = useFetched(loadLater, []), View = provided.get(view);
+  if (!view) return html`<p class="empty">There is nothing at this address.</p>`;
+  return View ? html`<${View} ...${props} />` : html`<${Loaded} fetched=${fetched}>${() => ""}<//>`;
+}

@@ -2,11 +2,11 @@
 
 import logging
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from threading import Lock
 
-from sqlalchemy import update
+from sqlalchemy import Update, update
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
@@ -41,12 +41,23 @@ _warnings = WarningThrottle()
 
 def record_use(database: Database, row: TokenRow | SessionRow, now: int) -> None:
     """Record that a token or session is used, at most once a minute; only log a failure."""
-    if row.used is not None and now - row.used < _MINUTE:
+    if row.used is not None and abs(now - row.used) < _MINUTE:
         return
     kind = type(row)
+    try_update(database, update(kind).where(kind.digest == row.digest).values(used=now))
+
+
+def record_uses(database: Database, digests: Collection[str], now: int) -> None:
+    """Record that these tokens are used; only log a failure."""
+    is_used = TokenRow.digest.in_(digests)
+    try_update(database, update(TokenRow).where(is_used).values(used=now))
+
+
+def try_update(database: Database, change: Update) -> None:
+    """Change what may wait until the database can be written; only log a failure."""
     try:
         with short_transaction(database, _LOCK_TIMEOUT_MS) as session:
-            session.execute(update(kind).where(kind.digest == row.digest).values(used=now))
+            session.execute(change, execution_options={"synchronize_session": False})
     except SQLAlchemyError as error:
         if _warnings.is_due():
             log.warning("cannot record when logins were last used: %s", type(error).__name__)

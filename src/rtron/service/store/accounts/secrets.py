@@ -4,7 +4,7 @@ import hashlib
 import secrets
 
 _SECRET_BYTES = 32
-_READABLE_CHARACTERS = "abcdefghijkmnpqrstuvwxyz23456789"
+READABLE_CHARACTERS = "abcdefghijkmnpqrstuvwxyz23456789"
 _PASSWORD_LENGTH = 24
 _GROUP_LENGTH = 6
 
@@ -21,7 +21,7 @@ def secret_digest(secret: str) -> str:
 
 def new_password() -> str:
     """Return a password of 120 bits, in groups that a person can type from another screen."""
-    letters = [secrets.choice(_READABLE_CHARACTERS) for _ in range(_PASSWORD_LENGTH)]
+    letters = [secrets.choice(READABLE_CHARACTERS) for _ in range(_PASSWORD_LENGTH)]
     return "-".join(
         "".join(letters[at : at + _GROUP_LENGTH])
         for at in range(0, _PASSWORD_LENGTH, _GROUP_LENGTH)

@@ -1,30 +1,49 @@
 """API tokens: `rtron_` and 256 random bits, for programs and guards."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field
 
-from sqlalchemy import select
+from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from rtron.errors import InputError
+from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.domain.clock import Clock
 from rtron.service.domain.errors import ConflictError, NotFoundError
+from rtron.service.domain.principal import check_group_limit
 from rtron.service.domain.roles import AccessScope
+from rtron.service.store.accounts.last_use import record_use, record_uses
 from rtron.service.store.accounts.secrets import new_secret, secret_digest
+from rtron.service.store.accounts.token_renewal import (
+    DAY,
+    DEFAULT_DAYS,
+    TOKEN_PREFIX,
+    due_digests,
+    promote_secret,
+    record_replaced_secret,
+    renew_token,
+)
+from rtron.service.store.audit import record_event
+from rtron.service.store.database import Database
+from rtron.service.store.notices import TokensNotice, post_notice
 from rtron.service.store.tables import TokenRow
+from rtron.vocabulary import SECOND
 
-PREFIX = "rtron_"
-_DAY = 86_400_000_000_000
 _MAX_TOKENS = 10_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TokenSpec:
-    """A token to make: `robot` belongs to the scope `guard` and to no other."""
+    """A token to make: `robot` belongs to the scope `guard` and to no other.
+
+    Of the robots, it may change those of `groups`; None: all.
+    """
 
     name: str
     scopes: Iterable[AccessScope]
     robot: str | None = None
-    days: int | None = None
+    days: int = DEFAULT_DAYS
+    groups: Collection[str] | None = None
 
     def check(self) -> None:
         """Raise InputError for a guard of no robot, or a robot without a guard."""
@@ -34,6 +53,7 @@ class TokenSpec:
         if AccessScope.GUARD in self.scopes and len(set(self.scopes)) > 1:
             help = "make a second token"
             raise InputError("a guard's token is for nothing else", help=help)
+        check_group_limit(self.groups, list(self.scopes))
 
 
 def all_tokens(session: Session) -> Sequence[TokenRow]:
@@ -43,32 +63,50 @@ def all_tokens(session: Session) -> Sequence[TokenRow]:
 
 def create_token(session: Session, now: int, by: str, spec: TokenSpec) -> tuple[TokenRow, str]:
     """Make a token; return it and its secret. InputError, or ConflictError if the name is taken."""
+    secret = new_secret(TOKEN_PREFIX)
+    return add_token(session, now, by, spec, secret_digest(secret)), secret
+
+
+def add_token(session: Session, now: int, by: str, spec: TokenSpec, digest: str) -> TokenRow:
+    """Add a token whose secret has this digest. InputError, or ConflictError if it is there."""
     spec.check()
     if session.scalar(select(TokenRow.id).where(TokenRow.name == spec.name)):
         raise ConflictError(f"there is, or was, a token {spec.name} already")
-    if len(all_tokens(session)) >= _MAX_TOKENS:
+    if session.scalars(select(func.count()).select_from(TokenRow)).one() >= _MAX_TOKENS:
         raise ConflictError(f"there are {_MAX_TOKENS} tokens, no more are kept")
-    secret = new_secret(PREFIX)
+    lifetime = spec.days * DAY
     row = TokenRow(
         name=spec.name,
-        digest=secret_digest(secret),
+        digest=digest,
         scopes=sorted(set(map(str, spec.scopes))),
         robot=spec.robot or "",
         by=by,
         created=now,
-        expires=now + spec.days * _DAY if spec.days else None,
+        expires=now + lifetime,
+        lifetime=lifetime,
         revoked=None,
         used=None,
+        groups=None if spec.groups is None else sorted(set(spec.groups)),
     )
     session.add(row)
     session.flush()
-    return row, secret
+    return row
 
 
 def find_token(session: Session, now: int, secret: str) -> TokenRow | None:
-    """Return the token of a secret, None if it is over or revoked."""
-    row = session.scalar(select(TokenRow).where(TokenRow.digest == secret_digest(secret)))
+    """Return the token of a secret, also of the one it gets next; None if it is over or revoked."""
+    digest = secret_digest(secret)
+    is_same = or_(TokenRow.digest == digest, TokenRow.next_digest == digest)
+    row = session.scalar(select(TokenRow).where(is_same))
     return row if row and is_valid(row, now) else None
+
+
+def valid_digests(session: Session, now: int, digests: Collection[str]) -> Collection[str]:
+    """Return the digests of tokens that are neither revoked nor over."""
+    is_held = or_(TokenRow.expires.is_(None), TokenRow.expires > now)
+    query = select(TokenRow.digest, TokenRow.next_digest)
+    rows = session.execute(query.where(TokenRow.revoked.is_(None), is_held))
+    return {digest for row in rows for digest in row} & set(digests)
 
 
 def is_valid(token: TokenRow, now: int) -> bool:
@@ -82,6 +120,7 @@ def revoke_token(session: Session, now: int, name: str) -> TokenRow:
     if row is None:
         raise NotFoundError(f"there is no token {name}")
     row.revoked = row.revoked or now
+    post_notice(session, TokensNotice())
     return row
 
 
@@ -89,3 +128,67 @@ def find_guard_token(session: Session, now: int, secret: str) -> TokenRow | None
     """Return the token of a robot's guard, None if the secret is that of none."""
     row = find_token(session, now, secret)
     return row if row and AccessScope.GUARD in row.scopes else None
+
+
+_USE_INTERVAL = 60 * SECOND
+
+
+@dataclass(slots=True)
+class GuardTokens:
+    """Looks tokens up in the database, and notes that they are used; both are called in threads."""
+
+    database: Database
+    clock: Clock
+    _used: int = field(default=0, init=False)
+
+    def authenticate(self, secret: str) -> str | None:
+        """Return the robot that a token speaks for, or None."""
+        now = self.clock()
+        with self.database.session() as session:
+            token = find_guard_token(session, now, secret)
+        if token is None:
+            record_replaced_secret(self.database, now, secret)
+            return None
+        promote_secret(self.database, token, now, secret)
+        record_use(self.database, token, now)
+        return token.robot
+
+    def find_valid(self, secrets: Collection[str]) -> Collection[str]:
+        """Return the tokens that still hold; all of them in one query."""
+        now = self.clock()
+        digests = {secret_digest(secret): secret for secret in secrets}
+        with self.database.session() as session:
+            valid = valid_digests(session, now, digests.keys())
+        if abs(now - self._used) >= _USE_INTERVAL:
+            self._used = now
+            record_uses(self.database, valid, now)
+        return {digests[digest] for digest in valid}
+
+    def find_due(self, secrets: Collection[str]) -> Collection[str]:
+        """Return the tokens that are to be renewed."""
+        digests = {secret_digest(secret): secret for secret in secrets}
+        with self.database.session() as session:
+            return {digests[each] for each in due_digests(session, self.clock(), digests.keys())}
+
+    def renew(self, secret: str) -> str | None:
+        """Return the next secret of a token, which holds beside the first.
+
+        None if that is over; ConflictError if another connection has just got one.
+        """
+        now = self.clock()
+        with self.database.write_session() as session:
+            token = find_guard_token(session, now, secret)
+            if token is None:
+                return None
+            renewed = renew_token(session, now, secret)
+            event = AuditEvent(who=f"token:{token.name}", action="renew token", target=token.name)
+            record_event(session, now, event)
+            return renewed
+
+    def promote(self, secret: str) -> None:
+        """Let a next secret replace the one before: its guard has it on disk."""
+        now = self.clock()
+        with self.database.session() as session:
+            token = find_guard_token(session, now, secret)
+        if token is not None:
+            promote_secret(self.database, token, now, secret)

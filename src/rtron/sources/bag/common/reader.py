@@ -7,7 +7,8 @@ from typing import Literal, TypeAlias
 
 from rtron.vocabulary import QoS
 
-Encoding: TypeAlias = Literal["ros1", "cdr"]
+Encoding: TypeAlias = Literal["ros1", "cdr", "json"]
+"""JSON is what an incident's decisions are in; bags of ROS have none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,7 +1,7 @@
 """An MCAP file, one chunk after the other (mcap.dev: MCAP specification)."""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from io import BufferedReader
@@ -16,12 +16,13 @@ from rtron.sources.bag.common.limits import (
     damage_error,
     open_bag_file,
 )
-from rtron.sources.bag.common.reader import BagReader, Message
+from rtron.sources.bag.common.reader import BagReader, Encoding, Message
 from rtron.sources.bag.common.time_order import merge_by_time, sort_by_time
 from rtron.sources.bag.mcap.record import (
     CHUNK,
     DATA_END,
     MESSAGE,
+    METADATA,
     RECORD,
     Channels,
     FieldCursor,
@@ -29,6 +30,10 @@ from rtron.sources.bag.mcap.record import (
     decode_messages,
 )
 from rtron.sources.bag.mcap.summary import MAGIC, RECOVER_HELP, Chunk, Summary, read_summary
+
+_NAMES = {CHUNK: "chunk", METADATA: "metadata"}
+_MOST_METADATA = 64
+_LONGEST_METADATA = 1 << 23
 
 
 def open_mcap(path: Path) -> BagReader:
@@ -39,6 +44,25 @@ def open_mcap(path: Path) -> BagReader:
     """
     with open_bag_file(path) as stream, _damage_as_input_error(path):
         summary = read_summary(stream, path)
+    return _bag_reader(path, summary)
+
+
+def open_mcap_with_metadata(
+    path: Path, encodings: Mapping[str, Encoding]
+) -> tuple[BagReader, dict[str, dict[str, str]]]:
+    """Return an MCAP file's channels of these encodings, and its metadata by name.
+
+    Raise InputError as `open_mcap` does, and for metadata that is too long.
+    """
+    with open_bag_file(path) as stream, _damage_as_input_error(path):
+        summary = read_summary(stream, path, encodings)
+        if len(summary.metadata) > _MOST_METADATA:
+            raise DamageError(f"{len(summary.metadata)} records of metadata")
+        metadata = dict(_read_metadata(stream, at) for at in summary.metadata.values())
+    return _bag_reader(path, summary), metadata
+
+
+def _bag_reader(path: Path, summary: Summary) -> BagReader:
     return BagReader(
         path=path,
         connections=tuple(filter(None, summary.channels.values())),
@@ -74,7 +98,7 @@ def _chunk_messages(
 ) -> list[Message]:
     with _damage_as_input_error(budget.path):
         budget.spend(chunk.uncompressed_size)
-        values = _read_chunk_record(stream, chunk.offset)
+        values = _read_record_at(stream, chunk.offset, CHUNK)
         values.take(16)
         if values.read_uint(8) != chunk.uncompressed_size:
             raise DamageError("its index and a chunk do not agree")
@@ -84,13 +108,21 @@ def _chunk_messages(
         return sort_by_time(decode_messages(data_of_chunk, summary.channels))
 
 
-def _read_chunk_record(stream: BufferedReader, offset: int) -> FieldCursor:
+def _read_metadata(stream: BufferedReader, offset: int) -> tuple[str, dict[str, str]]:
+    fields = _read_record_at(stream, offset, METADATA, _LONGEST_METADATA)
+    return fields.read_string(), fields.read_string_map()
+
+
+def _read_record_at(
+    stream: BufferedReader, offset: int, expected: int, longest: int = MAX_CHUNK_BYTES
+) -> FieldCursor:
+    """Return the record of a kind at a place that an index names."""
     if offset > stream.seek(0, 2):
         raise DamageError("it is cut off")
     stream.seek(offset)
-    kind, values = _read_record(stream)
-    if kind != CHUNK:
-        raise DamageError("its index points to no chunk")
+    kind, values = _read_record(stream, longest)
+    if kind != expected:
+        raise DamageError(f"its index points to no {_NAMES[expected]}")
     return values
 
 
@@ -122,9 +154,9 @@ def _next_message(stream: BufferedReader, path: Path, channels: Channels) -> Mes
                 return message
 
 
-def _read_record(stream: BufferedReader) -> tuple[int, FieldCursor]:
+def _read_record(stream: BufferedReader, longest: int = MAX_CHUNK_BYTES) -> tuple[int, FieldCursor]:
     kind, size = RECORD.unpack(stream.read(RECORD.size))
-    if size > MAX_CHUNK_BYTES:
+    if size > longest:
         raise DamageError(f"a record of {size} bytes")
     data = stream.read(size)
     if len(data) < size:

@@ -8,7 +8,8 @@ from typing import TypeAlias
 from rtron.sources.bag.common.limits import MAX_CHUNK_MESSAGES, DamageError
 from rtron.sources.bag.common.reader import BagConnection, Message
 
-FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, CHUNK_INDEX, DATA_END = 2, 3, 4, 5, 6, 8, 15
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, CHUNK_INDEX = 2, 3, 4, 5, 6, 8
+METADATA, METADATA_INDEX, DATA_END = 12, 13, 15
 RECORD = Struct("<BQ")
 _MESSAGE = Struct("<BQHIQQ")
 _MESSAGE_HEADER_SIZE = _MESSAGE.size - RECORD.size

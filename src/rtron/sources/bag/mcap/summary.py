@@ -1,5 +1,6 @@
 """The summary of an MCAP file: its channels, and where its chunks are (mcap.dev: Specification)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from io import BufferedReader
 from pathlib import Path
@@ -12,6 +13,7 @@ from rtron.sources.bag.mcap.record import (
     CHANNEL,
     CHUNK_INDEX,
     FOOTER,
+    METADATA_INDEX,
     RECORD,
     SCHEMA,
     Channels,
@@ -23,7 +25,8 @@ from rtron.sources.bag.ros2.offered_qos import parse_offered_qos
 MAGIC = b"\x89MCAP0\r\n"
 RECOVER_HELP = "`mcap recover FILE -o OUT` saves what is left"
 _FOOTER_SIZE = RECORD.size + 20 + len(MAGIC)
-_ENCODINGS: dict[str, Encoding] = {"ros1": "ros1", "cdr": "cdr"}
+ROS_ENCODINGS: Mapping[str, Encoding] = {"ros1": "ros1", "cdr": "cdr"}
+INCIDENT_ENCODINGS: Mapping[str, Encoding] = {**ROS_ENCODINGS, "json": "json"}
 _DEFINITION_FORMATS = frozenset({"ros1msg", "ros2msg", "ros2idl"})
 _TRUE = frozenset({"1", "true"})
 
@@ -45,16 +48,22 @@ class _Schema:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Channels by number (None for one that is not of ROS), and where the chunks are."""
+    """Channels by number (None for one that is left out), and where chunks and metadata are."""
 
     channels: Channels = field(default_factory=dict)
     skipped: dict[str, str] = field(default_factory=dict)
     chunks: dict[int, Chunk] = field(default_factory=dict)
     schemas: dict[int, _Schema] = field(default_factory=dict)
+    metadata: dict[str, int] = field(default_factory=dict)
 
 
-def read_summary(stream: BufferedReader, path: Path) -> Summary:
-    """Return a file's summary; raise InputError, DamageError, struct.error or ValueError."""
+def read_summary(
+    stream: BufferedReader, path: Path, encodings: Mapping[str, Encoding] = ROS_ENCODINGS
+) -> Summary:
+    """Return a file's summary, with the channels that have one of the `encodings`.
+
+    Raise InputError, DamageError, struct.error or ValueError.
+    """
     if stream.read(len(MAGIC)) != MAGIC:
         raise InputError("no MCAP", path=str(path), help="is it the right file?")
     size = stream.seek(0, 2)
@@ -69,20 +78,23 @@ def read_summary(stream: BufferedReader, path: Path) -> Summary:
     if not len(MAGIC) <= start <= footer_at or footer_at - start > MAX_INDEX_BYTES:
         raise DamageError("its summary is not where it should be, or too large")
     stream.seek(start)
-    return _parse_summary(stream.read(footer_at - start))
+    return _parse_summary(stream.read(footer_at - start), encodings)
 
 
-def _parse_summary(data: bytes) -> Summary:
+def _parse_summary(data: bytes, encodings: Mapping[str, Encoding]) -> Summary:
     summary = Summary()
     for kind, fields in iterate_records(data):
         if kind == SCHEMA:
             id = fields.read_uint(2)
             summary.schemas[id] = _parse_schema(fields)
         elif kind == CHANNEL:
-            _add_channel(summary, fields)
+            _add_channel(summary, fields, encodings)
         elif kind == CHUNK_INDEX:
             chunk = _parse_chunk(fields)
             summary.chunks[chunk.offset] = chunk
+        elif kind == METADATA_INDEX:
+            offset, _ = fields.read_uint(8), fields.read_uint(8)
+            summary.metadata[fields.read_string()] = offset
     if summary.chunks and not summary.channels:
         raise DamageError("its summary names no channels")
     return summary
@@ -95,16 +107,16 @@ def _parse_schema(fields: FieldCursor) -> _Schema:
     return _Schema(name, format, fields.read_bytes(4).decode(errors="replace") if known else "")
 
 
-def _add_channel(summary: Summary, fields: FieldCursor) -> None:
+def _add_channel(summary: Summary, fields: FieldCursor, encodings: Mapping[str, Encoding]) -> None:
     id, schema_id = fields.read_uint(2), fields.read_uint(2)
     topic, encoding, metadata = fields.read_string(), fields.read_string(), fields.read_string_map()
     schema = summary.schemas.get(schema_id, _Schema("", "", ""))
     summary.channels[id] = None
-    if encoding in _ENCODINGS:
+    if encoding in encodings:
         summary.channels[id] = BagConnection(
             topic=topic,
             type=schema.name,
-            encoding=_ENCODINGS[encoding],
+            encoding=encodings[encoding],
             md5sum=metadata.get("md5sum", ""),
             definition=schema.definition,
             definition_format=schema.format,

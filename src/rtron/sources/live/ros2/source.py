@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import rclpy
 
-from rtron.errors import InputError, SourceError
+from rtron.errors import SourceError
 from rtron.sources.live.ros2.actions import find_actions, outside_of_actions
 from rtron.sources.live.ros2.ambiguities import (
     action_type_conflicts,
@@ -26,6 +26,7 @@ from rtron.sources.live.ros2.ambiguities import (
 from rtron.sources.live.ros2.discovery import discover_graph
 from rtron.sources.live.ros2.domain import DomainReader, Snapshot
 from rtron.vocabulary import (
+    VERIFY_NODE,
     Direction,
     Endpoint,
     InteractionGraph,
@@ -91,7 +92,8 @@ class Ros2LiveSource:
     def read(self) -> InteractionGraph:
         """Return the graph of the app that is running; SourceError if there is none to be seen."""
         name = f"/_rtron_scan_{uuid.uuid4().hex[:12]}"
-        with closing(_join(self.domain)) as session, closing(DomainReader(session, name)) as domain:
+        session = Ros2Session(self.domain, VERIFY_NODE)
+        with closing(session), closing(DomainReader(session, name)) as domain:
             discovered = discover_graph(domain, self.timeout)
             if not discovered.snapshot.nodes and not discovered.snapshot.endpoints:
                 raise _empty_domain_error(session.domain, self.timeout)
@@ -141,15 +143,6 @@ def _discovery_range() -> Iterator[str]:
         yield {"LOCALHOST": "this machine only"}.get(
             discovery_range, f"discovery range {discovery_range}"
         )
-
-
-def _join(domain: int | None) -> Ros2Session:
-    try:
-        return Ros2Session(domain)
-    except InputError:
-        raise
-    except RuntimeError as error:
-        raise SourceError(f"ROS 2 cannot be joined: {error}", help=_ENVIRONMENT_HELP) from error
 
 
 _ENVIRONMENT_HELP = "look at ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and RMW_IMPLEMENTATION"

@@ -6,6 +6,7 @@ const POLICIES = {
   Preemption: "Of the flows that speak, the one of highest priority controls; the others are dropped.",
   FIFO_Queue: "One action at a time, in the order in which they come; each may take its timeout.",
   Priority_Queue: "A message waits while a higher flow has spoken within its timeout; the highest priority goes first.",
+  Lease: "Only who holds the lease controls, after a command that moves nothing; the others are dropped.",
   Safe: "The robot goes at most threshold × frame rate; without frames it goes at the lowest limit.",
   Constrain: "The robot goes at most max_vel_limit.",
   "Safe+Constrain": "The robot goes at most threshold × frame rate, and never above max_vel_limit.",

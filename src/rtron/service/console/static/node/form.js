@@ -5,7 +5,8 @@ import { keyOf, same } from "./fields.js";
 const drafts = new Map();
 export const forgetDrafts = () => drafts.clear();
 
-export function formOf(robot, node, draw) {
+// What is set to what is in force already is no change, unless it is for other robots, too.
+export function formOf(robot, node, draw, mayDiffer = false) {
   const id = `${robot} ${node.id}`;
   if (!drafts.has(id)) drafts.set(id, new Map());
   const draft = drafts.get(id);
@@ -17,8 +18,8 @@ export function formOf(robot, node, draw) {
   return {
     node, draft,
     valueOf: (field) => valueOf(draft, field),
-    set: (field, value) => put(field, value, same(value, field.now)),
-    back: (field) => put(field, null, same(field.now, field.plan)),
+    set: (field, value) => put(field, value, !mayDiffer && same(value, field.now)),
+    back: (field) => put(field, null, !mayDiffer && same(field.now, field.plan)),
     clear: () => { draft.clear(); draw(); },
     wrong: () => [...draft.values()].some(({ value }) => Number.isNaN(value)),
   };

@@ -35,6 +35,7 @@ function askEnd(robot, node, again) {
   ask({
     title: `End the override of ${node.id}`, icon: "shield", confirm: "End it now",
     effects: ["What the node forbids is blocked again at once; if that moves the robot now, it is stopped."],
-    act: async () => { takeSettings(robot, await remove(path(robot, node))); again(); },
+    reason: { label: "Reason", least: 3 },
+    act: async (reason) => { takeSettings(robot, await remove(path(robot, node), { reason })); again(); },
   });
 }

@@ -5,9 +5,10 @@ import { ROLES } from "../format.js";
 import { Card, Field, Notice, Problem } from "../parts.js";
 import { logout } from "../session.js";
 import { store } from "../store.js";
+import { SecondFactor } from "./second_factor.js";
 
 export function Account() {
-  return html`<div class="head"><h1>${store.me.name}</h1><p>${store.me.roles.map((role) => ROLES[role] ?? role).join(", ")}</p><span class="space"></span><button onClick=${logout}>Log out</button></div><${Password} />`;
+  return html`<div class="head"><h1>${store.me.name}</h1><p>${store.me.roles.map((role) => ROLES[role] ?? role).join(", ")}</p><span class="space"></span><button onClick=${logout}>Log out</button></div><div class="stack"><${Password} /><${SecondFactor} /></div>`;
 }
 
 function Password() {

@@ -2,27 +2,30 @@
 import { html, useEffect, useRef, useState } from "../html.js";
 import { get } from "../api.js";
 import { day } from "../format.js";
-import { onEvent } from "../live.js";
+import { Export } from "../export.js";
+import { RobotFinder } from "../fleet/robot_finder.js";
+import { onEvent, useWatch } from "../live.js";
 import { Badge, Field, Problem, Select } from "../parts.js";
 import { query } from "../router.js";
 import { store, useStore } from "../store.js";
 import { EventLine } from "./event_line.js";
 
 const PAGE = 100, MOST = 3000;
-const KINDS = ["guard", "owner", "verdict", "stop", "rule", "alarm", "settled", "override", "settings", "counts", "lost"];
+const KINDS = ["guard", "owner", "lease", "verdict", "stop", "rule", "alarm", "settled", "override", "settings", "counts", "lost"];
 const LEVELS = [["", "all"], ["warning", "warning or worse"], ["error", "error"]];
 const SEVERITY = { info: 0, warning: 1, error: 2 };
 const FIELDS = ["kind", "level", "node", "topic", "text", "since", "until"];
 
 export function Events({ robot }) {
   useStore("link");
+  useWatch([], !robot);
   const [filter, setFilter] = useState(() => Object.fromEntries(FIELDS.map((name) => [name, query().get(name) ?? ""])));
   const [chosen, setChosen] = useState(""), [more, setMore] = useState(false), pages = usePages({ ...filter, robot: robot ?? chosen });
   const set = (name) => (value) => setFilter({ ...filter, [name]: value });
   const Text = (name, label, extra) => html`<${Field} label=${label} look=${`later ${extra ? "time" : ""}`}><input value=${filter[name]} maxlength="300" ...${extra} onChange=${(e) => set(name)(e.target.value)} /><//>`;
-  return html`<div class="head"><h1>Events${robot ? ` of ${robot}` : ""}</h1><${Following} pages=${pages} /></div>
+  return html`<div class="head"><h1>Events${robot ? ` of ${robot}` : ""}</h1><span class="space"></span><${Export} what="events" query=${queryOf({ ...filter, robot: robot ?? chosen })} /><${Following} pages=${pages} /></div>
     <div class=${`filters ${more ? "" : "folded"}`} role="search">
-      ${!robot && html`<${Field} label="Robot"><${Select} value=${chosen} options=${[["", "all"], ...[...store.robots.keys()].map((n) => [n, n])]} onChange=${setChosen} /><//>`}
+      ${!robot && html`<${Field} label="Robot"><${RobotFinder} id="events-robot" names=${[...store.robots.keys()]} value=${chosen} empty="all" onChange=${setChosen} /><//>`}
       <${Field} label="Level"><${Select} value=${filter.level} options=${LEVELS} onChange=${set("level")} /><//>
       <${Field} label="Kind"><${Select} value=${filter.kind} options=${[["", "all but counts"], ...KINDS.map((k) => [k, k])]} onChange=${set("kind")} /><//>
       ${Text("node", "Coordination node")}${Text("topic", "Topic")}

@@ -9,6 +9,7 @@ import { Detail } from "./graph_detail.js";
 import { rateLabel, showRates } from "./graph_rates.js";
 import { Badge, Loaded, Problem, Select, useFetched } from "../parts.js";
 import { query } from "../router.js";
+import { loadScript } from "../scripts.js";
 import { samplesOf } from "../series.js";
 import { isLive, listen, store, useStore } from "../store.js";
 
@@ -22,7 +23,7 @@ export function Graph({ robot }) {
 
 // What a client library adds by itself is no part of the console's graph.
 async function fetchAll(robot) {
-  const data = await get(at("robots", robot, "graph"));
+  const [data] = await Promise.all([get(at("robots", robot, "graph")), loadScript("graph/dagre.min.js")]);
   return graphModel({ ...data, topics: data.topics.map((topic) => ({ ...topic, domain: topic.domain || "no risk" })), endpoints: data.endpoints.filter((e) => !e.implicit) });
 }
 
@@ -39,7 +40,7 @@ function Stage({ robot, model }) {
   useEffect(() => { view.current.onPress = press; });
   useEffect(() => {
     draw(layout, view.current.world, { label: rateLabel });
-    const stops = [view.current.show(layout.boxes), followRates(robot, layout)];
+    const stops = [view.current.show(layout.boxes, () => firstBoxes(model, layout)), followRates(robot, layout)];
     return () => stops.forEach((stop) => stop());
   }, [layout]);
   useEffect(() => highlight(layout, view.current.world, choice && related(model, choice), choice), [layout, choice]);
@@ -54,6 +55,12 @@ function Stage({ robot, model }) {
       ${!layout.boxes.length && html`<p class="empty over">Nothing fits the filter.</p>`}
       <${Legend} /><div class="zoom" role="toolbar" aria-label="Zoom"><button aria-label="Zoom in" onClick=${() => view.current.zoom(1.3)}>+</button><button aria-label="Zoom out" onClick=${() => view.current.zoom(1 / 1.3)}>−</button><button onClick=${() => view.current.fit()}>All</button></div>
       ${choice && html`<${Detail} robot=${robot} model=${model} choice=${choice} show=${show} close=${() => setChoice(null)} />`}</div>`;
+}
+
+// Where the picture opens, if not all of it can be read: at the first topic that is guarded.
+function firstBoxes(model, layout) {
+  const [first] = model.coordination.flatMap((coordination) => coordination.guards);
+  return first ? layout.boxes.filter((box) => box.topics?.includes(first.topic)) : [];
 }
 
 function tryLayout(model, filter, unfolded) {

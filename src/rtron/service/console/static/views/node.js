@@ -45,7 +45,7 @@ function Page({ robot, node, base, plan, again }) {
     <div class="column"><${Override} robot=${robot} node=${node} again=${again} /><${Charts} robot=${robot} node=${node} plan=${plan} live=${isLive(live)} /><${Last} robot=${robot} node=${node} /></div></div>`;
 }
 
-function Form({ form, ...rest }) {
+export function Form({ form, ...rest }) {
   if (form.node.type === "GRCN") return html`<${GrcnForm} form=${form} ...${rest} />`;
   if (form.node.type === "RSRCN") return html`<${RsrcnForm} form=${form} ...${rest} /><${Images} node=${form.node} ...${rest} />`;
   if (form.node.type === "MSRCN") return html`<${MsrcnForm} form=${form} ...${rest} />`;

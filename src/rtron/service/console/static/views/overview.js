@@ -1,20 +1,28 @@
 // Who controls each robot now, and why; what is wrong; what settings are in force.
 import { html, useEffect } from "../html.js";
 import { At, Ago, Badge, Card, Empty, Left, Notice, Outcome } from "../parts.js";
-import { figure, plural, rate } from "../format.js";
+import { count, figure, plural, rate } from "../format.js";
+import { Export } from "../export.js";
+import { acknowledgementOf, askAcknowledge, Seen } from "../fleet/acknowledge.js";
+import { rowsOf } from "../fleet/filter.js";
+import { FleetTable } from "../fleet/table.js";
+import { useWatch } from "../live.js";
 import { to } from "../router.js";
 import { newestRates, rateKey } from "../series.js";
 import { askRelease } from "../stop.js";
 import { isLive, loadNodes, loadOwners, loadSettings, ownerSince, store, toast, useStore } from "../store.js";
 
+// A few robots are shown whole, more of them as a table.
+const FEW = 5;
+
 export function Overview() {
   useStore("robots");
-  const robots = [...store.robots.values()].sort((a, b) => trouble(b) - trouble(a));
-  return html`<div class="head"><h1>Overview</h1><p>${plural(robots.length, "robot")}, ${robots.filter((r) => r.connected).length} connected</p></div>
-    ${robots.length ? robots.map((robot) => html`<${Robot} key=${robot.name} robot=${robot} titled />`) : html`<${Empty}>No robot is known yet. Start one: <code>rtron guard --plan rtron.yaml --service URL --token-file FILE</code><//>`}`;
+  const robots = [...store.robots.values()], few = robots.length <= FEW;
+  useWatch(few ? [...store.robots.keys()] : []);
+  return html`<div class="head"><h1>Overview</h1><p>${plural(robots.length, "robot")}, ${count(robots.filter((r) => r.connected).length)} connected</p><span class="space"></span>${robots.length > 0 && html`<${Export} what="robots" shown=${() => store.shown} />`}</div>
+    ${!robots.length && html`<${Empty}>No robot is known yet. Start one: <code>rtron guard --plan rtron.yaml --service URL --token-file FILE</code><//>`}
+    ${few ? rowsOf(robots).map(({ robot }) => html`<${Robot} key=${robot.name} robot=${robot} titled />`) : html`<${FleetTable} robots=${robots} />`}`;
 }
-
-const trouble = (robot) => (robot.stop ? 4 : 0) + (robot.state?.alarms.length ? 2 : 0) + (robot.connected ? 0 : 1);
 
 export function RobotNow({ robot: name }) {
   useStore("robots");
@@ -57,10 +65,17 @@ function Alerts({ robot }) {
     !robot.connected && html`<${Notice} look="bad" icon="off">The guard is not connected${robot.seen ? html`, last seen <${Ago} ns=${robot.seen} /> ago` : ""}. It keeps its last settings and goes on guarding by them; what it does is not seen here.<//>`,
     robot.connected && state && store.link === "live" && !isLive(robot) && html`<${Notice} look="bad" icon="warning">The guard is connected but has been silent for ${figure((performance.now() - robot.heard) / 1000, 0)} s: what is shown is old.<//>`,
     settings?.outcome === "refused" && html`<${Notice} look="bad" icon="error">Revision ${settings.revision} was refused by the guard: ${settings.error}. What was in force before still is.<//>`,
-    ...(state?.alarms ?? []).map((alarm) => html`<${Notice} look="bad" icon="error"><p><b>${alarm.kind}</b>${alarm.topic && html` · <code>${alarm.topic}</code>`}</p><p>${alarm.reason}</p><//>`),
+    ...(state?.alarms ?? []).map((alarm) => html`<${AlarmNotice} robot=${robot} alarm=${alarm} />`),
+    robot.requests > 0 && html`<${Notice} look="warn" icon="user"><a href=${to("robots", robot.name, "command")}>${plural(robot.requests, "request")}</a> of the bridge's clients ${robot.requests === 1 ? "waits" : "wait"} for a person<//>`,
     ...Object.entries(settings?.settings.overrides ?? {}).filter(([id]) => state?.overridden.includes(id)).map(([id, o]) => html`<${Notice} look="warn" icon="clock"><a href=${to("robots", robot.name, "nodes", id)}>${id}</a> is overridden by ${o.by}: ${o.reason} · <b><${Left} until=${o.until} /></b> left<//>`),
   ].filter(Boolean);
   return notices.length > 0 && html`<div class="alerts">${notices}</div>`;
+}
+
+function AlarmNotice({ robot, alarm }) {
+  const by = acknowledgementOf(robot, alarm);
+  return html`<${Notice} look=${by ? "warn" : "bad"} icon="error"><p><b>${alarm.kind}</b>${alarm.topic && html` · <code>${alarm.topic}</code>`}</p><p>${alarm.reason}</p>
+    ${by ? html`<${Seen} by=${by} />` : html`<p><button onClick=${() => askAcknowledge([[robot, alarm]])}>Acknowledge …</button></p>`}<//>`;
 }
 
 function Streams({ robot }) {
@@ -95,6 +110,7 @@ function Owner({ stream, live }) {
 
 function Why({ stream, since, robot }) {
   if (stream.stopping) return stream.stopping;
+  if (stream.lease) return stream.lease;
   if (!stream.owner) return html`<span class="soft">${since?.reason && since.reason !== "idle" ? since.reason : stream.mode === "enforce" ? "nobody speaks" : ""}</span>`;
   return since?.reason || reasonOf(robot.name, stream);
 }
@@ -103,6 +119,7 @@ const REASONS = {
   Preemption: (flow) => `highest priority (${flow.priority}) of those that speak`,
   FIFO_Queue: () => "first in order of arrival",
   Priority_Queue: (flow) => `its turn, by priority ${flow.priority}`,
+  Lease: () => "it holds the lease",
   Block: () => "its block bit is 0",
 };
 

@@ -4,6 +4,7 @@ import { at, get, now, post, remove } from "../api.js";
 import { showSecret } from "../dialog.js";
 import { At, Badge, Card, Empty, Field, Loaded, useFetched } from "../parts.js";
 import { ask } from "../store.js";
+import { tellIfWaiting } from "./approvals.js";
 
 const SCOPES = { guard: "guard: speaks for one robot", read: "read", metrics: "metrics", end_user: "end user", developer: "developer", admin: "admin" };
 
@@ -21,16 +22,18 @@ const Row = ({ token, again }) => html`<tr><td data-label="Name"><b>${token.name
 function State({ token }) {
   if (token.revoked) return html`<${Badge} look="bad" icon="off">revoked<//>`;
   if (token.expires && token.expires / 1e6 < now()) return html`<${Badge} look="warn" icon="clock">expired<//>`;
-  return html`<${Badge} look="good" icon="check">valid${token.expires ? html` until <${At} ns=${token.expires} />` : ""}<//>`;
+  if (!token.expires) return html`<${Badge} look="warn" icon="clock" title="It was made by an older version">without an end<//>`;
+  return html`<${Badge} look="good" icon="check">valid until <${At} ns=${token.expires} /><//>`;
 }
 
 function askNew(again) {
-  const made = { name: "", scopes: [], robot: "", days: "" };
+  const made = { name: "", scopes: [], robot: "", days: 90 };
   ask({ title: "New token", icon: "key", confirm: "Create", focus: true, body: html`<${Fields} made=${made} />`,
     act: async () => {
-      const token = await post("/tokens", { name: made.name, scopes: made.scopes, robot: made.robot || null, days: made.days ? Number(made.days) : null });
+      const answer = await post("/tokens", { name: made.name, scopes: made.scopes, robot: made.robot || null, days: Number(made.days) });
       again();
-      showSecret(`The token ${token.name}`, token.secret);
+      tellIfWaiting(answer.waits);
+      showSecret(`The token ${made.name}`, answer.secret);
       return true;
     } });
 }
@@ -41,7 +44,7 @@ function Fields({ made }) {
   return html`<div class="stack"><${Field} label="Name"><input name="name" required maxlength="100" autocomplete="off" onInput=${(e) => { made.name = e.target.value; }} /><//>
     <fieldset class="plain"><legend class="small soft">For</legend><div class="checks">${Object.entries(SCOPES).map(([scope, label]) => html`<label><input type="checkbox" name=${scope} checked=${scopes.includes(scope)} onChange=${() => toggle(scope)} />${label}</label>`)}</div></fieldset>
     ${scopes.includes("guard") && html`<${Field} label="Robot"><input name="robot" required maxlength="100" autocomplete="off" onInput=${(e) => { made.robot = e.target.value; }} /><//>`}
-    <${Field} label="Valid for days (empty: until revoked)"><input type="number" min="1" max="3650" onInput=${(e) => { made.days = e.target.value; }} /><//></div>`;
+    <${Field} label="Valid for days"><input name="days" type="number" min="1" max="3650" required value=${made.days} onInput=${(e) => { made.days = e.target.value; }} /><//></div>`;
 }
 
 const askRevoke = (token, again) => ask({ title: `Revoke ${token.name}`, icon: "warning", danger: true, confirm: "Revoke", effects: [token.robot ? `The guard of ${token.robot} is cut off from the service; it goes on guarding by its last settings.` : "Programs that use it are refused from now on."], act: async () => { await remove(at("tokens", token.name)); again(); } });

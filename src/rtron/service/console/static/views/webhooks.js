@@ -15,7 +15,7 @@ export function Webhooks() {
 function askNew(again) {
   const made = { url: "", level: "warning" };
   ask({ title: "New webhook", icon: "bell", confirm: "Create", focus: true,
-    body: html`<div class="stack"><${Field} label="Address"><input name="url" type="url" required pattern="https?://.*" maxlength="1000" placeholder="https://" onInput=${(e) => { made.url = e.target.value; }} /><//><${Field} label="Events of this level or worse"><${Select} value="warning" options=${[["info", "info"], ["warning", "warning"], ["error", "error"]]} onChange=${(level) => { made.level = level; }} /><//></div>`,
+    body: html`<div class="stack"><${Field} label="Address"><input name="url" type="url" required pattern="https?://.*" maxlength="1000" placeholder="https://" onInput=${(e) => { made.url = e.target.value; }} /><//><${Field} label="Events of this level or worse"><${Select} value="warning" options=${[["info", "info"], ["warning", "warning"], ["error", "error"], ["heads", "none: signed heads of the audit log"]]} onChange=${(level) => { made.level = level; }} /><//></div>`,
     act: async () => { const hook = await post("/webhooks", made); again(); showSecret("The secret that signs its calls", hook.secret); return true; } });
 }
 

@@ -1,0 +1,1 @@
+"""What a cell costs, and how soon it stops the robot."""

@@ -1,0 +1,104 @@
+"""A topic that passes between a cell and the app, and what a cell refuses to carry."""
+
+import logging
+from collections import Counter
+from collections.abc import Callable
+from typing import Protocol
+
+from rtron.guard.core.log_throttle import LogThrottle
+from rtron.guard.core.printable import printable
+from rtron.guard.core.report_messages import OK, WARN, Status
+from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
+    ConnectHandler,
+    InputOptions,
+    LostHandler,
+    MessageHandler,
+    Output,
+    Peer,
+    ignore_lost,
+)
+from rtron.vocabulary import CarriedTopic, matches_node
+
+log = logging.getLogger(__name__)
+
+_QUEUE_SIZE = 100
+_MAX_SUBJECTS = 64
+_REST = "others"
+
+
+class CellRefusals:
+    """Counts what is refused by its subject; strangers may have any number of names."""
+
+    def __init__(self, node: str, now: Callable[[], int]) -> None:
+        self._node = node
+        self._now = now
+        self._log_throttle = LogThrottle()
+        self._counts: Counter[str] = Counter()
+
+    def report(self, subject: str, reason: str) -> None:
+        """Tell that something was refused: what, and why."""
+        is_known = subject in self._counts or len(self._counts) < _MAX_SUBJECTS
+        key = subject if is_known else _REST
+        self._counts[key] += 1
+        if self._log_throttle.allows(key, self._now()):
+            log.warning("cell of %s: %s is refused: %s", self._node, subject, reason)
+
+    def status(self) -> Status:
+        """Return what was refused, for the diagnostics."""
+        total = self._counts.total()
+        message = f"{total} refusals" if total else "nothing was refused"
+        values = {subject: str(count) for subject, count in self._counts.items()}
+        return Status(WARN if total else OK, f"rtron: cell of {self._node}", message, values)
+
+
+class TopicSource(Protocol):
+    """Where a topic is taken from; see `Transport`."""
+
+    def subscribe(
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        on_connect: ConnectHandler,
+        on_lost: LostHandler = ignore_lost,
+        options: InputOptions = DEFAULT_INPUT,
+    ) -> None:
+        """Subscribe `topic` as `node`."""
+        ...
+
+
+class TopicRelay:
+    """Passes on the messages of the publishers that the manifest names, byte by byte.
+
+    What a publisher latches is latched on the other side, until it is gone.
+    """
+
+    def __init__(self, topic: CarriedTopic, output: Output, refusals: CellRefusals) -> None:
+        self._topic = topic
+        self._output = output
+        self._refusals = refusals
+
+    def open(self, source: TopicSource, node: str) -> None:
+        """Take the topic from a transport, as a node."""
+        options = InputOptions(publishers=self._topic.publishers, queue_size=_QUEUE_SIZE)
+        topic = self._topic
+        source.subscribe(node, topic.topic, topic.type, self._connect, self._lose, options)
+
+    def _connect(self, peer: Peer) -> MessageHandler | None:
+        name = self._topic.topic
+        subject = f"{printable(peer.node)} on {name}"
+        if not peer.verified or not any(matches_node(p, peer.node) for p in self._topic.publishers):
+            self._refusals.report(subject, "the manifest does not name it as a publisher")
+            return None
+        if not self._output.learn_type(peer.info):
+            self._refusals.report(subject, f"its type is {printable(peer.info.type)}")
+            return None
+        if peer.qos:
+            self._output.offer(peer.node, peer.qos)
+        publish, latched_by = self._output.publish, peer.node if peer.latching else None
+        return (lambda message: publish(message, latched_by)) if latched_by else publish
+
+    def _lose(self, peer: Peer) -> None:
+        if peer.latching:
+            self._output.clear_latched()

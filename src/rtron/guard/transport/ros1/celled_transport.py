@@ -1,0 +1,124 @@
+"""A transport for ROS 1 of which some topics are in cells, where only the guard reaches a node."""
+
+import socket
+from collections.abc import Sequence
+
+from rtron.guard.cell.access import CellAccess, CellNetwork
+from rtron.guard.cell.connection import CellConnection
+from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.transport.common.output_group import OutputGroup
+from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
+    ConnectHandler,
+    InputOptions,
+    LostHandler,
+    Output,
+    SubscriberProgress,
+    ignore_lost,
+)
+from rtron.guard.transport.ros1.middleware import Ros1Transport, TypedPublication
+from rtron.vocabulary import CellTopics, Plan, cell_topics
+
+CELL_HOST = "127.0.0.1"
+PUBLIC_PORT, PRIVATE_PORT = 11311, 11312
+"""Where the master of a cell listens: for its node, and for the guard."""
+PRIVATE_MASTER = f"http://{CELL_HOST}:{PRIVATE_PORT}/"
+
+Ros1Cell = CellConnection[Ros1Transport]
+
+
+def open_ros1_cell(loop: EventLoop, address: str, node: str, role: bytes) -> Ros1Cell:
+    """Return the cell of a node at a master; it need not be there yet."""
+    access = CellAccess(address, node)
+
+    def open_side(pool: list[socket.socket]) -> Ros1Transport:
+        return Ros1Transport(loop, PRIVATE_MASTER, CELL_HOST, network=CellNetwork(access, pool))
+
+    return CellConnection(loop, access, open_side, role=role)
+
+
+class CelledTransport(Ros1Transport):
+    """Publishes and subscribes in a cell what the plan's node there has a side in.
+
+    Where nodes outside share the topic, it is outside, too. All nodes, questions and answers of
+    this transport but `subscriber_progress` are those outside.
+    """
+
+    def __init__(
+        self, loop: EventLoop, master: str, plan: Plan, *, public: str, role: bytes
+    ) -> None:
+        super().__init__(loop, master, public=public)
+        self._cells: list[tuple[Ros1Cell, CellTopics]] = [
+            (open_ros1_cell(loop, public, node, role), cell_topics(plan, node))
+            for node in plan.cell
+        ]
+        self._inside: dict[str, list[tuple[Ros1Cell, TypedPublication]]] = {}
+
+    def advertise(
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        *,
+        queue_size: int = 100,
+        keep_all: bool = False,
+        successors: tuple[str, ...] = (),
+    ) -> Output:
+        """Publish `topic` as `node`; see `Transport`."""
+        cells = [cell for cell, topics in self._cells if topic in topics.subscribed]
+        outputs: list[Output] = [
+            self._advertise_inside(
+                cell,
+                TypedPublication(
+                    node, topic, type, self.now, queue_size=queue_size, successors=successors
+                ),
+            )
+            for cell in cells
+        ]
+        if not cells or self._is_shared(topic):
+            outside = super().advertise(
+                node, topic, type, queue_size=queue_size, keep_all=keep_all, successors=successors
+            )
+            outputs.append(outside)
+        return OutputGroup(outputs) if len(outputs) > 1 else outputs[0]
+
+    def subscribe(
+        self,
+        node: str,
+        topic: str,
+        type: str,
+        on_connect: ConnectHandler,
+        on_lost: LostHandler = ignore_lost,
+        options: InputOptions = DEFAULT_INPUT,
+    ) -> None:
+        """Subscribe `topic` as `node`; see `Transport`."""
+        arguments = (node, topic, type, on_connect, on_lost, options)
+        cells = [cell for cell, topics in self._cells if topic in topics.published]
+        for cell in cells:
+            cell.apply(lambda side: side.subscribe(*arguments))
+        if not cells or self._is_shared(topic):
+            super().subscribe(*arguments)
+
+    def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:
+        """Return how far each subscriber of a topic has come, in the cells or outside."""
+        inside = [
+            progress
+            for cell, publication in self._inside.get(topic, ())
+            if cell.side
+            for progress in cell.side.subscriber_progress(topic)
+        ]
+        return [*inside, *super().subscriber_progress(topic)]
+
+    def close(self) -> None:
+        """Leave the cells and the graph."""
+        for cell, _ in self._cells:
+            cell.close()
+        super().close()
+
+    def _advertise_inside(self, cell: Ros1Cell, publication: TypedPublication) -> Output:
+        self._inside.setdefault(publication.topic, []).append((cell, publication))
+        cell.apply(lambda side: side.add_publication(publication))
+        return publication
+
+    def _is_shared(self, topic: str) -> bool:
+        return any(topic in topics.shared for _, topics in self._cells)

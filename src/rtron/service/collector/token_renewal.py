@@ -1,0 +1,93 @@
+"""Guards get a new token before theirs is over, on the connection that they have."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Collection, Mapping
+from typing import Protocol
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from rtron.service.domain.errors import ConflictError
+
+log = logging.getLogger(__name__)
+
+_MAX_AT_A_TIME = 20
+"""So a fleet whose tokens were made on one day renews them one after the other."""
+_RETRY_AFTER_S = 3600.0
+
+
+class RenewableTokens(Protocol):
+    """The tokens of guards in the database; called in threads."""
+
+    def find_due(self, secrets: Collection[str]) -> Collection[str]:
+        """Return those of the tokens that are to be renewed."""
+
+    def renew(self, secret: str) -> str | None:
+        """Return the next secret of a token; None if the token is over.
+
+        ConflictError if it is being renewed already.
+        """
+
+    def promote(self, secret: str) -> None:
+        """Let a next secret replace the one before."""
+
+
+class TokenRenewal:
+    """Offers new tokens to the guards that take them, while it runs; used in the event loop."""
+
+    def __init__(self, tokens: RenewableTokens, interval_s: float) -> None:
+        self._tokens = tokens
+        self._interval_s = interval_s
+        self._connections: dict[object, tuple[str, Callable[[str], None]]] = {}
+        self._offered: dict[object, float] = {}
+
+    def add(self, connection: object, token: str, offer: Callable[[str], None]) -> None:
+        """Call `offer` with the next secret of a connection's token, when it is time."""
+        self._connections[connection] = token, offer
+
+    def remove(self, connection: object) -> None:
+        """Offer a connection nothing more."""
+        self._connections.pop(connection, None)
+        self._offered.pop(connection, None)
+
+    async def promote(self, secret: str) -> None:
+        """Let a next secret replace the one before: the guard has it on disk."""
+        await asyncio.to_thread(self._tokens.promote, secret)
+
+    async def run(self) -> None:
+        """Look for tokens that are soon over, until it is cancelled."""
+        while True:
+            try:
+                await self._renew_due()
+            except SQLAlchemyError as error:
+                log.warning("tokens are renewed later: %s", type(error).__name__)
+            await asyncio.sleep(self._interval_s)
+
+    async def _renew_due(self) -> None:
+        waiting = self._not_offered_lately()
+        if not waiting:
+            return
+        secrets = {token for token, _ in waiting.values()}
+        due = await asyncio.to_thread(self._tokens.find_due, secrets)
+        chosen = [each for each, (token, _) in waiting.items() if token in due]
+        for connection in chosen[:_MAX_AT_A_TIME]:
+            await self._renew(connection, *waiting[connection])
+
+    def _not_offered_lately(self) -> Mapping[object, tuple[str, Callable[[str], None]]]:
+        """Return the connections whose guard has not just failed to keep a new token."""
+        since = asyncio.get_running_loop().time() - _RETRY_AFTER_S
+        return {
+            connection: entry
+            for connection, entry in self._connections.items()
+            if self._offered.get(connection, since) <= since
+        }
+
+    async def _renew(self, connection: object, token: str, offer: Callable[[str], None]) -> None:
+        try:
+            renewed = await asyncio.to_thread(self._tokens.renew, token)
+        except ConflictError as error:
+            log.info("a guard's token is renewed later: %s", error)
+            return
+        if renewed is not None and connection in self._connections:
+            self._offered[connection] = asyncio.get_running_loop().time()
+            offer(renewed)

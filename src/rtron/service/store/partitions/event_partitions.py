@@ -1,0 +1,128 @@
+"""The partitions of PostgreSQL's table of events: made beforehand, dropped as a whole.
+
+A partition has a range of ids, which count up in the order of storing, so it is a span of time, by
+whatever clock. To begin the next one, the sequence of ids jumps to the begin of its range; the low
+half of an id goes on counting. Neither making nor dropping a partition makes a writer wait.
+"""
+
+import re
+from collections.abc import Sequence
+
+from sqlalchemy import Connection, text
+
+ID_BITS = 32
+"""So many low bits of an id are within its partition; JavaScript is exact up to 53 bits in all."""
+_SIZE = 1 << ID_BITS
+_RESERVE = 1 << 30
+_NAME = re.compile(r"events_p([0-9]+)")
+_CHILDREN = """SELECT child.relname FROM pg_inherits
+    JOIN pg_class child ON child.oid = inhrelid
+    WHERE inhparent = to_regclass('events') AND {condition} ORDER BY child.oid"""
+_LEFT_BEHIND = """SELECT relname FROM pg_class
+    WHERE relkind = 'r' AND NOT relispartition AND relname ~ '^events_p[0-9]+$'
+    AND relnamespace = (SELECT relnamespace FROM pg_class WHERE oid = to_regclass('events'))"""
+
+
+def partition_name(number: int) -> str:
+    """Return the table of a partition."""
+    return f"events_p{number}"
+
+
+def id_range(number: int) -> tuple[int, int]:
+    """Return the first id of a partition, and the first one behind it."""
+    return number << ID_BITS, (number + 1) << ID_BITS
+
+
+def stored_count(newest_id: int) -> int:
+    """Return how many events have been stored in all, or since that count began again."""
+    return newest_id % _SIZE
+
+
+def partition_numbers(connection: Connection) -> Sequence[int]:
+    """Return the partitions that there are, the oldest first."""
+    return sorted(map(_number, _names(connection, _CHILDREN.format(condition="TRUE"))))
+
+
+def current_partition(connection: Connection) -> int:
+    """Return the partition that new events go into."""
+    return _last_id(connection) >> ID_BITS
+
+
+def is_nearly_full(connection: Connection) -> bool:
+    """Tell whether the current partition has few ids left."""
+    return stored_count(_last_id(connection)) > _SIZE - _RESERVE
+
+
+def begin_partition(connection: Connection) -> int:
+    """Let new events go into the next partition; return it. Nobody else may do so meanwhile."""
+    number = current_partition(connection) + 1
+    begin, end = id_range(number)
+    if number not in partition_numbers(connection):
+        name = partition_name(number)
+        # One statement, so that a crash leaves all of it or nothing.
+        connection.exec_driver_sql(f"""DO $$ BEGIN
+            CREATE TABLE {name} (LIKE events INCLUDING DEFAULTS);
+            ALTER TABLE events ATTACH PARTITION {name} FOR VALUES FROM ({begin}) TO ({end});
+            END $$""")
+    count = stored_count(_last_id(connection))
+    first = begin + (count if count < _SIZE >> 1 else 0)
+    connection.execute(text("SELECT setval('events_id_seq', :first)"), {"first": first})
+    return number
+
+
+def drop_partition(connection: Connection, number: int) -> None:
+    """Drop a partition with all of its events."""
+    name = partition_name(number)
+    connection.exec_driver_sql(f"ALTER TABLE events DETACH PARTITION {name} CONCURRENTLY")
+    connection.exec_driver_sql(f"DROP TABLE {name}")
+
+
+def finish_dropping(connection: Connection) -> None:
+    """Do what is left of a drop that was cut off."""
+    for name in _names(connection, _CHILDREN.format(condition="inhdetachpending")):
+        connection.exec_driver_sql(f"ALTER TABLE events DETACH PARTITION {name} FINALIZE")
+    for name in _names(connection, _LEFT_BEHIND):
+        connection.exec_driver_sql(f"DROP TABLE {name}")
+
+
+def partition_bytes(connection: Connection, number: int) -> int:
+    """Return what a partition takes on disk, with its indexes."""
+    query = text("SELECT pg_total_relation_size(to_regclass(:name))")
+    return int(connection.scalar(query, {"name": partition_name(number)}) or 0)
+
+
+def event_count(connection: Connection, number: int) -> int:
+    """Return how many events were stored in a partition, by their ids."""
+    query = f"SELECT coalesce(max(id) - min(id) + 1, 0) FROM {partition_name(number)}"  # noqa: S608
+    return int(connection.exec_driver_sql(query).scalar_one())
+
+
+def newest_stored(connection: Connection, number: int) -> int | None:
+    """Return when the newest event of a partition was stored (ns); None if it has none."""
+    return _stored(connection, number, "DESC")
+
+
+def oldest_stored(connection: Connection, number: int) -> int | None:
+    """Return when the oldest event of a partition was stored (ns); None if it has none."""
+    return _stored(connection, number, "ASC")
+
+
+def _stored(connection: Connection, number: int, order: str) -> int | None:
+    query = f"SELECT stored FROM {partition_name(number)} ORDER BY id {order} LIMIT 1"  # noqa: S608
+    stored = connection.exec_driver_sql(query).scalar()
+    return None if stored is None else int(stored)
+
+
+def _last_id(connection: Connection) -> int:
+    return int(connection.exec_driver_sql("SELECT last_value FROM events_id_seq").scalar_one())
+
+
+def _names(connection: Connection, query: str) -> list[str]:
+    return [str(name) for name in connection.exec_driver_sql(query).scalars()]
+
+
+def _number(name: str) -> int:
+    match = _NAME.fullmatch(name)
+    if match is None:
+        raise ValueError(f"{name} is no partition of events")
+    return int(match[1])

@@ -1,0 +1,148 @@
+"""axe-core finds nothing serious in any view, in light, in dark and on a phone."""
+
+from importlib.resources import files
+from importlib.util import find_spec
+
+import pytest
+from asked_guard import AskedGuard
+from console_fleet import alarm, stored_fleet
+from incident_reports import NAME, a_report
+from leased_base import AGENT, NAV
+from leased_guard import LeasedGuard
+
+from rtron.wire.common.link_protocol import IncidentSaved
+
+pytestmark = pytest.mark.skipif(
+    find_spec("axe_core_python") is None, reason="needs axe-core: pip install axe-core-python"
+)
+ROBOT = (
+    "now",
+    "command",
+    "graph",
+    "risks",
+    "nodes",
+    "nodes/grcn_cmd_vel",
+    "nodes/rsrcn",
+    "nodes/msrcn",
+)
+ROBOT_VIEWS = [
+    f"robots/turtle1/{view}" for view in (*ROBOT, "rules", "events", "incidents", "settings")
+]
+SERVICE_VIEWS = [
+    "",
+    "shift",
+    "events",
+    "audit",
+    "users",
+    "tokens",
+    "webhooks",
+    "approvals",
+    "account",
+    "rollouts",
+    "rollouts/new",
+    "rollouts/1",
+    "incidents",
+    f"robots/turtle1/incidents/{NAME}",
+]
+RUN = """
+const done = arguments[arguments.length - 1];
+axe.run(document, { resultTypes: ["violations"] }).then((found) => done(found.violations
+  .filter((each) => ["serious", "critical"].includes(each.impact))
+  .map((each) => [each.id, each.nodes.map((node) => node.html.slice(0, 200))])),
+  (error) => done([String(error)]));
+"""
+
+
+@pytest.fixture(scope="module")
+def axe():
+    return (files("axe_core_python") / "axe.min.js").read_text(encoding="utf-8")
+
+
+def findings(page, axe):
+    page.browser.execute_script(axe)
+    return page.browser.execute_async_script(RUN)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_no_view_has_a_serious_finding(console, guard, page, axe, theme):
+    console.upload()
+    guard.attack()
+    guard.send(IncidentSaved(report=a_report()))
+    settings = {
+        "revision": 0,
+        "reason": "mine first",
+        "nodes": {"grcn_cmd_vel": {"policy": "Block"}},
+    }
+    assert console.call("PATCH", "/robots/turtle1/settings", json=settings).status_code == 200
+    rollout = {
+        "robots": {"names": ["turtle1"]},
+        "reason": "visitors",
+        "nodes": {"grcn_cmd_vel": {"policy": "FIFO_Queue"}},
+    }
+    assert console.call("POST", "/rollouts", json=rollout).status_code == 201
+    page.login()
+    page.browser.execute_script("document.documentElement.dataset.theme = arguments[0]", theme)
+    found = {}
+    for view in [*SERVICE_VIEWS, *ROBOT_VIEWS]:
+        page.go(view)
+        page.until(lambda: not page.all("[aria-busy]"), f"{view} is loaded")
+        if serious := findings(page, axe):
+            found[view] = serious
+    assert found == {}
+
+
+@pytest.mark.parametrize("width", [1440, 360])
+def test_who_is_in_command_has_no_serious_finding(console, page, axe, width):
+    headers = console.people.token_headers("turtle1", "guard", robot="turtle1")
+    leased = LeasedGuard(console.port, headers, every=0.5)
+    console.guards.append(leased)
+    leased.ask(NAV, "acquire a goal")
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+    page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.login("ada", "robots/turtle1/command")
+    page.wait_for_text("acquired: a goal")
+    assert findings(page, axe) == []
+    page.press(f"Give to {AGENT} …")
+    page.wait_for_text("loses it", "dialog")
+    assert findings(page, axe) == []
+
+
+@pytest.mark.parametrize("width", [1440, 360])
+def test_a_request_has_no_serious_finding(console, page, axe, width):
+    headers = console.people.token_headers("turtle1", "guard", robot="turtle1")
+    asked = AskedGuard(console.port, headers, every=0.5)
+    console.guards.append(asked)
+    asked.ask_person()
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+    page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.login("ada", "robots/turtle1/command")
+    page.wait_for_text("publish /goal")
+    assert findings(page, axe) == []
+    page.press("Approve request 1 …")
+    page.wait_for_text("exactly this once", "dialog")
+    assert findings(page, axe) == []
+
+
+@pytest.mark.parametrize("width", [1440, 360])
+def test_the_table_and_its_dialogs_have_no_serious_finding(console, page, axe, width):
+    fleet = stored_fleet(console.app.state.service, [f"robot{n}" for n in range(60)])
+    fleet.state("robot5", alarms=(alarm(),))
+    fleet.disconnect("robot6")
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+    page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.login()
+    page.wait_for_text("60 robots")
+    assert findings(page, axe) == []
+    page.press("Acknowledge 1 alarm …")
+    page.wait_for_text("Your name and the note", "dialog")
+    assert findings(page, axe) == []
+    page.press("Cancel", "dialog")
+    page.press("Emergency stop")
+    page.wait_for_text("Stop 60 robots", "dialog")
+    assert findings(page, axe) == []
+
+
+def test_the_login_has_no_serious_finding(console, page, axe):
+    page.browser.get(console.base)
+    page.find("main.login")
+    assert findings(page, axe) == []

@@ -1,0 +1,70 @@
+"""What the console asks of a slow line: requests, each a round trip, and bytes."""
+
+import pytest
+
+MOST_REQUESTS = 8
+MOST_BYTES = 70_000
+
+
+def loaded(page):
+    """Return the requests since the navigation, and the bytes that came for them."""
+    return page.browser.execute_script("""
+        const all = [...performance.getEntriesByType("navigation"),
+                     ...performance.getEntriesByType("resource")];
+        const size = all.reduce((sum, each) => sum + each.transferSize, 0);
+        return [all.map((each) => each.name), size];
+    """)
+
+
+@pytest.fixture
+def cold(page):
+    """A browser with nothing in its cache, in which somebody is logged in."""
+    page.login()
+    page.browser.get("about:blank")
+    page.browser.execute_cdp_cmd("Network.clearBrowserCache", {})
+    return page
+
+
+def test_all_robots_of_a_fleet_are_there_after_few_requests(console, fleet, cold):
+    cold.browser.get(console.base)
+    cold.wait_for_text("1,000 robots, 1,000 connected")
+    cold.until(lambda: not cold.all(".banner"))
+    requests, size = loaded(cold)
+    assert len(requests) <= MOST_REQUESTS, "\n".join(requests)
+    assert size <= MOST_BYTES
+
+
+def test_the_data_that_is_shown_first_is_asked_for_once_before_the_scripts_run(console, cold):
+    cold.browser.get(console.base)
+    cold.wait_for_text("No robot is known yet")
+    names = cold.browser.execute_script(
+        "return performance.getEntriesByType('resource')"
+        ".filter((each) => each.name.endsWith('/api/v1/me')).map((each) => each.initiatorType);"
+    )
+    assert names == ["link"]
+
+
+def test_what_comes_again_comes_from_the_cache(console, cold):
+    cold.browser.get(console.base)
+    cold.wait_for_text("No robot is known yet")
+    cold.browser.refresh()
+    cold.wait_for_text("No robot is known yet")
+    again = cold.browser.execute_script(
+        "return performance.getEntriesByType('resource')"
+        ".filter((each) => each.name.includes('/console/') && each.transferSize > 0)"
+        ".map((each) => each.name);"
+    )
+    assert again == []
+
+
+def test_libraries_for_one_view_come_with_that_view(console, guard, cold):
+    cold.browser.get(console.base)
+    cold.wait_for_text("turtle1")
+    scripts = "return [...document.scripts].map((each) => each.src.split('/').at(-1));"
+    assert cold.browser.execute_script(scripts) == ["theme.js", "main.js"]
+    cold.go("robots/turtle1/graph")
+    cold.find(".picture .press")
+    assert cold.browser.execute_script(scripts)[2:] == ["later.js", "dagre.min.js"]
+    cold.go("robots/turtle1/nodes/grcn_cmd_vel")
+    cold.find(".chart canvas")
+    assert "uplot.min.js" in cold.browser.execute_script(scripts)

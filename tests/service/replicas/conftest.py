@@ -1,0 +1,94 @@
+"""Two replicas on a PostgreSQL database, a person at each, and tokens for guards.
+
+What is of a module lasts as long as its tests; who kills replicas has `own_replicas`.
+"""
+
+from contextlib import contextmanager
+from itertools import count
+
+import pytest
+from replica_processes import Person, ReplicaProcess, SimulatedGuard, create_secret
+
+from rtron.service.store.database import Database
+
+_numbers = count(1)
+
+
+class Replicas(list):
+    """Running replicas and their database."""
+
+    def __init__(self, url, folder, *options):
+        names = "first", "second"
+        super().__init__(ReplicaProcess(folder, url, name, *options) for name in names)
+        self.url, self.database = url, Database(url)
+        scopes = "read", "admin", "developer", "end_user"
+        self.secret = create_secret(self.database, "person", *scopes)
+
+    def people(self):
+        """Return a person at each replica."""
+        return [Person(replica, self.secret) for replica in self]
+
+
+@contextmanager
+def running(url, folder, *options):
+    """Run two replicas until the end of the block."""
+    Database(url).close()
+    replicas = Replicas(url, folder, *options)
+    try:
+        for each in replicas:
+            each.wait_ready()
+        yield replicas
+    finally:
+        for each in replicas:
+            each.stop()
+        replicas.database.close()
+
+
+@pytest.fixture(scope="module")
+def replicas(postgresql, tmp_path_factory):
+    with running(postgresql.new_database(), tmp_path_factory.mktemp("replicas")) as started:
+        yield started
+
+
+@pytest.fixture
+def own_replicas(postgresql, tmp_path):
+    with running(postgresql.new_database(), tmp_path) as started:
+        yield started
+
+
+@pytest.fixture
+def balanced_replicas(postgresql, tmp_path):
+    """Run replicas that trust a balancer on this machine."""
+    with running(postgresql.new_database(), tmp_path, "--proxy", "127.0.0.1") as started:
+        yield started
+
+
+@pytest.fixture
+def people(replicas):
+    asking = replicas.people()
+    yield asking
+    for each in asking:
+        each.close()
+
+
+@pytest.fixture
+def car():
+    """Give the name of a robot that no other test has."""
+    return f"car{next(_numbers)}"
+
+
+@pytest.fixture
+def connect_guard():
+    """Connect guards of robots, each with the token of its robot."""
+    secrets, connected = {}, []
+
+    def connect(replicas, index, robot, **values):
+        key = replicas.url, robot
+        if key not in secrets:
+            secrets[key] = create_secret(replicas.database, robot, "guard", robot=robot)
+        connected.append(SimulatedGuard(replicas[index], robot, secrets[key], **values))
+        return connected[-1]
+
+    yield connect
+    for guard in connected:
+        guard.close()

@@ -1,0 +1,82 @@
+"""uvicorn in a thread of the tests: it begins and ends at once, where nobody is connected."""
+
+import asyncio
+import socket
+from contextlib import contextmanager
+from threading import Event, Thread
+
+import uvicorn
+from websockets.protocol import State
+
+LIMIT_S = 120
+_LOOK_S = 0.01
+
+
+class PromptServer(uvicorn.Server):
+    """A server that tells when it listens and is told when to end; uvicorn's looks each 0.1 s."""
+
+    def __init__(self, config):
+        super().__init__(config)
+        self._listens = Event()
+        self._loop = self._end = None
+
+    async def startup(self, sockets=None):
+        """Begin to listen, and say so."""
+        await super().startup(sockets)
+        self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()
+        self._listens.set()
+
+    async def main_loop(self):
+        """Serve until `stop`."""
+        await self.on_tick(0)
+        await self._end.wait()
+
+    async def shutdown(self, sockets=None):
+        """End; where somebody is connected, as uvicorn does, which waits for them."""
+        await asyncio.sleep(0)  # the loop sees who has just gone
+        while any(map(_is_closing, self.server_state.connections)):  # noqa: ASYNC110 - no event
+            await asyncio.sleep(_LOOK_S)
+        if self.server_state.connections or self.server_state.tasks:
+            await super().shutdown(sockets)
+            return
+        for each in (*self.servers, *sockets):
+            each.close()
+        await self.lifespan.shutdown()
+
+    def wait_until_listening(self):
+        """Wait until it listens."""
+        assert self._listens.wait(LIMIT_S), "the server does not listen"
+
+    def stop(self):
+        """Let it end."""
+        self._loop.call_soon_threadsafe(self._end.set)
+
+
+def _is_closing(connection):
+    """Tell whether a WebSocket says goodbye: uvicorn would fail where it says so once more."""
+    return getattr(getattr(connection, "conn", None), "state", None) is State.CLOSING
+
+
+def listening_socket():
+    """Return a socket on a free port; asyncio sends at once only on one that says it is TCP's."""
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    listening.bind(("127.0.0.1", 0))
+    listening.listen()
+    return listening
+
+
+@contextmanager
+def serve_app(app, options, limited=lambda listening: listening):
+    """Serve an app with options of uvicorn's until the end of the block; give its port."""
+    listening = limited(listening_socket())
+    port = listening.getsockname()[1]
+    server = PromptServer(uvicorn.Config(app, **{**options, "port": port}))
+    thread = Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)
+    thread.start()
+    server.wait_until_listening()
+    try:
+        yield port
+    finally:
+        server.stop()
+        thread.join(LIMIT_S)
+        assert not thread.is_alive()
