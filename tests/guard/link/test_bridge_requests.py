@@ -6,10 +6,12 @@ from threading import Event
 
 import pytest
 from approving_bridge import ApprovingBridge
+from cancelled_tasks import assert_ends_when_cancelled
 from harness import LIMIT_S
 from link_parts import Guard, Service, options, running_relay, serving
 
 from rtron.guard.link import bridge_requests
+from rtron.guard.link.bridge_requests import BridgeRequests
 from rtron.vocabulary import Settings
 from rtron.wire.common.link_protocol import (
     ApprovalCommand,
@@ -135,6 +137,11 @@ def test_a_service_that_takes_no_requests_gets_states_as_it_knows_them(scene):
     assert deltas
     assert not any("requests" in each.unchanged for each in deltas)
     assert {each.requests for each in scene.states()} == {None}
+
+
+def test_the_watch_ends_at_whatever_moment_a_connection_to_the_service_does():
+    """A guard that begins ends the connection, and the next one waits for the end of the watch."""
+    assert_ends_when_cancelled(lambda: BridgeRequests().watch("an app without a bridge"))
 
 
 def test_a_bridge_that_hangs_is_given_up(scene, monkeypatch):

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
+from cancelled_tasks import assert_ends_when_cancelled
 from guarded_drive import FAST
 from harness import wait_for
 from incident_reports import a_report
@@ -205,3 +206,20 @@ def test_a_service_of_before_gets_none(made):
     with serving(service), relaying(made, service) as relay:
         wait_for(lambda: relay._settings is not None, what="the settings")
         assert not relay._service._takes_incidents.is_set()
+
+
+def test_reports_end_with_the_connection_even_as_the_service_confirms_one(made):
+    """Who settles a report goes on to the next one: a lost end would keep both for ever."""
+    current = []
+
+    async def settle():
+        current[:] = [IncidentReports(made)]
+        while True:
+            await current[0].settle()
+            current[0]._is_stored.clear()
+
+    def confirm(step):
+        if step % 5 == 4:
+            current[0]._is_stored.set()
+
+    assert_ends_when_cancelled(settle, confirm)

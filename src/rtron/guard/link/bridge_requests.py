@@ -11,6 +11,7 @@ from pathlib import Path
 
 from rtron.errors import WireError
 from rtron.guard.core.control_socket import control_path
+from rtron.guard.system.time_limit import run_within
 from rtron.guard.system.unix_socket import peer_credentials
 from rtron.vocabulary import OpenRequests
 from rtron.wire.common.link_protocol import (
@@ -71,7 +72,7 @@ async def _list_requests(app: str) -> OpenRequests | None:
 
 async def _exchange(app: str, request: bytes) -> bytes:
     """Say a line to a bridge of this user; return the line that it answers. OSError if none."""
-    return await asyncio.wait_for(_ask(bridge_link_path(app), request + b"\n"), _TIMEOUT_S)
+    return await run_within(_ask(bridge_link_path(app), request + b"\n"), _TIMEOUT_S)
 
 
 async def _ask(path: Path, line: bytes) -> bytes:

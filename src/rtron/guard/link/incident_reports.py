@@ -13,6 +13,7 @@ from contextlib import suppress
 from rtron.errors import WireError
 from rtron.guard.link.options import INCIDENTS, LinkOptions
 from rtron.guard.system.durable_file import replace_file
+from rtron.guard.system.time_limit import run_within
 from rtron.wire.common.link_protocol import IncidentSaved, decode_from_guard, encode_incident
 
 log = logging.getLogger(__name__)
@@ -58,7 +59,7 @@ class IncidentReports:
     async def settle(self) -> None:
         """Wait for the answer to what was sent; what is never answered is given up."""
         with suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(self._is_stored.wait(), _ANSWER_S)
+            await run_within(self._is_stored.wait(), _ANSWER_S)
         self._attempts += 1
         if self._message and (self._is_stored.is_set() or self._attempts >= _MAX_ATTEMPTS):
             name = self._message[0]
@@ -96,7 +97,7 @@ class IncidentReports:
         except OSError as error:
             return b"", str(error)
         try:
-            output, errors = await asyncio.wait_for(process.communicate(), _REPORT_S)
+            output, errors = await run_within(process.communicate(), _REPORT_S)
         except asyncio.TimeoutError:
             return b"", f"it takes more than {_REPORT_S:g} s"
         finally:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from rtron.errors import InputError, RTronError, SourceError
 from rtron.guard.link.plan_folder import PlanFolder
+from rtron.guard.system.time_limit import run_within
 from rtron.vocabulary import Plan, Settings
 from rtron.wire.common.link_protocol import Applied, PlanRequest, plan_document_digest
 
@@ -124,7 +125,7 @@ class PlanIntake:
         if plan != self._guard_plan:
             self._has_hello.clear()
             put_in_force(plan)
-            await asyncio.wait_for(self._has_hello.wait(), _START_S)
+            await run_within(self._has_hello.wait(), _START_S)
             await asyncio.sleep(self._proof_s)
         if plan != self._guard_plan:
             raise InputError("the guard does not run with the plan; the former one is in force")
@@ -135,7 +136,7 @@ class PlanIntake:
             self._documents.get_nowait()
         self._send(PlanRequest(digest=digest))
         try:
-            text = await asyncio.wait_for(self._documents.get(), FETCH_S)
+            text = await run_within(self._documents.get(), FETCH_S)
         except asyncio.TimeoutError:
             raise SourceError(f"the service has not sent the plan for {FETCH_S:.0f} s") from None
         if plan_document_digest(text) != digest:

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable, Collection
 from contextlib import suppress
 
+from anyio import move_on_after
 from sqlalchemy.exc import SQLAlchemyError
 
 FindValidTokens = Callable[[Collection[str]], Collection[str]]
@@ -38,8 +39,8 @@ class TokenWatch:
         """Look the tokens up until it is cancelled: a token ends, or another process revokes it."""
         self._loop = asyncio.get_running_loop()
         while True:
-            with suppress(asyncio.TimeoutError):
-                await asyncio.wait_for(self._is_due.wait(), self._interval_s)
+            with move_on_after(self._interval_s):
+                await self._is_due.wait()
             self._is_due.clear()
             with suppress(SQLAlchemyError):  # it is away: no reason to leave a guard alone
                 await self._check()
