@@ -20,7 +20,8 @@ class WorkerPool:
     """Processes that work on one workspace, one a core at most, started with the first task.
 
     Forked ones have what this one has loaded and read; only a process without other threads can
-    fork, since those might hold a lock. Without a `start_method` that decides.
+    fork, since those might hold a lock. One with threads starts a server without any, once, which
+    has loaded the code and forks for it. Without a `start_method` that decides.
     """
 
     workspace: Workspace
@@ -74,10 +75,12 @@ class WorkerPool:
     def _start_executor(self, workers: int) -> ProcessPoolExecutor:
         if self._executor is None:
             method = self.start_method or _safe_start_method()
+            context = get_context(method)
+            context.set_forkserver_preload([run_in_worker.__module__])
             fresh = Workspace(self.workspace.packages, self.workspace.folders)
             self._executor = ProcessPoolExecutor(
                 max_workers=max(1, workers),
-                mp_context=get_context(method),
+                mp_context=context,
                 initializer=start_worker,
                 initargs=(self.workspace if method == "fork" else fresh,),
             )
@@ -86,8 +89,9 @@ class WorkerPool:
 
 def _safe_start_method() -> str:
     """Return how a process starts that needs nothing but what is here (`multiprocessing`)."""
-    can_fork = sys.platform == "linux" and threading.active_count() == 1
-    return "fork" if can_fork else "spawn"
+    if sys.platform != "linux":
+        return "spawn"
+    return "fork" if threading.active_count() == 1 else "forkserver"
 
 
 def _result_or_none(future: "Future[TaskResult]") -> TaskResult | None:
