@@ -36,14 +36,29 @@ class WaitTimeoutError(AssertionError):
     """What was waited for did not come."""
 
 
-def wait_for(condition, limit_s=LIMIT_S, what="the condition"):
-    """Return what `condition()` gives once it is true; the only place that waits."""
-    deadline, pause = time.monotonic() + limit_s, threading.Event()
+def wait_for(condition, limit_s=LIMIT_S, what="the condition", show=None):
+    """Return what `condition()` gives once it is true; `show()` is what is there if it never is."""
+    limit, pause = WaitLimit(what, limit_s), threading.Event()
     while not (found := condition()):
-        if time.monotonic() > deadline:
-            raise WaitTimeoutError(f"{what}: not within {limit_s:g} s{_last_words()}")
+        limit.check(show or (lambda there=found: there))
         pause.wait(_PAUSE_S)
     return found
+
+
+class WaitLimit:
+    """A limit on a wait that has a loop to turn meanwhile; all others are a `wait_for`."""
+
+    def __init__(self, what="the condition", limit_s=LIMIT_S):
+        self._what, self._limit_s = what, limit_s
+        self._deadline = time.monotonic() + limit_s
+
+    def check(self, show=lambda: None):
+        """Raise WaitTimeoutError once the limit is over: what did not come, and what was there."""
+        if time.monotonic() <= self._deadline:
+            return
+        there = show()
+        seen = "" if there is None or there is False else f", there was {there!r}"
+        raise WaitTimeoutError(f"{self._what}: not within {self._limit_s:g} s{seen}{_last_words()}")
 
 
 def _last_words():

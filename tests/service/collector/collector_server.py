@@ -28,14 +28,6 @@ from rtron.wire.common.link_protocol import (
 TOKENS = {"secret-one": "one", "secret-two": "two"}
 
 
-def wait_until(condition):
-    """Wait until something holds."""
-    deadline = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline, "it did not come"
-        time.sleep(0.005)
-
-
 class FakeController:
     """Says what to put in force, and remembers what it was told."""
 

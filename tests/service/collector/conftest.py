@@ -1,9 +1,14 @@
 """A served collector on each kind of database."""
 
+from contextlib import ExitStack
+
 import pytest
 from collector_server import CollectorServer
 
 from rtron.service.store.database import Database
+
+FOR_EVER = dict.fromkeys(("hello", "silence", "sending", "token"), 3600.0)
+"""A peer that the machine keeps waiting is not late: only what a test is about is short."""
 
 
 @pytest.fixture
@@ -14,14 +19,17 @@ def world(database):
 
 
 @pytest.fixture
-def short_timeouts(database_file):
-    """Serve a collector that waits for nobody."""
-    database = Database(database_file)
-    with CollectorServer(
-        database, hello=0.2, silence=0.4, sending=0.3, token=0.1
-    ).serving() as served:
-        yield served
-    database.close()
+def serve(database_file):
+    """Return what serves a collector that waits for ever but for the timeouts (s) it is given."""
+    with ExitStack() as stack:
+        database = Database(database_file)
+        stack.callback(database.close)
+
+        def begin(**timeouts):
+            server = CollectorServer(database, **{**FOR_EVER, **timeouts})
+            return stack.enter_context(server.serving())
+
+        yield begin
 
 
 @pytest.fixture

@@ -12,9 +12,9 @@ from collector_server import (
     receive_message,
     send_events,
     send_message,
-    wait_until,
 )
 from failing_database import read_only
+from harness import wait_for
 from pydantic import TypeAdapter
 from sqlalchemy import text
 from sqlalchemy.exc import OperationalError
@@ -140,7 +140,7 @@ def test_settings_are_given_and_answered(small):
         assert receive_message(socket).settings == Settings(revision=7)
         assert small.hub.is_dry_run("one")
         send_message(socket, Applied(revision=7, error="no"))
-        wait_until(lambda: small.controller.answers)
+        wait_for(lambda: small.controller.answers)
     assert small.controller.answers == [("one", Applied(revision=7, error="no"))]
     assert small.controller.hellos[0][0] == "one"
 
@@ -183,7 +183,7 @@ def test_of_many_states_the_newest_are_told(small):
     with small.guard() as socket:
         for at in range(1, 51):
             send_message(socket, StateReport(state=GuardState(at=at, revision=1)))
-        wait_until(lambda: told and told[-1] == 50)
+        wait_for(lambda: told and told[-1] == 50)
         assert told[0] == 1
         assert len(told) < 25
 
@@ -204,7 +204,7 @@ def test_a_state_is_bounded(small, more):
         if more:
             assert closed(socket) == CloseCode.TOO_BIG
         else:
-            wait_until(lambda: small.hub.state("one"))
+            wait_for(lambda: small.hub.state("one"))
 
 
 def test_a_guard_gets_its_settings_though_nothing_can_be_written(tmp_path):
@@ -241,15 +241,16 @@ def test_a_guard_gets_its_settings_though_nothing_can_be_written(tmp_path):
     database.close()
 
 
-def test_a_token_that_cannot_be_looked_up_ends_nothing(short_timeouts):
+def test_a_token_that_cannot_be_looked_up_ends_nothing(serve):
     looked = Event()
 
     def away(_token):
         looked.set()
         raise OperationalError("", None, Exception())
 
-    with short_timeouts.guard() as socket:
-        object.__setattr__(short_timeouts.collector.token_watch, "_find_valid", away)
+    server = serve(token=0.1)
+    with server.guard() as socket:
+        object.__setattr__(server.collector.token_watch, "_find_valid", away)
         assert looked.wait(LIMIT_S)
         assert send_events(socket, events(1, 1)) == ("run", 1)
 
@@ -259,9 +260,9 @@ def test_the_state_is_live_until_the_guard_goes(small):
         assert small.hub.is_connected("one")
         assert small.hub.state("one") is None
         send_message(socket, StateReport(state=GuardState(at=5, revision=3)))
-        wait_until(lambda: small.hub.state("one"))
+        wait_for(lambda: small.hub.state("one"))
         assert small.hub.state("one").revision == 3
-    wait_until(lambda: not small.hub.is_connected("one"))
+    wait_for(lambda: not small.hub.is_connected("one"))
     assert small.hub.state("one") is None
 
 
@@ -298,7 +299,7 @@ def test_what_is_no_message_ends_the_connection(small, frame):
         socket.send(frame)
         assert closed(socket) == CloseCode.MALFORMED
         assert send_events(other, events(1, 3)) == ("run", 3)
-    wait_until(lambda: not small.hub.is_connected("one"))
+    wait_for(lambda: not small.hub.is_connected("one"))
     assert small.tally.protocol_violations == 1
 
 
@@ -350,7 +351,7 @@ def test_a_guard_that_the_controller_refuses(small):
     with small.connect() as socket:
         send_message(socket, hello())
         assert closed(socket) == CloseCode.REFUSED
-    wait_until(lambda: not small.hub.is_connected("one"))
+    wait_for(lambda: not small.hub.is_connected("one"))
 
 
 def test_a_failure_of_the_controller_ends_that_connection_only(small, caplog):
@@ -369,7 +370,7 @@ def test_a_state_goes_on_with_what_differs(small):
         after = replace(before, at=6, streams=(_stream("/a", ""), _stream("/b", "flow1")))
         send_message(socket, StateReport(state=before))
         send_message(socket, state_delta(before, after))
-        wait_until(lambda: small.hub.state("one") == after)
+        wait_for(lambda: small.hub.state("one") == after)
 
 
 @pytest.mark.parametrize("is_first", [True, False])
@@ -399,18 +400,25 @@ def _stream(topic, owner):
     return StreamState(topic=topic, nodes=(), mode=Mode.ENFORCE, owner=owner)
 
 
-def test_who_says_nothing_is_dropped(short_timeouts):
-    with short_timeouts.connect() as socket:
+def test_who_says_no_hello_is_dropped(serve):
+    server = serve(hello=0.2)
+    with server.connect() as socket:
         assert closed(socket) == CloseCode.TOO_SLOW
-    with short_timeouts.guard() as socket:
-        assert closed(socket) == CloseCode.TOO_SLOW
-    wait_until(lambda: not short_timeouts.hub.is_connected("one"))
-    assert short_timeouts.tally.slow_connections == 2
+    wait_for(lambda: server.tally.slow_connections == 1, what="the count")
 
 
-def test_a_token_that_is_revoked_ends_its_connection(short_timeouts):
-    with short_timeouts.guard() as socket:
-        del short_timeouts.tokens["secret-one"]
+def test_who_says_nothing_after_the_hello_is_dropped(serve):
+    server = serve(silence=0.2)
+    with server.guard() as socket:
+        assert closed(socket) == CloseCode.TOO_SLOW
+    wait_for(lambda: not server.hub.is_connected("one"), what="the end of the connection")
+    wait_for(lambda: server.tally.slow_connections == 1, what="the count")
+
+
+def test_a_token_that_is_revoked_ends_its_connection(serve):
+    server = serve(token=0.1)
+    with server.guard() as socket:
+        del server.tokens["secret-one"]
         assert closed(socket) == CloseCode.NO_TOKEN
 
 
@@ -421,7 +429,7 @@ def test_who_does_not_read_is_dropped(tmp_path):
         world.connect(max_queue=1) as socket,
     ):
         send_message(socket, hello())
-        wait_until(lambda: world.hub.is_connected("one"))
+        wait_for(lambda: world.hub.is_connected("one"))
         revision = 1
         reason = {"by": "x", "reason": "y" * 1_000_000, "at": 1}
         while world.hub.is_connected("one"):
@@ -429,7 +437,7 @@ def test_who_does_not_read_is_dropped(tmp_path):
             stop = {"revision": revision, "stop": reason}
             world.hub.push("one", _settings(stop))
             assert revision < 100_000
-        wait_until(lambda: world.tally.slow_connections == 1)
+        wait_for(lambda: world.tally.slow_connections == 1)
     database.close()
 
 
@@ -497,7 +505,7 @@ def test_who_listens_hears_what_is_live(small):
         send_events(socket, [event(1, reason="once")])
         send_events(socket, [event(1, reason="once")])
         send_message(socket, StateReport(state=GuardState(at=5, revision=3)))
-        wait_until(lambda: small.hub.state("one"))
+        wait_for(lambda: small.hub.state("one"))
     thread.join(LIMIT_S)
     assert [live["type"] for live in heard] == ["connection", "event", "state", "connection"]
     assert heard[1]["event"]["reason"] == "once"

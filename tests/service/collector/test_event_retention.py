@@ -1,7 +1,8 @@
 """The service deletes old events: a chain whose beginning somebody deleted is an alarm, once."""
 
 import pytest
-from collector_server import CollectorServer, wait_until
+from collector_server import CollectorServer
+from harness import wait_for
 from sqlalchemy import delete, select
 from store_data import age_partitions, make_verdict, new_robot, store_events
 
@@ -44,7 +45,7 @@ def test_a_deleted_beginning_is_an_alarm_an_event_and_a_line(database, robot):
         tally = server.tally
         server.hub.add_listener(live, states=False)
         with server.serving():
-            wait_until(lambda t=tally: t.stored_events + t.duplicate_events)
+            wait_for(lambda t=tally: t.stored_events + t.duplicate_events)
         assert (tally.stored_events, tally.pruned_events) == (2 - start, 0)
     (event,) = stored(database, EventRow, EventRow.kind == "alarm")
     reason = f"the service's log was changed: in events:one {FAULT}"
@@ -63,6 +64,6 @@ def test_a_chain_in_order_is_no_alarm(database):
     age_partitions(database)
     server = CollectorServer(database)
     with server.serving():
-        wait_until(lambda: server.tally.pruned_events == 1)
+        wait_for(lambda: server.tally.pruned_events == 1)
     assert stored(database, AuditRow) == []
     assert stored(database, EventRow) == []

@@ -1,8 +1,9 @@
 """A guard brings heads of the log: what the log does not contain is told, and nothing else."""
 
 import pytest
-from collector_server import hello, receive_message, send_message, wait_until
+from collector_server import hello, receive_message, send_message
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+from harness import wait_for
 from service_app import SIGNER
 from sqlalchemy import select, update
 from store_data import make_verdict, store_events
@@ -64,7 +65,7 @@ def test_heads_that_are_in_the_log_raise_nothing(world, held):
     with world.guard(held_heads=(held, held)) as guard:
         checked(world)
         tell_state(guard)
-        wait_until(lambda: world.hub.state("one"))
+        wait_for(lambda: world.hub.state("one"))
         assert alarms(world) == []
     assert len(stored(world, EventRow)) == 1
 
@@ -74,11 +75,11 @@ def test_a_head_that_is_not_in_the_log_is_an_alarm_an_event_and_a_line(world, he
     for _ in range(2):
         with world.guard(held_heads=(held,)) as guard:
             tell_state(guard)
-            wait_until(lambda: alarms(world) == [REASON])
+            wait_for(lambda: alarms(world) == [REASON])
             tell_state(guard)
-            wait_until(lambda: len(stored(world, EventRow)) == 2)
+            wait_for(lambda: len(stored(world, EventRow)) == 2)
             assert world.hub.state("one").alarms[0].kind is AlarmKind.AUDIT_LOG
-        wait_until(lambda: not world.hub.is_connected("one"))
+        wait_for(lambda: not world.hub.is_connected("one"))
     (event,) = stored(world, EventRow, EventRow.kind == "alarm")
     assert (event.level, event.reason) == ("error", REASON)
     (line,) = stored(world, AuditRow, AuditRow.action == "heads")
@@ -90,7 +91,7 @@ def test_a_head_of_another_key_is_compared_too(world, held):
     forged = other.sign_heads(1, {"service": Head(7, "a" * 64)})
     with world.guard(held_heads=(forged,)) as guard:
         tell_state(guard)
-        wait_until(lambda: stored(world, EventRow, EventRow.kind == "alarm"))
+        wait_for(lambda: stored(world, EventRow, EventRow.kind == "alarm"))
     (reason,) = [event.reason for event in stored(world, EventRow, EventRow.kind == "alarm")]
     assert "entries 2 to 7 are missing" in reason
     assert "(as a head tells, but it is signed with another key)" in reason
@@ -101,7 +102,7 @@ def test_heads_of_other_robots_are_not_asked_for(world, held):
     with world.guard(held_heads=(document,)) as guard:
         checked(world)
         tell_state(guard)
-        wait_until(lambda: world.hub.state("one"))
+        wait_for(lambda: world.hub.state("one"))
         assert alarms(world) == []
 
 
@@ -112,7 +113,7 @@ def test_odd_heads_harm_nothing(small, odd):
     with small.guard(held_heads=(odd,)) as guard:
         checked(small)
         tell_state(guard)
-        wait_until(lambda: small.hub.state("one"))
+        wait_for(lambda: small.hub.state("one"))
         assert alarms(small) == []
 
 

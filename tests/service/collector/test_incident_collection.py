@@ -3,8 +3,9 @@
 import json
 
 import pytest
-from collector_server import hello, receive_message, send_message, wait_until
+from collector_server import hello, receive_message, send_message
 from failing_database import read_only
+from harness import wait_for
 from incident_reports import a_report
 from websockets.exceptions import ConnectionClosed
 
@@ -149,7 +150,7 @@ def test_what_cannot_be_stored_is_not_answered_and_may_come_again(small, quick, 
     with small.guard() as socket:
         with read_only(small.collector.database):
             send_message(socket, IncidentSaved(report=a_report()))
-            wait_until(lambda: "an incident is not stored" in caplog.text)
+            wait_for(lambda: "an incident is not stored" in caplog.text)
         send_message(socket, IncidentSaved(report=a_report(SECOND_NAME)))
         assert receive_message(socket) == IncidentStored(name=SECOND_NAME)
         send_message(socket, IncidentSaved(report=a_report()))

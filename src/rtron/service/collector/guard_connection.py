@@ -203,6 +203,8 @@ class GuardConnection:
                 CloseCode.TOO_MUCH, "a guard says hello once on a connection"
             )
         self._has_hello = True
+        self._silence.cancel()
+        self._watch_silence()
         self._check_hello(hello)
         self._takes_heads, self._takes_refusals = hello.takes_audit_heads, hello.takes_refusals
         self._commands.understood = understood_commands(hello)
