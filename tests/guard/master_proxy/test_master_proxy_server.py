@@ -7,7 +7,7 @@ import threading
 from xmlrpc.client import ServerProxy, dumps
 
 import pytest
-from harness import wait_for
+from harness import LIMIT_S, wait_for
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from masters import Master, http_post, raw, running_proxy, serving
@@ -15,7 +15,7 @@ from plans import grcn, plan_of
 
 from example_budget import examples
 from rtron.errors import RTronError, WireError
-from rtron.guard.master_proxy import server
+from rtron.guard.master_proxy import server, upstream
 from rtron.guard.master_proxy.access_rules import denial_reason
 from rtron.guard.master_proxy.server import MAX_CLIENTS, decode_calls
 from rtron.vocabulary.topic_access import list_topic_access
@@ -23,6 +23,7 @@ from rtron.wire.ros1.xmlrpc import call, decode_call, ros_call
 
 TOPICS = list_topic_access(plan_of(grcn("/cmd_vel", ["/nav"], ["/driver"])))
 OUT, TYPE, URI = "/rtron/cmd_vel/out", "geometry_msgs/Twist", "http://localhost:9/"
+NEVER_S = 3600.0
 GET_PID = dumps(("/x",), "getPid").encode()
 
 
@@ -68,7 +69,7 @@ def master(shared, public):
     ],
 )
 def test_a_value_arrives_as_it_was_sent(public, master, value):
-    answer = ros_call(public, "setParam", "/x", "/key", value, timeout=10)
+    answer = ros_call(public, "setParam", "/x", "/key", value, timeout=LIMIT_S)
     assert answer[2] == value
     assert [method for method, _ in master.asked] == ["setParam"]
 
@@ -82,21 +83,21 @@ def test_what_is_forbidden_never_reaches_the_master(public, master):
         ("system.multicall", ([{"methodName": "shutdown", "params": ["/x", ""]}],)),
         ("system.multicall", ([{"methodName": "system.multicall", "params": [[]]}],)),
     ):
-        answer = call(public, method, *params, timeout=5)
+        answer = call(public, method, *params, timeout=LIMIT_S)
         code, message, _ = answer[0][0] if method == "system.multicall" else answer
         assert (code, message[:23]) == (-1, "refused by rtron master")
     assert master.asked == []
 
 
 def test_publishers_are_told_no_addresses_and_callers_the_public_one(public):
-    answer = call(public, "registerPublisher", "/x", "/chatter", "*", URI, timeout=5)
+    answer = call(public, "registerPublisher", "/x", "/chatter", "*", URI, timeout=LIMIT_S)
     assert answer == [1, "registerPublisher", []]
-    assert call(public, "getUri", "/x", timeout=5) == [1, "", "http://public:11311/"]
+    assert call(public, "getUri", "/x", timeout=LIMIT_S) == [1, "", "http://public:11311/"]
 
 
 def test_a_bundle_of_what_is_allowed_goes_on_as_one(public, master):
     bundle = [{"methodName": "getParam", "params": ["/x", f"/{n}"]} for n in range(500)]
-    answers = call(public, "system.multicall", bundle, timeout=10)
+    answers = call(public, "system.multicall", bundle, timeout=LIMIT_S)
     assert [answer[0][2][1] for answer in answers] == [f"/{n}" for n in range(500)]
     assert master.asked[0] == ("system.multicall", (bundle,))
 
@@ -104,7 +105,7 @@ def test_a_bundle_of_what_is_allowed_goes_on_as_one(public, master):
 def test_a_bundle_with_a_forbidden_call_is_taken_apart(public, master):
     bundle = [{"methodName": "getParam", "params": ["/x", f"/{n}"]} for n in range(500)]
     bundle[250] = {"methodName": "unregisterPublisher", "params": ["/rtron_guard", "/a", URI]}
-    answers = call(public, "system.multicall", bundle, timeout=10)
+    answers = call(public, "system.multicall", bundle, timeout=LIMIT_S)
     assert [answer[0][0] for answer in answers].count(-1) == 1
     assert answers[250][0][0] == -1
     assert [params[1] for _, params in master.asked] == [f"/{n}" for n in range(500) if n != 250]
@@ -127,7 +128,7 @@ bundled = st.one_of(
 def test_bundled_calls_fare_as_they_would_alone(public, master, calls):
     master.asked.clear()
     bundle = [{"methodName": method, "params": params} for method, params in calls]
-    answers = call(public, "system.multicall", bundle, timeout=10)
+    answers = call(public, "system.multicall", bundle, timeout=LIMIT_S)
     expected = [bool(denial_reason(TOPICS, *each)) for each in calls]
     assert [answer[0][1].startswith("refused") for answer in answers] == expected
     for method, params in master.asked:
@@ -151,7 +152,7 @@ def test_bundled_calls_fare_as_they_would_alone(public, master, calls):
 )
 def test_a_bundle_that_is_none_is_closed(public, master, bundle):
     with pytest.raises(RTronError):
-        call(public, "system.multicall", bundle, timeout=5)
+        call(public, "system.multicall", bundle, timeout=LIMIT_S)
     assert master.asked == []
 
 
@@ -178,7 +179,7 @@ def test_what_is_no_call_is_closed_and_harms_nobody(public, master, data):
     with contextlib.suppress(OSError):
         raw(public, data)
     assert master.asked == []
-    assert ros_call(public, "getPid", "/x", timeout=5) == ["/x"]
+    assert ros_call(public, "getPid", "/x", timeout=LIMIT_S) == ["/x"]
 
 
 def test_a_body_over_the_bound_is_closed(public, master):
@@ -186,7 +187,7 @@ def test_a_body_over_the_bound_is_closed(public, master):
     with pytest.raises(OSError):  # noqa: PT012 - wherever it notices
         raw(public, head + b"a" * 17_000_000)
         raise ConnectionError("closed without a word")
-    assert ros_call(public, "getPid", "/x", timeout=5) == ["/x"]
+    assert ros_call(public, "getPid", "/x", timeout=LIMIT_S) == ["/x"]
 
 
 def test_two_calls_at_once_on_one_connection_are_answered_in_order(public):
@@ -234,35 +235,59 @@ def test_callers_that_say_nothing_delay_nobody(public):
     with contextlib.ExitStack() as silent:
         port = int(public.rstrip("/").rpartition(":")[2])
         for number in range(200):
-            sock = silent.enter_context(socket.create_connection(("127.0.0.1", port), 5))
+            sock = silent.enter_context(socket.create_connection(("127.0.0.1", port), LIMIT_S))
             sock.sendall(http_post(GET_PID)[: number % 60])
-        assert ros_call(public, "getPid", "/x", timeout=5) == ["/x"]
+        assert ros_call(public, "getPid", "/x", timeout=LIMIT_S) == ["/x"]
 
 
 def test_of_too_many_callers_the_one_silent_longest_is_let_go(public):
     port = int(public.rstrip("/").rpartition(":")[2])
     with contextlib.ExitStack() as silent:
-        first = silent.enter_context(socket.create_connection(("127.0.0.1", port), 5))
+        first = silent.enter_context(socket.create_connection(("127.0.0.1", port), LIMIT_S))
         for _ in range(MAX_CLIENTS):
-            silent.enter_context(socket.create_connection(("127.0.0.1", port), 5))
+            silent.enter_context(socket.create_connection(("127.0.0.1", port), LIMIT_S))
         assert first.recv(1) == b""
-        assert ros_call(public, "getPid", "/x", timeout=5) == ["/x"]
+        assert ros_call(public, "getPid", "/x", timeout=LIMIT_S) == ["/x"]
 
 
-def test_a_master_that_hangs_delays_only_who_asks_it():
+@contextlib.contextmanager
+def accept_call(listening, method):
+    """Take a call of a method and leave it without an answer until the end of the block."""
+    listening.settimeout(LIMIT_S)
+    with contextlib.ExitStack() as connections:
+        request = b""
+        while method not in request:
+            connection = connections.enter_context(listening.accept()[0])
+            connection.settimeout(LIMIT_S)
+            request = connection.recv(1 << 16)
+        yield
+
+
+def test_a_master_that_hangs_delays_only_who_asks_it(monkeypatch):
+    monkeypatch.setattr(upstream, "TIMEOUT_S", NEVER_S)
+    answers = []
     with socket.create_server(("127.0.0.1", 0)) as hanging:
         private = f"http://127.0.0.1:{hanging.getsockname()[1]}/"
         with running_proxy(TOPICS, private) as public:
-            answers = []
             asks = threading.Thread(
-                target=lambda: answers.append(call(public, "getPid", "/x", timeout=30))
+                target=lambda: answers.append(call(public, "getPid", "/x", timeout=LIMIT_S))
             )
             asks.start()
-            for _ in range(20):
-                assert call(public, "lookupNode", "/x", "/driver", timeout=30)[0] == -1
-            assert asks.is_alive()
+            with accept_call(hanging, b"getPid"):
+                for _ in range(20):
+                    assert call(public, "lookupNode", "/x", "/driver", timeout=LIMIT_S)[0] == -1
+                assert asks.is_alive()
             asks.join()
     assert answers == [[-1, "the master behind the proxy does not answer", -1]]
+
+
+def test_who_asks_a_master_that_hangs_is_answered_in_the_end(monkeypatch):
+    monkeypatch.setattr(upstream, "TIMEOUT_S", 0.2)
+    with socket.create_server(("127.0.0.1", 0)) as hanging:
+        private = f"http://127.0.0.1:{hanging.getsockname()[1]}/"
+        with running_proxy(TOPICS, private) as public:
+            answer = call(public, "getPid", "/x", timeout=LIMIT_S)
+    assert answer == [-1, "the master behind the proxy does not answer", -1]
 
 
 @pytest.mark.parametrize(
@@ -281,7 +306,7 @@ def test_a_master_that_says_no_sense_is_an_error(said):
         thread = threading.Thread(target=answer)
         thread.start()
         with running_proxy((), f"http://127.0.0.1:{broken.getsockname()[1]}/") as public:
-            assert call(public, "getPid", "/x", timeout=5)[0] == -1
+            assert call(public, "getPid", "/x", timeout=LIMIT_S)[0] == -1
         thread.join()
 
 
@@ -293,10 +318,10 @@ def test_too_many_long_calls_at_once_are_closed_and_short_ones_answered(
     port = int(public.rstrip("/").rpartition(":")[2])
     long = http_post(dumps(("/x", "/long", ["z"] * 20_000), "setParam").encode())
     for _ in range(3):
-        with socket.create_connection(("127.0.0.1", port), 60) as sock:
+        with socket.create_connection(("127.0.0.1", port), LIMIT_S) as sock:
             sock.sendall(long)
             assert sock.recv(1) == answered
-    assert ros_call(public, "getPid", "/x", timeout=10) == ["/x"]
+    assert ros_call(public, "getPid", "/x", timeout=LIMIT_S) == ["/x"]
 
 
 def test_long_calls_share_a_budget_and_short_ones_need_none(monkeypatch):
@@ -307,13 +332,13 @@ def test_long_calls_share_a_budget_and_short_ones_need_none(monkeypatch):
         port = int(public.rstrip("/").rpartition(":")[2])
 
         def begun(size):
-            sock = stack.enter_context(socket.create_connection(("127.0.0.1", port), 10))
+            sock = stack.enter_context(socket.create_connection(("127.0.0.1", port), LIMIT_S))
             sock.sendall(head + b"x" * size)
             return sock
 
         begun(1 << 20)
         wait_for(lambda: is_closed(begun(200_000)), what="the end of a caller that asks for more")
-        assert ros_call(public, "setParam", "/x", "/key", "y" * 50_000, timeout=10)
+        assert ros_call(public, "setParam", "/x", "/key", "y" * 50_000, timeout=LIMIT_S)
         assert not is_closed(begun(1 << 16))
 
 
@@ -322,15 +347,15 @@ def test_a_call_that_was_answered_or_given_up_leaves_its_budget_to_others(monkey
     with serving(Master()) as private, running_proxy(TOPICS, private) as public:
         port = int(public.rstrip("/").rpartition(":")[2])
         for _ in range(5):
-            wait_for(lambda: is_set(public), 10, "room for a long call")
-            with socket.create_connection(("127.0.0.1", port), 10) as sock:
+            wait_for(lambda: is_set(public), what="room for a long call")
+            with socket.create_connection(("127.0.0.1", port), LIMIT_S) as sock:
                 sock.sendall(http_post(b"x" * 900_000)[:-1])
 
 
 def is_set(public):
     """Tell whether there is room for a long call; who has left may not have been noticed yet."""
     try:
-        return ros_call(public, "setParam", "/x", "/key", "y" * 900_000, timeout=10)
+        return ros_call(public, "setParam", "/x", "/key", "y" * 900_000, timeout=LIMIT_S)
     except RTronError:
         return None
 
@@ -360,5 +385,5 @@ def test_a_dead_master_is_an_error():
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     with running_proxy((), f"http://127.0.0.1:{port}/") as public:
-        assert call(public, "getPid", "/x", timeout=5)[0] == -1
-        assert call(public, "getPid", "/x", timeout=5)[0] == -1
+        assert call(public, "getPid", "/x", timeout=LIMIT_S)[0] == -1
+        assert call(public, "getPid", "/x", timeout=LIMIT_S)[0] == -1
