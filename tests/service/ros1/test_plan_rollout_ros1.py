@@ -45,10 +45,15 @@ class PlannedApp(LinkedApp):
         return self.service.request("/api/v1/rollouts", "POST", body)["id"]
 
     def wait_for_state(self, id, state):
-        wait_for(lambda: self.view(id)["state"] == state, what=f"the roll-out {state}")
+        is_there = lambda: self.view(id)["state"] == state  # noqa: E731
+        wait_for(is_there, what=f"the roll-out {state}", show=lambda: self.view(id))
 
     def wait_until_applied(self, id):
-        wait_for(lambda: self.view(id)["applied"] == 1, what="the plan in force")
+        is_there = lambda: self.view(id)["applied"] == 1  # noqa: E731
+        wait_for(is_there, what="the plan in force", show=lambda: self.view(id))
+
+    def is_applied(self):
+        return self.outcome()["outcome"] == "applied"
 
     def view(self, id):
         return self.service.request(f"/api/v1/rollouts/{id}")
@@ -100,7 +105,7 @@ def test_a_guard_takes_a_harmless_plan_without_a_problem_and_gives_it_back(ros1,
     assert (app.plans / "plan.yaml").read_text() == write_plan(kinder_plan())
     service.request(f"/api/v1/rollouts/{id}/cancel", "POST", {"reason": "enough"})
     wait_for(lambda: not (app.plans / "plan.yaml").exists(), what="the plan of the start")
-    wait_for(lambda: app.outcome()["outcome"] == "applied", what="the answer")
+    wait_for(app.is_applied, what="the answer", show=app.outcome)
     assert app.outcome()["settings"]["plan"] == ""
 
 
@@ -116,7 +121,7 @@ def test_another_plan_obeys_an_emergency_stop_and_is_in_force_after_a_start(ros1
     wait_for(lambda: app.robot()["connected"] and app.stream(), what="the guard's state")
     body = {"reason": "it was steam", "revision": app.robot()["revision"]}
     service.request(f"/api/v1/robots/{ROBOT}/stop", "DELETE", body)
-    wait_for(lambda: app.outcome()["outcome"] == "applied", what="the settings")
+    wait_for(app.is_applied, what="the settings", show=app.outcome)
     assert app.outcome()["settings"]["plan"]
     assert app.rests()
 
@@ -131,7 +136,7 @@ def test_a_guard_that_ends_with_the_plan_gives_place_to_the_former_one(ros1, ser
     app.wait_for_state(id, "reverted")
     assert "refused: 1 of 1 robots" in app.view(id)["note"]
     app.wait_for_navigation()
-    wait_for(lambda: app.outcome()["outcome"] == "applied", what="the answer")
+    wait_for(app.is_applied, what="the answer", show=app.outcome)
     assert app.outcome()["settings"]["plan"] == ""
     assert not (app.plans / "plan.yaml").exists()
 
