@@ -7,7 +7,7 @@ from xmlrpc.client import Fault, dumps
 
 import pytest
 from faulty_nodes import garbage, never_answer, saying, stranger
-from harness import NODES, ROS_PYTHON, Ros1, free_port, named, wait_for
+from harness import LIMIT_S, NODES, ROS_PYTHON, Ros1, free_port, named, wait_for
 from roslaunch_oracle import package, write_files
 
 from rtron.errors import SourceError
@@ -47,7 +47,7 @@ def unresolved(graph):
 def register(ros1, node, uri):
     """Tell the master of a publisher, as a node of that name and address would."""
     params = (node, "/chatter", "std_msgs/String", uri)
-    ros_call(ros1.uri, "registerPublisher", *params, timeout=TIMEOUT_S)
+    ros_call(ros1.uri, "registerPublisher", *params, timeout=LIMIT_S)
 
 
 def test_a_running_app_is_read(ros1):
@@ -126,7 +126,7 @@ def test_strangers_do_not_cost_the_graph(ros1):
         for node, behaviour in answers.items():
             register(ros1, node, stack.enter_context(stranger(behaviour)))
         register(ros1, "/nowhere", "rosrpc://here:1")
-        graph = read(ros1, TIMEOUT_S)
+        graph = read(ros1)
     assert set(unresolved(graph)) == {*answers, "/nowhere"}
     assert max(map(len, unresolved(graph).values())) < 1000
     assert {e.node for e in graph.publishers("/chatter")} == {"/honest", *answers, "/nowhere"}
