@@ -1,11 +1,11 @@
 """What was answered outlives a power cut: SQLite has waited for the disk."""
 
-import time
 from contextlib import contextmanager
 from threading import Thread
 
 import pytest
 from controller_setup import DEVELOPER, ControllerSetup, hello, plan, plan_with
+from harness import wait_for
 
 from rtron.service.domain.schemas import SettingsChange
 from rtron.service.store.database import Database
@@ -80,9 +80,8 @@ def test_an_urgent_transaction_goes_before_those_that_wait(database):
         for name, urgent in (("events", False), ("stop", True), ("hello", False)):
             waiting.append(Thread(target=write, args=(name,), kwargs={"urgent": urgent}))
             waiting[-1].start()
-        deadline = time.monotonic() + _LIMIT_S
-        while len(database._writer._changed._waiters) < len(waiting):
-            assert time.monotonic() < deadline, "they do not wait"
+        waiters = database._writer._changed._waiters
+        wait_for(lambda: len(waiters) == len(waiting), what="all that wait", show=lambda: waiters)
     for thread in waiting:
         thread.join(_LIMIT_S)
     assert order[0] == "stop"

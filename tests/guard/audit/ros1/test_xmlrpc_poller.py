@@ -1,11 +1,10 @@
 """The connection that is kept: whatever the other side sends, it is an answer or an error."""
 
 import socket
-import time
 
 import pytest
 from faulty_nodes import garbage, saying, stranger
-from harness import wait_for
+from harness import WaitLimit, wait_for
 
 from rtron.errors import WireError
 from rtron.guard.audit.ros1.master_queries import refuses_connections, resolve_uri
@@ -88,10 +87,10 @@ def poll_target_at(loop, place):
     return came, rounds
 
 
-def run_until(loop, condition, limit_s=60.0):
-    end = time.monotonic() + limit_s
+def run_until(loop, condition):
+    limit = WaitLimit()
     while not condition():
-        assert time.monotonic() < end
+        limit.check()
         loop.step(0.01)
 
 
