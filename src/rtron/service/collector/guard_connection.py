@@ -221,10 +221,9 @@ class GuardConnection:
                 handshakes, self._collector.handle_hello, self.robot, hello
             )
         self._is_handshake_done, self._settings, self._has_unsent_settings = True, settings, True
-        robot_id = await self._loop.run_in_executor(
-            handshakes, self._collector.register_robot, self.robot
-        )
-        self._robot_id = robot_id or 0
+        register = self._collector.register_robot
+        known = await self._loop.run_in_executor(handshakes, register, self.robot)
+        self._robot_id = known or 0
         self._has_outgoing.set()
         if hello.renews_token and self._collector.token_renewal:
             self._collector.token_renewal.add(self, self._token, self._offer_token)
