@@ -14,8 +14,6 @@ import typer
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import Outcome, print_part
 from rtron.cli.support.service_options import RobotOption, calls_service
-from rtron.sanitize import sanitize
-from rtron.vocabulary import SECOND
 
 if TYPE_CHECKING:
     from rtron.workflows.service_client import SecurityServiceClient
@@ -90,6 +88,9 @@ def _format_event(event: Mapping[str, Any], format: TextOrJson) -> str:
 
 def _event_line(event: Mapping[str, Any]) -> str:
     """Return an event, as the API shows it, on one line that a terminal survives; local time."""
+    from rtron.sanitize import sanitize
+    from rtron.vocabulary import SECOND
+
     at = datetime.fromtimestamp(event["at"] // SECOND).astimezone()
     what = event["decision"] or event["kind"]
     source = " ".join(filter(None, (event["node"], event["topic"], event["flow"])))
