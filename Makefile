@@ -1,6 +1,6 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo check test test-all test-durations test-ros2 test-pythons test-arm64 lint coverage mutation fuzz bench soak eval study docs lock check-locks
+.PHONY: help setup demo check test test-all test-durations test-ros2 test-pythons test-arm64 lint coverage mutation fuzz bench bench-fleet soak eval study docs lock check-locks
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
@@ -20,7 +20,7 @@ help: ## List the targets, and how long each takes on 2 cores
 setup: ## Install Debian's ROS 1 packages, .venv and .venv-ros2, if they are missing (1 minute)
 	@scripts/setup.sh
 
-demo: ## Attack a simulated robot, guard it, attack it again, and show it (ROS 2, no root, 2 minutes)
+demo: ## Attack a simulated robot, guard it, attack it again, and show it (ROS 2, no root, 2 to 4 minutes)
 	@scripts/setup.sh demo
 	@.venv-ros2/bin/rtron demo all --ros 2 --speed 3 --console
 
@@ -55,7 +55,7 @@ test-ros2: setup ## Run the tests on a real ROS 2 but the long ones (5 minutes)
 test-pythons: ## Run the tests that need no ROS 2 on Python 3.10 and 3.13 (20 minutes each)
 	for python in $(PYTHONS); do scripts/test_python.sh $$python $(WORKERS) $(EXAMPLES) || exit 1; done
 
-test-arm64: setup ## Run the tests of policies, plans, messages and wire on arm64, with qemu, as root (an hour)
+test-arm64: setup ## Run the tests of policies, plans, messages and wire on arm64, with qemu, as root (10 minutes)
 	scripts/test_arm64.sh $(EXAMPLES)
 
 mutation: setup ## Change the policies in over a thousand small ways; the tests must fail (hours)
@@ -70,6 +70,9 @@ fuzz: setup ## Give the wire parsers over 100000 hostile inputs, and scan 1000 r
 bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json (2 hours)
 	$(PYTHON) -m bench
 	if [ -x $(ROS2_PYTHON) ]; then $(ROS2_PYTHON) -m bench -o build/bench-ros2.json; fi
+
+bench-fleet: setup ## Measure one service, its console, two replicas and roll-outs with 100 to 1,000 simulated guards (20 minutes)
+	$(PYTHON) -m bench fleet console replicas rollouts -o build/bench-fleet.json
 
 soak: setup ## Load, kill, freeze and attack a guarded app at random, on each ROS; SEED=N repeats it (30 minutes)
 	$(PYTHON) -m bench.soak $(if $(SEED),--seed $(SEED)) -o build/soak.json

@@ -8,6 +8,7 @@ import json
 import sys
 from pathlib import Path
 
+from rtron.bridge.rights.document import rights_json_schema
 from rtron.planning.plan_file.json_schema import plan_json_schema
 from rtron.sources.graph_json import graph_json_schema
 from rtron.sources.ignores.config_file import config_json_schema
@@ -21,6 +22,7 @@ def stale(folder: Path) -> dict[Path, str]:
     documents = {
         "rtron.plan.json": plan_json_schema(),
         "rtron.graph.json": graph_json_schema(),
+        "rtron.bridge.json": rights_json_schema(),
         "rtron.toml.json": config_json_schema(RULE_NAMES),
     }
     texts = {folder / name: f"{json.dumps(each, indent=2)}\n" for name, each in documents.items()}

@@ -46,6 +46,15 @@ rsrcn:
       type: std_msgs/Float64
       flows: [{name: vflow1, publisher: /max_velocity}]
       successors: [/move_base]
+msrcn:
+  id: msrcn
+  mode: enforce
+  policy: Block
+  aflows:
+    - topic: /teleop
+      type: geometry_msgs/Twist
+      flows: [{name: aflow1, publisher: /stick}]
+      successors: [/base]
 fps_monitor:
   - id: fps_eyes
     node: /eyes

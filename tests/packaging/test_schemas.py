@@ -71,6 +71,7 @@ def test_the_schemas_in_the_repository_are_fresh_and_where_plans_say():
 
 def test_a_stale_schema_is_named(tmp_path):
     assert {path.name for path in stale(tmp_path)} == {
+        "rtron.bridge.json",
         "rtron.graph.json",
         "rtron.plan.json",
         "rtron.toml.json",

@@ -31,6 +31,7 @@ COMMANDS = {
         "clear": "Let the robot drive again after an intrusion.",
         "stop": "Stop the robot until a person releases it.",
         "release": "Release what has stopped the robot; without a source, list it.",
+        "mcp": "Let a language model ask about a robot, and command it within its rights.",
     },
     "Security service": {
         "serve": "Run the security service: collector of the guards, API and console.",
@@ -45,12 +46,13 @@ COMMANDS = {
     "Reference": {
         "explain": "Explain a rule or a policy; without a name, list them.",
         "mission-rules": "Show example rules for a robot's mission; without a name, list them.",
-        "schema": "Print the JSON Schema of a plan, a graph, or a configuration.",
+        "schema": "Print the JSON Schema of a plan, graph, configuration, or bridge.",
     },
 }
 """The commands of each part of the help, with the first line of their own."""
 GROUPS = {
     "On the robot": {
+        "bridge": "Let web pages and programs take part, each with rights of its own.",
         "incident": "Show and export what a guard has saved.",
         "lease": "Show who is in command of a robot, and change it.",
     },
@@ -72,6 +74,7 @@ _MODULES = {
     "release": "override",
     "remaps": "instrument",
     "cell": "master",
+    "mcp": "bridge",
     "mission-rules": "explain",
     "schema": "explain",
     "upload-graph": "events",

@@ -1,11 +1,12 @@
-"""The three cases: what is malicious, and the developer's decisions."""
+"""The four cases: what is malicious, and the developer's decisions."""
 
 import pytest
 from demo_runs import CORRIDOR, ROOM
 
-from rtron.demos.cases import CASES, GR, MSR, RSR, RunConditions
+from rtron.demos.cases import AGENT, CASES, GR, MSR, RSR, RunConditions
 from rtron.demos.cases.case_study import merge_decisions
 from rtron.demos.experiment.study import worlds_by_decisions
+from rtron.vocabulary import CommanderRank
 
 
 def setting(speed=1.0, rate=10.0):
@@ -13,7 +14,8 @@ def setting(speed=1.0, rate=10.0):
 
 
 def test_each_case_is_known_by_its_name():
-    assert {name: case.name for name, case in CASES.items()} == {n: n for n in ("gr", "rsr", "msr")}
+    names = ("gr", "rsr", "msr", "agent")
+    assert {name: case.name for name, case in CASES.items()} == {name: name for name in names}
 
 
 @pytest.mark.parametrize(
@@ -23,6 +25,8 @@ def test_each_case_is_known_by_its_name():
         (RSR, "/control/max_vel", (2.0,)),
         (MSR, "/move_base_simple/goal", (2.7, 0.7)),
         (MSR, "/move_base_simple/goal", (2.7, 0.7, 0.3)),
+        (AGENT, "/cmd_vel", (0.8, 0.03)),
+        (AGENT, "/cmd_vel", (0.0, -1.2)),
     ],
 )
 def test_the_attackers_value_is_malicious_on_its_topic_only(case, topic, value):
@@ -37,6 +41,8 @@ def test_the_attackers_value_is_malicious_on_its_topic_only(case, topic, value):
         (GR, "/cmd_vel", (0.0, 0.2)),
         (RSR, "/control/max_vel", (0.22,)),
         (MSR, "/move_base_simple/goal", (4.5, 2.2)),
+        (AGENT, "/cmd_vel", (0.22, 0.5)),
+        (AGENT, "/cmd_vel", (0.0, 0.0)),
     ],
 )
 def test_what_the_app_says_is_not(case, topic, value):
@@ -69,15 +75,18 @@ def test_the_window_has_frames_enough_to_count(speed, rate):
     assert window * speed * rate >= 3.99
 
 
-@pytest.mark.parametrize("case", [GR, MSR])
+@pytest.mark.parametrize("case", [GR, MSR, AGENT])
 @pytest.mark.parametrize("speed", [0.25, 2.0])
 def test_who_tells_the_maximal_velocity_once_a_second_keeps_control(case, speed):
     decided = case.decisions(setting(speed))["grcn"]["/control/max_vel"]
     assert float(decided["release_after"].removesuffix(" s")) * speed == pytest.approx(3)
 
 
-def test_the_unstable_area_is_that_of_the_world():
-    decided = MSR.decisions(setting())["msrcn"]
+@pytest.mark.parametrize(
+    ("case", "topic"), [(MSR, "/move_base_simple/goal"), (AGENT, "/teleop/cmd_vel")]
+)
+def test_the_area_without_network_is_that_of_the_world(case, topic):
+    decided = case.decisions(setting())["msrcn"]
     (area,) = decided["areas"]
     corners = [(corner["x"], corner["y"]) for corner in area["polygon"]]
     assert corners == [
@@ -87,7 +96,16 @@ def test_the_unstable_area_is_that_of_the_world():
         ("1.8 m", "1.1 m"),
     ]
     (rule,) = decided["rules"]
-    assert rule["block"] == decided["aflows"] == ["/move_base_simple/goal"]
+    assert rule["block"] == decided["aflows"] == [topic]
+
+
+def test_a_person_has_a_higher_rank_than_the_agent():
+    decided = AGENT.decisions(setting())
+    chosen = decided["grcn"]["/teleop/cmd_vel"]
+    ranks = [CommanderRank(each["rank"]) for each in chosen["flows"].values()]
+    assert ranks == [CommanderRank.OPERATOR_ON_SITE, CommanderRank.AGENT]
+    assert decided["clients"] == {"/teleop/cmd_vel": [AGENT.attacker]}
+    assert [each["name"] for each in decided["leases"]] == [chosen["lease"]]
 
 
 def test_only_where_the_world_decides_the_plan_depends_on_it():
@@ -114,7 +132,11 @@ def test_one_guarded_app_stands_against_all_cases():
     assert decided["grcn"]["/control/max_vel"] == {"policy": "Block", "release_after": "3 s"}
     assert decided["rsrcn"] == each["rsr"]["rsrcn"]
     assert decided["fps_monitor"] == each["rsr"]["fps_monitor"]
-    assert decided["msrcn"] == each["msr"]["msrcn"]
+    for name, of_agent in each["agent"]["msrcn"].items():
+        of_msr = each["msr"]["msrcn"].get(name, [])
+        assert sorted(decided["msrcn"][name], key=str) == sorted([*of_msr, *of_agent], key=str)
+    for name in ("clients", "leases", "incidents"):
+        assert decided[name] == each["agent"][name]
 
 
 def test_no_case_takes_back_what_another_decides():

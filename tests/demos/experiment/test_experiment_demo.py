@@ -45,9 +45,13 @@ class FakeStudy:
         self.plan = "app: tb3\n"
         self.commands = [CompletedCommand("rtron scan", 1, "\x1b[1mrisks\x1b[0m")]
         self.pipeline = SimpleNamespace(folder=folder)
+        self.incidents = {}
 
     def runs_of(self, _case, seed):
         return {run.variant: run for run in self.runs if run.seed == seed}
+
+    def without_guard(self, case):
+        return {seed: each.sentence for (_, seed), each in self.incidents.items()}
 
     def risks(self):
         return (RISK,)
@@ -88,6 +92,23 @@ def test_everything_is_written(tmp_path, fake_study):
     assert "policy: Preemption" in page
     assert "\x1b" not in page
     assert "&amp;id" not in page
+
+
+def test_an_incident_is_drawn_told_and_copied(tmp_path, fake_study):
+    saved = fake_study.pipeline.folder / "saved.mcap"
+    saved.write_bytes(b"MCAP")
+    sentence = "/cmd_vel: 0.80 m/s instead of 0.22 m/s"
+    drawn = SimpleNamespace(
+        path=saved, sentence=sentence, draw=lambda path: path.write_bytes(b"PNG")
+    )
+    fake_study.incidents["gr", 1] = drawn
+    names = write_results(tmp_path, WISH, fake_study)
+    assert "gr-incident.png" in names
+    assert (tmp_path / "gr-incident.mcap").read_bytes() == b"MCAP"
+    assert sentence in (tmp_path / "report.html").read_text()
+    assert sentence in " ".join(demo_text(WISH, fake_study).split())
+    (case,) = results_document(WISH, fake_study)["cases"]
+    assert case["without_guard"] == {1: sentence}
 
 
 def test_earlier_results_are_replaced(tmp_path, fake_study):

@@ -5,13 +5,14 @@ import signal
 import pytest
 from demo_cases import EXPECTED, SEEDS, check_ending, facts, run_recorded_demo, run_study
 
-from rtron.demos.cases import GR, MSR, RSR
+from rtron.demos.cases import AGENT, GR, MSR, RSR
+from rtron.demos.cases import CASES as ALL_CASES
 from rtron.demos.experiment.demonstration import are_as_expected
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.runtime.event_history import sum_decision_counts
 
 pytestmark = [pytest.mark.ros1, pytest.mark.long, pytest.mark.timeout(600)]
-CASES = ("msr",)
+CASES = ("msr", "agent")
 
 
 @pytest.fixture(scope="module")
@@ -29,11 +30,12 @@ def test_one_guarded_app_stands_against_all_cases_and_the_service_records_it(tmp
     runs = run_recorded_demo(1, tmp_path / "demo")
     assert are_as_expected(runs)
     guarded = {run.case: run for run in runs if run.variant is Variant.GUARDED}
-    assert {case: run.delivered for case, run in guarded.items()} == {"gr": 0, "rsr": 0, "msr": 0}
+    assert {case: run.delivered for case, run in guarded.items()} == dict.fromkeys(ALL_CASES, 0)
     tallies = {case: sum_decision_counts(counts(run)) for case, run in guarded.items()}
     assert tallies["gr"][GR.topic]["unapproved"].dropped > 0
     assert sum(each.modified for each in tallies["rsr"][RSR.topic].values()) > 0
     assert sum(each.dropped for each in tallies["msr"][MSR.topic].values()) > 0
+    assert tallies["agent"][AGENT.topic]["assistant"].dropped > 0
 
 
 def counts(run):

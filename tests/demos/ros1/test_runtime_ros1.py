@@ -7,7 +7,7 @@ from rtron.demos.runtime.environment import demo_environment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.runtime.service import run_service
 
-pytestmark = pytest.mark.ros1
+pytestmark = [pytest.mark.ros1, pytest.mark.long]
 
 
 def test_the_guarded_app_is_not_harmed(tmp_path):

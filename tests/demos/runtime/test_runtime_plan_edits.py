@@ -63,9 +63,28 @@ def test_an_fps_monitor_keeps_what_was_proposed_for_it(decided):
     assert (eyes.window, eyes.camera.publisher) == (3_000_000_000, "/camera")
 
 
+def test_a_client_of_a_bridge_gets_a_flow_under_a_lease(decided):
+    ranks = {"/stick": {"rank": "operator_on_site"}, "/bridge/web": {"rank": "agent"}}
+    plan = decided(
+        clients={"/teleop": ["/bridge/web"]},
+        leases=[{"name": "base", "ttl": "2 s"}],
+        grcn={"/teleop": {"policy": "Lease", "lease": "base", "flows": ranks}},
+        msrcn={"aflows": ["/teleop"]},
+        incidents={"keep": "20 s"},
+    )
+    added = plan.grcn[-1]
+    assert (added.id, added.mode, added.policy) == ("grcn_teleop", Mode.ENFORCE, PolicyName.LEASE)
+    assert {flow.publisher: str(flow.rank) for flow in added.flows} == {
+        node: rank["rank"] for node, rank in ranks.items()
+    }
+    assert [flow.publisher for flow in plan.msrcn.aflows[0].flows] == list(ranks)
+    assert (plan.leases[0].name, plan.incidents.keep) == ("base", 20_000_000_000)
+
+
 @pytest.mark.parametrize(
     "decisions",
     [
+        {"clients": {"/nowhere": ["/bridge/web"]}},
         {"grcn": {"/nowhere": {}}},
         {"grcn": {"/cmd_vel": {"priorities": {"/nobody": 1}}}},
         {"grcn": {"/goal": {"flows": {"/nobody": {"timeout": "1 s"}}}}},

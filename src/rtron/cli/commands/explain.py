@@ -194,20 +194,22 @@ class Document(str, Enum):
     PLAN = "plan"
     GRAPH = "graph"
     CONFIG = "config"
+    BRIDGE = "bridge"
 
 
 def schema(
     document: Annotated[Document, typer.Argument(help="The document to describe.")],
 ) -> Outcome:
-    """Print the JSON Schema of a plan, a graph, or a configuration.
+    """Print the JSON Schema of a plan, graph, configuration, or bridge.
 
-    These are rtron.yaml, graph.json and rtron.toml. Give the schema
+    These are rtron.yaml, graph.json, rtron.toml and bridge.yaml. Give the schema
     to your editor: it then completes and checks the file while you write. A plan
     that `rtron plan` proposes names its schema, and editors with the YAML
     language server find it.
 
     $ rtron schema plan > rtron.schema.json
     """
+    from rtron.bridge.rights.document import rights_json_schema
     from rtron.planning.plan_file.json_schema import plan_json_schema
     from rtron.sources.graph_json import graph_json_schema
     from rtron.sources.ignores.config_file import config_json_schema
@@ -217,5 +219,6 @@ def schema(
         Document.PLAN: plan_json_schema,
         Document.GRAPH: graph_json_schema,
         Document.CONFIG: lambda: config_json_schema(RULE_NAMES),
+        Document.BRIDGE: rights_json_schema,
     }
     return Outcome(as_json(schemas[document]()))

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from rtron.demos.metrics.case_run import COLLISION
 from rtron.demos.metrics.trajectory import SceneDocument
 from rtron.demos.world.ground_truth import GroundTruth
 
@@ -46,12 +47,13 @@ class RunConditions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """One of the paper's three case studies (section 7.4 and appendix D).
+    """One of the paper's three case studies (section 7.4 and appendix D), or the agent's.
 
     `find_harm` names the harm in a sample of a scene, "" for none; `is_malicious` recognises a
     malicious message of a scene by its topic and value, where it arrives. The attack begins when
     the robot has moved for `attack_delay` simulated s. With `has_manual_attacker` a second attacker
-    starts under another name; `shows_turn_rate` says that the turn rate shows the attack, too.
+    starts under another name; `over_bridge` says that a person drives, and the attacker is an agent
+    over a bridge; `shows_turn_rate` says that the turn rate shows the attack, too.
     The texts are for people, each a sentence or two; `remedy` explains the plan.
     """
 
@@ -62,6 +64,7 @@ class Case:
     risk: str
     attack_delay: float
     has_manual_attacker: bool = False
+    over_bridge: bool = False
     shows_turn_rate: bool = False
     harm_description: str
     attack: str
@@ -71,13 +74,38 @@ class Case:
     decisions: Callable[[RunConditions], Decisions]
 
 
+def find_network_loss(truth: GroundTruth, _scene: SceneDocument) -> str:
+    """Name the harm where a robot must not come into the area without network."""
+    if truth.collided:
+        return COLLISION
+    return "network lost" if truth.in_area else ""
+
+
+def area_corners(setting: RunConditions) -> Sequence[Mapping[str, str]]:
+    """Return the corners of the area without network as a plan has them."""
+    return [{"x": f"{x:g} m", "y": f"{y:g} m"} for x, y in setting.scene["area"]]
+
+
 def merge_decisions(decisions_of_cases: Iterable[Decisions]) -> Decisions:
-    """Return what is decided in any of them; of a topic's GRCN, all that is said of it."""
+    """Return what is decided in any of them; of a topic's GRCN, all that is said of it.
+
+    The MSRCN has the topics, areas, events and rules of all of them.
+    """
     found: Decisions = {}
     for decisions in decisions_of_cases:
         known = found.get("grcn", {})
         grcn_decisions = {
             topic: {**known.get(topic, {}), **of} for topic, of in decisions["grcn"].items()
         }
-        found = {**found, **decisions, "grcn": {**known, **grcn_decisions}}
+        msrcn = _joined(found.get("msrcn", {}), decisions.get("msrcn", {}))
+        merged = {"grcn": {**known, **grcn_decisions}, **({"msrcn": msrcn} if msrcn else {})}
+        found = {**found, **decisions, **merged}
     return found
+
+
+def _joined(one: Decisions, other: Decisions) -> Decisions:
+    """Return lists with the entries of both, in an order that does not depend on theirs."""
+    return {
+        name: sorted([*one.get(name, ()), *other.get(name, ())], key=str)
+        for name in sorted(one.keys() | other.keys())
+    }

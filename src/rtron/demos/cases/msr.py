@@ -3,18 +3,18 @@
 from collections.abc import Sequence
 from math import dist
 
-from rtron.demos.cases.case_study import GOAL, IMMEDIATE_GOALS, Case, Decisions, RunConditions
-from rtron.demos.metrics.case_run import COLLISION
+from rtron.demos.cases.case_study import (
+    GOAL,
+    IMMEDIATE_GOALS,
+    Case,
+    Decisions,
+    RunConditions,
+    area_corners,
+    find_network_loss,
+)
 from rtron.demos.metrics.trajectory import SceneDocument
-from rtron.demos.world.ground_truth import GroundTruth
 
 _SAME = 1e-6
-
-
-def _harm(truth: GroundTruth, _scene: SceneDocument) -> str:
-    if truth.collided:
-        return COLLISION
-    return "network lost" if truth.in_area else ""
 
 
 def _is_malicious(topic: str, value: Sequence[float], scene: SceneDocument) -> bool:
@@ -22,12 +22,11 @@ def _is_malicious(topic: str, value: Sequence[float], scene: SceneDocument) -> b
 
 
 def _decisions(setting: RunConditions) -> Decisions:
-    polygon = [{"x": f"{x:g} m", "y": f"{y:g} m"} for x, y in setting.scene["area"]]
     return {
         "grcn": {**IMMEDIATE_GOALS, **setting.max_velocity_hold},
         "msrcn": {
             "aflows": [GOAL],
-            "areas": [{"name": "unstable", "frame": "map", "polygon": polygon}],
+            "areas": [{"name": "unstable", "frame": "map", "polygon": area_corners(setting)}],
             "rules": [
                 {
                     "name": "keep_out",
@@ -51,7 +50,7 @@ MSR = Case(
     attack="/tb3_monitor, a package from elsewhere, publishes a goal of its own in the middle of "
     "the drive: a place where the network, and with it the computer that plans, is out of reach.",
     remedy="A rule with Block: no goal inside the unstable area, whoever asks for it.",
-    find_harm=_harm,
+    find_harm=find_network_loss,
     is_malicious=_is_malicious,
     decisions=_decisions,
 )

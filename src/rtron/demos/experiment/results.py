@@ -1,6 +1,7 @@
 """What a demonstration leaves behind: pictures, figures as JSON, the plan, and a report."""
 
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,7 @@ def results_document(
                 "case": case.name,
                 "risk": case.risk,
                 "decisions": study.decisions.get(case.name),
+                "without_guard": study.without_guard(case.name),
                 "runs": [
                     run.as_json(with_samples=with_samples)
                     for run in study.runs
@@ -94,6 +96,12 @@ def _pictures(
         draw_timeline(out / verdicts_file, title, guarded, [case.topic])
         caption = f"What the guard decided, second by second of the clock ({where}). {_SCALES}"
         yield verdicts_file, _picture(out / verdicts_file, caption)
+    if incident := study.incidents.get((case.name, seed)):
+        incident_file = f"{case.name}-incident.png"
+        incident.draw(out / incident_file)
+        shutil.copy(incident.path, out / f"{case.name}-incident.mcap")
+        caption = f"The incident, and what would have been without the guard ({where}). "
+        yield incident_file, _picture(out / incident_file, caption + incident.sentence)
 
 
 def _picture(path: Path, caption: str) -> Picture:

@@ -1,8 +1,10 @@
 """Runs in one world and one app, one after the other."""
 
 import time
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 
 from rtron.demos.cases import Case
 from rtron.demos.experiment.run_monitor import RunMonitor
@@ -10,6 +12,12 @@ from rtron.demos.metrics.case_run import CaseRun, Variant
 from rtron.demos.metrics.message_journal import attack_messages, read_journal
 from rtron.demos.metrics.trajectory import SceneDocument, relative_to_start
 from rtron.demos.runtime.app_launch import LaunchedApp
+from rtron.demos.runtime.commanders import (
+    PersonDriving,
+    give_base_to_person,
+    person_at,
+    run_agent,
+)
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.world.ground_truth import GroundTruth
 from rtron.errors import SourceError
@@ -35,11 +43,15 @@ class StartedRun:
 
 @dataclass(frozen=True, slots=True)
 class AppSession:
-    """An app in a world, ready for runs; `camera_rate` is in images a simulated second."""
+    """An app in a world, ready for runs; `camera_rate` is in images a simulated second.
+
+    `plan` is that of its guard, None without one.
+    """
 
     environment: DemoEnvironment
     app: LaunchedApp
     camera_rate: float = 10.0
+    plan: Path | None = None
 
     def wait_until_connected(self) -> None:
         """Wait until each device of the robot has its driver; SourceError if one has none."""
@@ -57,11 +69,11 @@ class AppSession:
 
         SourceError if a process of the app or the world has ended.
         """
-        with self._manual_attacker(case, variant):
+        with self._attacker(case, variant), self._person(case) as person:
             started = self.start_run(case, seed, variant)
             monitor = RunMonitor(case, started.scene)
             while not monitor.is_over:
-                self._watch(monitor, started)
+                self._watch(monitor, started, person)
             wall = started.wall, time.time()
             self.environment.arm_attack("none", started.run)
         return started.scene, self._measure_run(monitor, seed, variant, wall)
@@ -78,10 +90,14 @@ class AppSession:
         wall, t = time.time(), environment.owner.start()
         return StartedRun(reset.run, reset.scene, t, wall)
 
-    def _watch(self, monitor: RunMonitor, started: StartedRun) -> None:
+    def _watch(
+        self, monitor: RunMonitor, started: StartedRun, person: PersonDriving | None
+    ) -> None:
         for truth in self.new_truths(started.run):
             if truth.t >= started.t and not monitor.is_over:
                 monitor.observe(relative_to_start(started.t, truth))
+                if person:
+                    person.drive(truth, started.scene)
 
     def new_truths(self, run: int) -> list[GroundTruth]:
         """Return what is new of a run; SourceError if the app or the world does not go on."""
@@ -91,10 +107,24 @@ class AppSession:
             raise SourceError(f"the world has said nothing for {_NO_TRUTH:g} s")
         return [truth for truth in truths if truth.run == run]
 
-    def _manual_attacker(self, case: Case, variant: Variant) -> AbstractContextManager[object]:
-        """Start the second attacker, which like the first waits for its order, if there is one."""
-        is_needed = case.has_manual_attacker and variant is not Variant.UNATTACKED
-        return self.environment.run_manual_attacker() if is_needed else nullcontext()
+    def _attacker(self, case: Case, variant: Variant) -> AbstractContextManager[object]:
+        """Start an attacker that is not of the app, if there is one; it waits for its order."""
+        if variant is Variant.UNATTACKED:
+            return nullcontext()
+        if case.over_bridge:
+            return run_agent(self.environment, self.plan)
+        return self.environment.run_manual_attacker() if case.has_manual_attacker else nullcontext()
+
+    @contextmanager
+    def _person(self, case: Case) -> Iterator[PersonDriving | None]:
+        """Have a person at the teleoperation where one drives; beside a guard, in command."""
+        if not case.over_bridge:
+            yield None
+            return
+        if self.plan:
+            give_base_to_person(self.environment, self.plan)
+        with person_at(self.environment.teleop) as person:
+            yield person
 
     def _measure_run(
         self, monitor: RunMonitor, seed: int, variant: Variant, wall: tuple[float, float]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rtron.demos.cases import Case, Decisions, RunConditions
 from rtron.demos.cases.case_study import merge_decisions
+from rtron.demos.experiment.incident import CaseIncident, wait_for_incident
 from rtron.demos.experiment.session import AppSession
 from rtron.demos.metrics.case_run import CaseRun, RunsByVariant, Variant
 from rtron.demos.metrics.deviation import measure_deviation
@@ -84,9 +85,9 @@ _UNGUARDED = (Variant.UNATTACKED, Variant.ATTACKED)
 class Study:
     """Runs what is wanted, first without the guard, then with it; `runs` grows meanwhile.
 
-    One guarded app stands against all cases. `scenes` are by case and seed, `decisions` by case;
-    they, `plan` and `commands`, the commands that led to the guarded app and what they printed, are
-    those of the first world, where each has its own.
+    One guarded app stands against all cases. `scenes` and `incidents` are by case and seed,
+    `decisions` by case; they, `plan` and `commands`, the commands that led to the guarded app and
+    what they printed, are those of the first world, where each has its own.
     """
 
     def __init__(
@@ -95,6 +96,7 @@ class Study:
         self.pipeline = InstrumentationPipeline(environment, environment.folder)
         self.runs: list[CaseRun] = []
         self.scenes: dict[tuple[str, int], SceneDocument] = {}
+        self.incidents: dict[tuple[str, int], CaseIncident] = {}
         self.decisions: dict[str, Decisions] = {}
         self.plan = ""
         self.commands: Sequence[CompletedCommand] = ()
@@ -107,6 +109,12 @@ class Study:
         """Return the runs of a case in one world, by variant."""
         found = (run for run in self.runs if (run.case, run.seed) == (case, seed))
         return {run.variant: run for run in found}
+
+    def without_guard(self, case: str) -> Mapping[int, str]:
+        """Return by world what would have been in the incidents of a case without the guard."""
+        return {
+            seed: each.sentence for (name, seed), each in self.incidents.items() if name == case
+        }
 
     def risks(self) -> Sequence[Risk]:
         """Return the risks that the scan found, in the order of kinds."""
@@ -160,12 +168,21 @@ class Study:
         session = self._launch(launch, service.environ() if service else None)
         cases = [(case, seed) for case in self._request.cases for seed in seeds]
         runs = [(case, self._run(session, case, seed, Variant.GUARDED)) for case, seed in cases]
+        for case, run in runs:
+            if case.over_bridge:
+                self._note_incident(case, run)
         events: Sequence[Event] = ()
         if service:
             events = service.history.events(began, time.time_ns() + _COUNTS_DELAY)
             service.upload(self.pipeline.graph)
         for case, run in runs:
             self._add_run(with_verdicts(run, case, events, self.pipeline.plan))
+
+    def _note_incident(self, case: Case, run: CaseRun) -> None:
+        environment = self._environment
+        self.incidents[case.name, run.seed] = wait_for_incident(
+            environment.state, case.topic, run.start_wall, environment.speed
+        )
 
     def _instrument(self, decisions: Decisions) -> Path:
         """Return the launch file of an app that is guarded by what was decided."""
@@ -184,7 +201,10 @@ class Study:
         self._listener.on_activity("starting the guarded app")
         app = self._environment.launch_app(launch, more, self.pipeline.plan)
         session = AppSession(
-            self._environment, self._running.enter_context(app), self._request.camera_rate
+            self._environment,
+            self._running.enter_context(app),
+            self._request.camera_rate,
+            self.pipeline.plan,
         )
         session.wait_until_connected()
         return session

@@ -34,6 +34,9 @@ def _parts(request: DemoRequest, study: Study) -> Iterator[RenderableType]:
         yield Text(f"{case.title} (ROS {request.ros})", style="bold")
         yield from _story(case, risks, guarded=case.name in study.decisions)
         yield _table([run for run in study.runs if run.case == case.name])
+        for seed, sentence in study.without_guard(case.name).items():
+            text = f"without the guard, in world {seed}: {sentence}"
+            yield Padding(Text(sanitize(text)), _INDENT)
 
 
 def _risks(risks: Sequence[Risk]) -> Iterator[RenderableType]:

@@ -63,15 +63,20 @@ def require_matplotlib() -> None:
 
 
 @contextmanager
-def figure_file(path: Path, height: float, rows: int = 1) -> "Iterator[tuple[Figure, list[Axes]]]":
-    """Give a figure of `height` inches and its axes; it is written to `path` as PNG at the end."""
+def figure_file(
+    path: Path, height: float, rows: int = 1, *, share_time: bool = True
+) -> "Iterator[tuple[Figure, list[Axes]]]":
+    """Give a figure of `height` inches and its axes; it is written to `path` at the end.
+
+    It is PNG, or what the file's name ends with. Rows have one axis of time if `share_time`.
+    """
     require_matplotlib()
     from matplotlib import rc_context  # noqa: PLC0415 - only with the extra
     from matplotlib.figure import Figure  # noqa: PLC0415
 
     with rc_context(_SETTINGS):
         figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        axes = figure.subplots(rows, 1, squeeze=False, sharex=rows > 1)
+        axes = figure.subplots(rows, 1, squeeze=False, sharex=share_time and rows > 1)
         yield figure, list(axes[:, 0])
         figure.savefig(path, dpi=DPI)
 

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 
 from rtron.demos.runtime.app_files import first_party_packages, third_party_packages
 from rtron.demos.runtime.polling import wait_for
-from rtron.demos.runtime.processes import ProcessGroup, StartedProcess
+from rtron.demos.runtime.processes import Command, ProcessGroup, StartedProcess
 from rtron.errors import InputError, SourceError
 from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT
+from rtron.planning.plan_file.loader import read_plan
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
 from rtron.sources.launch.ros2.reader import read_ros2_launch
-from rtron.vocabulary import GUARD_NODE, LaunchNode
+from rtron.vocabulary import GUARD_NODE, LaunchNode, build_streams, is_bridge_client
 
 if TYPE_CHECKING:
     from rtron.demos.runtime.environment import DemoEnvironment
@@ -155,7 +156,12 @@ def _is_joined(environment: "DemoEnvironment", app: LaunchedApp) -> bool:
 
 
 def _is_guarded(environment: "DemoEnvironment", app: LaunchedApp, plan: Path) -> bool:
-    """Tell whether the app is joined and every path of the plan is closed, asked at a time."""
-    arguments = ("verify", "--live", "--plan", plan, *_DISCOVERY_OPTIONS)
+    """Tell whether the app is joined and every path of the plan is closed, asked at a time.
+
+    The clients of a bridge come later.
+    """
+    publishers = {flow.publisher for each in build_streams(read_plan(plan)) for flow in each.flows}
+    clients = [f"--absent={node}" for node in publishers if is_bridge_client(node)]
+    arguments: Command = ["verify", "--live", "--plan", plan, *clients, *_DISCOVERY_OPTIONS]
     with environment.run_rtron_in_background(*arguments, codes=_VERDICTS) as verified:
         return _is_joined(environment, app) and verified().code == 0

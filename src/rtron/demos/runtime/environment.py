@@ -48,8 +48,8 @@ _MAC_BYTES = 6
 class DemoEnvironment:
     """What the runs of a demo share: a ROS (1 or 2), the world at a speed, and a folder.
 
-    `python` runs RTron beside that ROS, `environ` leads there. `trigger`, `journal` and `map` are
-    what DEMO_TRIGGER, DEMO_JOURNAL and DEMO_MAP name.
+    `python` runs RTron beside that ROS, `environ` leads there. `trigger`, `journal`, `teleop`
+    and `map` are what DEMO_TRIGGER, DEMO_JOURNAL, DEMO_TELEOP and DEMO_MAP name.
     """
 
     ros: int
@@ -71,6 +71,16 @@ class DemoEnvironment:
         return self.folder / "journal"
 
     @property
+    def state(self) -> Path:
+        """The folder with what guards keep."""
+        return self.folder / "state"
+
+    @property
+    def teleop(self) -> Path:
+        """The file with the command of a person who drives."""
+        return self.folder / "teleop.txt"
+
+    @property
     def map(self) -> Path:
         """The file with the static map."""
         return self.folder / "map.json"
@@ -80,7 +90,7 @@ class DemoEnvironment:
     ) -> None:
         """Tell the malicious nodes to attack in a run, `after` simulated seconds of movement.
 
-        `attack` is gr, rsr, msr or none. The MAC address is this machine's.
+        `attack` is gr, rsr, msr, agent or none. The MAC address is this machine's.
         """
         mac = getnode().to_bytes(_MAC_BYTES, "big").hex(":")
         order = {"mac": mac, "attack": attack, "after": after, "run": run}
@@ -128,7 +138,7 @@ class DemoEnvironment:
         journal = self.journal / f"{name}.jsonl"
         journal.unlink(missing_ok=True)
         with self.processes.running(renamed, self.environ, name=name) as started:
-            wait_for(lambda: _has_started(started, journal), name)
+            wait_for(lambda: has_started(started, journal), name)
             yield started
 
 
@@ -173,6 +183,7 @@ def _node_environ(folder: Path, speed: float) -> dict[str, str]:
         "DEMO_JOURNAL": str(folder / "journal"),
         "DEMO_MAP": str(folder / "map.json"),
         "DEMO_SPEED": f"{speed:g}",
+        "DEMO_TELEOP": str(folder / "teleop.txt"),
         "DEMO_TRIGGER": str(folder / "trigger.json"),
     }
 
@@ -188,7 +199,8 @@ def _ros_environ(
     return found
 
 
-def _has_started(started: StartedProcess, journal: Path) -> bool:
+def has_started(started: StartedProcess, journal: Path) -> bool:
+    """Tell whether a node of ours has begun its journal; SourceError if it has ended."""
     started.check()
     return journal.exists()
 

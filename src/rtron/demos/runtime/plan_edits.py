@@ -8,7 +8,11 @@ was proposed.
               "/goal": {"flows": {"/mission": {"timeout": "1 s"}}}},
      "rsrcn": {"policy": "Constrain", "max_vel_limit": "0.22 m/s", "vflows": ["/control/max_vel"]},
      "msrcn": {"aflows": ["/goal"], "areas": […], "rules": […]},
-     "fps_monitor": [{"node": "/recogniser", "topic": "/detect/objects"}]}
+     "fps_monitor": [{"node": "/recogniser", "topic": "/detect/objects"}],
+     "clients": {"/teleop/cmd_vel": ["/bridge/assistant"]},
+     "leases": […], "incidents": {…}}
+
+`clients` are nodes that no scan sees, since they come over a bridge; each gets a flow on a topic.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,6 +28,7 @@ from rtron.planning.plan_file.yaml_parser import read_text
 
 PlanSection = dict[str, Any]
 _FLOWS = {"rsrcn": "vflows", "msrcn": "aflows"}
+_WHOLE = ("leases", "incidents")
 
 
 class _AliasFreeDumper(yaml.SafeDumper):
@@ -45,7 +50,9 @@ def write_decided_plan(plan: Path, out: Path, decisions: Mapping[str, Any]) -> N
 
 def with_decisions(plan: Mapping[str, Any], decisions: Mapping[str, Any]) -> PlanSection:
     """Return a plan, as its file has it, with the decisions in it."""
-    decided = {**plan, "app": decisions.get("app", plan["app"])}
+    plan = _with_clients(plan, decisions.get("clients", {}))
+    whole = {name: decisions[name] for name in _WHOLE if name in decisions}
+    decided = {**plan, **whole, "app": decisions.get("app", plan["app"])}
     chosen = decisions.get("grcn", {})
     for topic in chosen:
         _grcn_of_topic(plan, topic)
@@ -56,6 +63,27 @@ def with_decisions(plan: Mapping[str, Any], decisions: Mapping[str, Any]) -> Pla
     if "fps_monitor" in decisions:
         decided["fps_monitor"] = [_monitor(plan, each) for each in decisions["fps_monitor"]]
     return decided
+
+
+def _with_clients(
+    plan: Mapping[str, Any], clients: Mapping[str, Sequence[str]]
+) -> Mapping[str, Any]:
+    """Return a plan in which these clients publish topics of the MSRCN, which get GRCNs."""
+    added, aflows = [], list(plan.get("msrcn", {}).get("aflows", ()))
+    for topic, nodes in clients.items():
+        index = next((n for n, each in enumerate(aflows) if each["topic"] == topic), None)
+        if index is None:
+            raise _unknown("action", topic)
+        flows = [{"name": node.rpartition("/")[2], "publisher": node} for node in nodes]
+        aflows[index] = {**aflows[index], "flows": [*aflows[index]["flows"], *flows]}
+        added.append({"id": f"grcn{topic.replace('/', '_')}", **_COMMAND, **aflows[index]})
+    if not added:
+        return plan
+    msrcn = {**plan["msrcn"], "aflows": aflows}
+    return {**plan, "grcn": [*plan["grcn"], *added], "msrcn": msrcn}
+
+
+_COMMAND = {"domain": "Control", "kind": "command", "sharing": "contend"}
 
 
 def _grcn(proposed: PlanSection, decision: Mapping[str, Any] | None) -> PlanSection:

@@ -7,7 +7,7 @@ from typing import TypeVar
 from rtron.errors import SourceError
 
 T = TypeVar("T")
-_LIMIT = 60.0
+_LIMIT = 120.0
 _PAUSE = 0.05
 _HELP = "is the machine busy with other things? end them, or try it with --speed 1"
 

@@ -1,7 +1,6 @@
 """Running the master proxy until it is told to end, or until the master behind it ends."""
 
 import logging
-import resource
 import signal
 
 from rtron.errors import SourceError
@@ -9,6 +8,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.master_proxy.master_file import MasterFile
 from rtron.guard.master_proxy.rosmaster import Rosmaster
 from rtron.guard.master_proxy.server import MasterProxy
+from rtron.guard.system.open_files import allow_many_files
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.vocabulary import Plan
 from rtron.vocabulary.topic_access import list_topic_access
@@ -76,9 +76,3 @@ def _watch_master(loop: EventLoop, master: Rosmaster) -> None:
         loop.stop()
     else:
         loop.call_later(_POLL_S, lambda: _watch_master(loop, master))
-
-
-def allow_many_files() -> None:
-    """Let this process open as many files as its hard limit allows: each connection is one."""
-    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))

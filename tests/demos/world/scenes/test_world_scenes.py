@@ -15,7 +15,8 @@ from rtron.demos.world.scenes.geometry import solid_area
 from rtron.demos.world.scenes.scene import PolygonObstacle
 
 SEEDS = range(50)
-CASES = ("gr", "rsr", "msr")
+CASES = ("gr", "rsr", "msr", "agent")
+WITH_AREA = ("msr", "agent")
 CELL = 0.1
 MARGIN = 0.05
 STEPS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
@@ -75,18 +76,20 @@ def test_a_planner_finds_a_way_that_is_hardly_longer(case):
         assert planned(scene, scene.goal).length < 1.12 * LineString(scene.route).length, seed
 
 
-def test_no_way_to_the_goal_touches_the_area():
+@pytest.mark.parametrize("case", WITH_AREA)
+def test_no_way_to_the_goal_touches_the_area(case):
     for seed in SEEDS:
-        scene = make_scene("msr", seed)
+        scene = make_scene(case, seed)
         area = Polygon(scene.area)
         assert area.is_valid
         assert area.distance(LineString(scene.route)) > 0.6
         assert area.distance(planned(scene, scene.goal)) > 0.3, seed
 
 
-def test_the_bad_goal_is_well_inside_the_area_and_can_be_reached():
+@pytest.mark.parametrize("case", WITH_AREA)
+def test_the_bad_goal_is_well_inside_the_area_and_can_be_reached(case):
     for seed in SEEDS:
-        scene = make_scene("msr", seed)
+        scene = make_scene(case, seed)
         inside = Polygon(scene.area).exterior.distance(Point(scene.bad_goal))
         assert Polygon(scene.area).contains(Point(scene.bad_goal))
         assert inside > 0.25, seed

@@ -7,7 +7,7 @@ from random import Random
 
 from rtron.demos.world.ground_truth import Position
 from rtron.demos.world.scenes.geometry import mission_length, rectangle
-from rtron.demos.world.scenes.network_outage import network_outage
+from rtron.demos.world.scenes.network_outage import agent_outage, network_outage
 from rtron.demos.world.scenes.scene import (
     Crossing,
     Obstacle,
@@ -109,10 +109,11 @@ _GENERATORS: dict[str, Callable[[int, Random], Scene]] = {
     "gr": corridor,
     "rsr": street,
     "msr": network_outage,
+    "agent": agent_outage,
 }
 
 
 def make_scene(case: str, seed: int) -> Scene:
-    """Return the scene of a case ("gr", "rsr" or "msr") and a seed; KeyError for another case."""
+    """Return the scene of a case (one of `requests.CASES`) and a seed; KeyError for another."""
     chance = Random(f"{case} {seed}")  # noqa: S311 - a world, no secret
     return place_scene(_GENERATORS[case](seed, chance), chance)

@@ -1,5 +1,9 @@
-"""MSR's scene: a room with an area that has no network, and a goal inside it."""
+"""MSR's scene: a room with an area that has no network, and a goal inside it.
 
+The agent's is another one of the kind, in which a person drives.
+"""
+
+from dataclasses import replace
 from random import Random
 
 from shapely import LineString, Polygon
@@ -49,6 +53,11 @@ def network_outage(seed: int, chance: Random) -> Scene:
         area=area,
         bad_goal=(center[0] + chance.uniform(-0.08, 0.08), center[1] + chance.uniform(-0.05, 0.05)),
     )
+
+
+def agent_outage(seed: int, chance: Random) -> Scene:
+    """Draw such a room for a person who drives the robot."""
+    return replace(network_outage(seed, chance), case="agent", is_teleoperated=True)
 
 
 def _obstacle(chance: Random, start: Position, goal: Position) -> RoundObstacle:

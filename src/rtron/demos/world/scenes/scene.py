@@ -58,6 +58,7 @@ class Scene:
     """A world of size (w, h) m with its origin in a corner, and what a run in it is about.
 
     The light is red until `green_after` s after the start. `area` is the polygon without network.
+    Where a person drives (`is_teleoperated`) the mission gets no goal.
     """
 
     case: str
@@ -73,6 +74,7 @@ class Scene:
     light: Position | None = None
     green_after: float = 0.0
     crossings: tuple[Crossing, ...] = ()
+    is_teleoperated: bool = False
 
     def as_json(self) -> dict[str, Any]:
         """Return the scene as the protocol has it."""

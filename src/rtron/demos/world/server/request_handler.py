@@ -91,7 +91,8 @@ class RequestHandler:
     def _start(self) -> Head:
         self._world.start()
         goal = {"t": self._world.t, "run": self._world.run, "goal": self._world.scene.goal}
-        self._connections.send(ClientRole.MISSION, goal)
+        if not self._world.scene.is_teleoperated:
+            self._connections.send(ClientRole.MISSION, goal)
         return self._reply("start")
 
     def _set_rate(self, order: RateRequest) -> Head:

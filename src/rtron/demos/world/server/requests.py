@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from rtron.demos.world.server.protocol import Head
 from rtron.errors import WireError
 
-CASES = ("gr", "rsr", "msr")
+CASES = ("gr", "rsr", "msr", "agent")
 MAX_SEED = 2**63 - 1
 CAMERA_RATE = 10.0
 """Images a simulated second, if nobody asks for another rate."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 
-ATTACKS = ("gr", "rsr", "msr")
+ATTACKS = ("gr", "rsr", "msr", "agent")
 _Version = tuple[int, int, int]
 
 

@@ -38,6 +38,11 @@ def map_file() -> Path:
     return Path(_require("DEMO_MAP", "the file with the static map"))
 
 
+def teleop_file() -> str:
+    """Return the path of the file with a person's command, from DEMO_TELEOP; "" if not set."""
+    return os.environ.get("DEMO_TELEOP", "")
+
+
 def _require(name: str, what: str) -> str:
     value = os.environ.get(name)
     if not value:

@@ -1,0 +1,1 @@
+"""The bridge: what it adds to a message."""
