@@ -96,7 +96,7 @@ YAML = {
         for b, n in zip("abcdefghi", "bcdefghij", strict=True)
     ),
     "tag": "a: !!python/object/apply:os.getcwd []\n",
-    "deep": "[" * 3000,
+    "deep": "[" * 1000,
     "large": "a" * 300_000,
     "unit": "a: !degrees __import__('os')\n",
 }
