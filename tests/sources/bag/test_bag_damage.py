@@ -351,7 +351,7 @@ def test_a_table_of_topics_is_small(tmp_path, monkeypatch):
 
 
 def test_a_query_takes_so_many_steps(tmp_path, monkeypatch):
-    rows = "INSERT INTO messages VALUES(1, 1, 1, x'00');" * 2000
+    rows = "INSERT INTO messages VALUES " + ", ".join(["(1, 1, 1, x'00')"] * 2000) + ";"
     path = database(tmp_path / "x.db3", TOPICS + MESSAGES + TOPIC + rows)
     assert len(list(open_bag(path))) == 2000
     monkeypatch.setattr(sqlite, "_MIN_STEPS", 0)
