@@ -436,7 +436,8 @@ def test_who_does_not_read_is_dropped(tmp_path):
             revision += 1
             stop = {"revision": revision, "stop": reason}
             world.hub.push("one", _settings(stop))
-            assert revision < 100_000
+            assert revision < 3_000
+            time.sleep(0.01)  # without it this loop takes the processor from who sends
         wait_for(lambda: world.tally.slow_connections == 1)
     database.close()
 
