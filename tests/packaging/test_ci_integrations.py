@@ -37,7 +37,7 @@ class Runner:
         write_program(self.temp / "rtron" / "bin" / "rtron", RTRON)
         defaults = {name: each.get("default", "") for name, each in ACTION["inputs"].items()}
         self.inputs = defaults | {name.replace("_", "-"): text for name, text in inputs.items()}
-        self.outputs = {}
+        self.outputs, self.stdout = {}, ""
         self.summary = self.temp / "summary.md"
 
     def run(self):
@@ -58,9 +58,16 @@ class Runner:
             "GITHUB_OUTPUT": str(output),
             "GITHUB_STEP_SUMMARY": str(self.summary),
         }
+        command, environment = [*SHELL, step["run"]], os.environ | environment
         ran = subprocess.run(
-            [*SHELL, step["run"]], cwd=self.repository, env=os.environ | environment, check=False
+            command,
+            cwd=self.repository,
+            env=environment,
+            stdout=subprocess.PIPE,
+            text=True,
+            check=False,
         )
+        self.stdout += ran.stdout
         self.outputs |= dict(line.split("=", 1) for line in output.read_text().splitlines())
         return ran.returncode
 
@@ -76,38 +83,42 @@ def test_no_step_puts_an_input_into_a_script():
         assert "${{" not in step.get("run", "")
 
 
-def test_the_action_fails_on_a_finding_and_leaves_its_reports(tmp_path):
-    runner = Runner(tmp_path, launch=LAUNCH_FILE)
-    assert runner.run() == 1
-    sarif = json.loads(Path(runner.outputs["sarif"]).read_text())
+@pytest.fixture(scope="module")
+def scanned(tmp_path_factory):
+    """Run the action once on the app, with two arguments of its launch file."""
+    folder = tmp_path_factory.mktemp("scanned")
+    runner = Runner(folder, launch=LAUNCH_FILE, arguments="first:=1\nsecond:=2\n")
+    runner.code = runner.run()
+    return runner
+
+
+def test_the_action_fails_on_a_finding_and_leaves_its_reports(scanned):
+    assert scanned.code == 1
+    sarif = json.loads(Path(scanned.outputs["sarif"]).read_text())
     (result,) = sarif["runs"][0]["results"]
     uri = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
-    assert (runner.repository / uri).is_file()
-    assert json.loads(Path(runner.outputs["report"]).read_text())["findings"]
-    assert "/cmd_vel" in runner.summary.read_text()
+    assert (scanned.repository / uri).is_file()
+    assert json.loads(Path(scanned.outputs["report"]).read_text())["findings"]
+    assert "/cmd_vel" in scanned.summary.read_text()
     paths = {name: each["value"] for name, each in ACTION["outputs"].items()}
-    assert {name: runner._value(text) for name, text in paths.items()} == {
-        name: runner.outputs[name] for name in paths
+    assert {name: scanned._value(text) for name, text in paths.items()} == {
+        name: scanned.outputs[name] for name in paths
     }
 
 
-def test_arguments_may_stand_on_lines_of_their_own(tmp_path):
-    runner = Runner(tmp_path, launch=LAUNCH_FILE, arguments="first:=1\nsecond:=2\n")
-    assert runner.run() == 1
-    report = runner.summary.read_text()
+def test_arguments_may_stand_on_lines_of_their_own(scanned):
+    report = scanned.summary.read_text()
     assert "launch argument first" in report
     assert "launch argument second" in report
 
 
-def test_no_line_of_the_report_is_a_command_to_the_runner(tmp_path, capfd):
-    runner = Runner(tmp_path, launch=LAUNCH_FILE)
-    assert runner.run() == 1
-    said = capfd.readouterr().out.splitlines()
+def test_no_line_of_the_report_is_a_command_to_the_runner(scanned):
+    said = scanned.stdout.splitlines()
     begin = next(at for at, line in enumerate(said) if line.startswith("::stop-commands::"))
     end = said.index(f"::{said[begin].removeprefix('::stop-commands::')}::")
     assert any("/cmd_vel" in line for line in said[begin:end])
     assert not any("/cmd_vel" in line for line in said[:begin] + said[end:])
-    assert all(line.startswith("    ") for line in runner.summary.read_text().splitlines())
+    assert all(line.startswith("    ") for line in scanned.summary.read_text().splitlines())
 
 
 def test_what_the_baseline_has_does_not_fail_again(tmp_path):
