@@ -8,12 +8,14 @@ import sys
 from contextlib import suppress
 from io import StringIO
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from harness import lives, wait_for
 from local_cluster import local_cluster
 from survey_repositories import FILES, write
 
+from rtron.cli.main import main
 from rtron.survey.results_file import results_file
 
 APPS = ["drive/drive_base/launch/two.launch", "other/other_app/launch/one.launch"]
@@ -26,6 +28,20 @@ def command(*arguments):
 
 def survey(*arguments):
     return subprocess.run(command(*arguments), capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def survey_here(monkeypatch, capfd):
+    """Run `survey` in this process, with one process that scans: each takes seconds to start."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["rtron", *command(*arguments, "--jobs", "1")[3:]])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capfd.readouterr()
+        return SimpleNamespace(returncode=ended.value.code, stdout=printed.out, stderr=printed.err)
+
+    return run
 
 
 def lines(text):
@@ -101,23 +117,23 @@ def _children(process):
     return [*ours, *(below for each in ours for below in _children(each))]
 
 
-def test_what_has_not_changed_is_not_scanned_again(tmp_path):
+def test_what_has_not_changed_is_not_scanned_again(survey_here, tmp_path):
     write(tmp_path / "repos", FILES)
-    assert json.loads(survey(tmp_path / "repos", "--format", "json").stdout)["reused"] == 0
-    assert json.loads(survey(tmp_path / "repos", "--format", "json").stdout)["reused"] == 2
+    assert json.loads(survey_here(tmp_path / "repos", "--format", "json").stdout)["reused"] == 0
+    assert json.loads(survey_here(tmp_path / "repos", "--format", "json").stdout)["reused"] == 2
     talker = tmp_path / "repos/other/other_app/launch/one.launch"
     talker.write_text(talker.read_text().replace("one", "three"))
-    found = json.loads(survey(tmp_path / "repos", "--format", "json").stdout)
+    found = json.loads(survey_here(tmp_path / "repos", "--format", "json").stdout)
     assert (found["reused"], found["missing"]) == (1, 0)
-    fresh = survey(tmp_path / "repos", "--format", "json", "--no-cache")
+    fresh = survey_here(tmp_path / "repos", "--format", "json", "--no-cache")
     assert json.loads(fresh.stdout)["reused"] == 0
 
 
-def test_an_app_without_a_survey_has_a_reason(repositories, tmp_path):
+def test_an_app_without_a_survey_has_a_reason(survey_here, repositories, tmp_path):
     write(tmp_path / "repos", FILES)
     bad = tmp_path / "repos/drive/drive_base/launch/bad.launch"
     bad.write_text("<launch><include file='$(find nowhere)/x.launch'/><node/></launch>")
-    ran = survey(tmp_path / "repos")
+    ran = survey_here(tmp_path / "repos")
     assert ran.returncode == 0, ran.stderr
     (failed,) = (each for each in lines(ran.stdout) if "error" in each)
     assert failed["app"] == "drive/drive_base/launch/bad.launch"
@@ -125,9 +141,9 @@ def test_an_app_without_a_survey_has_a_reason(repositories, tmp_path):
     assert failed["error"] in ran.stderr
 
 
-def test_the_table_has_a_line_for_each_app_and_counts_them(repositories, tmp_path):
+def test_the_table_has_a_line_for_each_app_and_counts_them(survey_here, repositories, tmp_path):
     table = tmp_path / "table.txt"
-    ran = survey(repositories, "--table", "-o", table)
+    ran = survey_here(repositories, "--table", "-o", table)
     assert ran.returncode == 0, ran.stderr
     text = table.read_text()
     assert text.startswith("2 apps\n")
@@ -136,21 +152,21 @@ def test_the_table_has_a_line_for_each_app_and_counts_them(repositories, tmp_pat
     assert "GR-ST  1 (50.0%)" in text
 
 
-def test_a_spreadsheet_gets_a_row_for_each_app(repositories, tmp_path):
+def test_a_spreadsheet_gets_a_row_for_each_app(survey_here, repositories, tmp_path):
     path = tmp_path / "apps.csv"
-    assert survey(repositories, "-o", path).returncode == 0
+    assert survey_here(repositories, "-o", path).returncode == 0
     two, one = csv.DictReader(StringIO(path.read_text()))
     assert [two["app"], one["app"]] == APPS
     assert (two["GR-ST"], one["GR-ST"], two["error"]) == ("1", "0", "")
 
 
-def test_a_folder_without_apps_is_an_error(tmp_path):
-    ran = survey(tmp_path)
+def test_a_folder_without_apps_is_an_error(survey_here, tmp_path):
+    ran = survey_here(tmp_path)
     assert (ran.returncode, ran.stdout) == (2, "")
     assert "no app can be scanned" in ran.stderr
 
 
-def test_both_a_cluster_and_processes_are_an_error(repositories):
-    ran = survey(repositories, "--jobs", "2", "--cluster", "tcp://127.0.0.1:1")
+def test_both_a_cluster_and_processes_are_an_error(survey_here, repositories):
+    ran = survey_here(repositories, "--cluster", "tcp://127.0.0.1:1")
     assert ran.returncode == 2
     assert "both --cluster and --jobs" in ran.stderr
