@@ -89,7 +89,7 @@ class ServeProcess:
         return httpx.post(f"{self.url}/api/v1/login", json=login, timeout=120).status_code
 
 
-def test_the_first_start_tells_the_password_once(tmp_path):
+def test_the_first_start_tells_the_password_once(tmp_path, here):
     with ServeProcess(tmp_path) as serving:
         wait_for(lambda: "change it in the console" in serving.said.read_text())
         said = serving.said.read_text()
@@ -102,25 +102,26 @@ def test_the_first_start_tells_the_password_once(tmp_path):
     assert stat.S_IMODE((tmp_path / "rtron" / "rtron.db").stat().st_mode) == 0o600
     with ServeProcess(tmp_path, "--log-level", "debug") as serving:
         assert serving.login(password) == 200
-        reset = start_rtron(tmp_path, "user", "password", "admin")
-        assert (reset.returncode, reset.stderr) == (0, "")
+        code, out, err = here("user", "password", "admin")
+        assert (code, err) == (0, "")
+        reset = out.strip()
         assert serving.login(password) == 401
-        assert serving.login(reset.stdout.strip()) == 200
+        assert serving.login(reset) == 200
         serving.process.send_signal(signal.SIGINT)
         assert serving.process.wait(120) == 0
         said = serving.said.read_text()
         assert password not in said
-        assert reset.stdout.strip() not in said
+        assert reset not in said
         assert "Traceback" not in said
 
 
-def test_two_services_on_one_database_are_refused(tmp_path):
+def test_two_services_on_one_database_are_refused(tmp_path, here):
     with ServeProcess(tmp_path) as serving:
-        ran = start_rtron(tmp_path, "serve", "--port", serving.port)
-    assert ran.returncode == 2
-    assert "another `rtron serve` works on this database" in ran.stderr
-    assert "help: " in ran.stderr
-    assert "password" not in ran.stderr
+        code, _, err = here("serve", "--port", str(serving.port))
+    assert code == 2
+    assert "another `rtron serve` works on this database" in err
+    assert "help: " in err
+    assert "password" not in err
 
 
 def test_a_service_that_was_killed_leaves_no_lock(tmp_path):
@@ -255,8 +256,8 @@ def test_a_program_renews_the_token_in_its_file(tmp_path, here):
         assert (code, "unknown, over or revoked" in err) == (2, True)
 
 
-def test_a_second_factor_is_enrolled_and_removed_on_the_database(tmp_path):
-    assert start_rtron(tmp_path, "user", "add", "mary", "--role", "admin").returncode == 0
+def test_a_second_factor_is_enrolled_and_removed_on_the_database(tmp_path, here):
+    assert here("user", "add", "mary", "--role", "admin")[0] == 0
     command = [sys.executable, "-m", "rtron", "user", "second-factor", "mary"]
 
     def run(answer):
@@ -273,8 +274,8 @@ def test_a_second_factor_is_enrolled_and_removed_on_the_database(tmp_path):
     code, out, err = run(lambda key: code_at(key, step_at(time.time_ns())))
     assert (code, len(out.splitlines())) == (0, 11)
     assert run(lambda _: "")[0] == 2
-    removed = start_rtron(tmp_path, "user", "second-factor", "mary", "--remove")
-    assert (removed.returncode, "password alone" in removed.stdout) == (0, True)
+    code, out, _ = here("user", "second-factor", "mary", "--remove")
+    assert (code, "password alone" in out) == (0, True)
 
 
 def test_a_file_that_is_there_is_not_overwritten_and_no_token_made(tmp_path, here):
