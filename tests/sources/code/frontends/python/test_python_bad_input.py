@@ -196,7 +196,7 @@ def test_the_time_of_a_hostile_file_grows_with_its_size(kind):
     def read(text):
         units.append(lowered(text))
 
-    assert growth(read, hostile(kind, 25_000), hostile(kind, 200_000)) < 32
+    assert growth(read, hostile(kind, 12_500), hostile(kind, 100_000)) < 32
     assert all(unit.problems for unit in units)
 
 
