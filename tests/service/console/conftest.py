@@ -113,7 +113,7 @@ def chromium():
     webdriver = pytest.importorskip("selenium.webdriver", reason="needs Selenium")
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     for argument in (*ARGUMENTS, *(["--no-sandbox"] if os.geteuid() == 0 else [])):
         options.add_argument(argument)
     browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
@@ -128,7 +128,7 @@ def page(console, chromium):
 
     chromium.get_log("browser")
     chromium.execute_cdp_cmd("Network.clearBrowserCookies", {})
-    opened = Page(chromium, console.base, PASSWORD)
+    opened = Page(chromium, console.base, PASSWORD, console.people)
     yield opened
     chromium.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
     messages = [line for line in chromium.get_log("browser") if not opened.is_expected_log(line)]

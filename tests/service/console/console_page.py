@@ -1,6 +1,6 @@
 """The console as a person uses it: looks for words and presses what has a name."""
 
-import json
+from contextlib import contextmanager
 
 from selenium.common.exceptions import (
     ElementClickInterceptedException,
@@ -12,6 +12,25 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
+_HAS_TEXT = """
+const strip = (text) => text.replace(/\\s/g, "").toLowerCase();
+return strip(document.querySelector(arguments[0])?.textContent ?? "").includes(strip(arguments[1]));
+"""
+_LABELLED = """
+const strip = (text) => text.replace(/\\s/g, "").toLowerCase();
+const root = document.querySelector(arguments[0]);
+return [...(root?.querySelectorAll("button, a") ?? [])]
+    .filter((each) => strip(each.textContent) === strip(arguments[1]));
+"""
+_RECORD_FRAMES = """
+window.receivedFrames = [];
+window.WebSocket = class extends WebSocket {
+    constructor(...parts) {
+        super(...parts);
+        this.addEventListener("message", (event) => window.receivedFrames.push(event.data));
+    }
+};
+"""
 PASSING = (
     NoSuchElementException,
     StaleElementReferenceException,
@@ -23,8 +42,9 @@ PASSING = (
 class Page:
     """One browser window with the console in it."""
 
-    def __init__(self, browser, base, password):
-        self.browser, self.base, self.password = browser, base, password
+    def __init__(self, browser, base, password, people=None):
+        """Show the service at `base`; `people` makes sessions of its users, who have a password."""
+        self.browser, self.base, self.password, self.people = browser, base, password, people
         self._expected = [
             "/api/v1/me - Failed to load resource: the server responded with a status of 401"
         ]
@@ -39,10 +59,22 @@ class Page:
         )
 
     def login(self, name="ada", view=""):
+        """Open a view with the session of somebody, as if he had logged in."""
+        key, _, secret = self.people.session_headers(name)["Cookie"].partition("=")
+        cookie = {"name": key, "value": secret, "url": self.base, "httpOnly": True}
+        self.browser.execute_cdp_cmd("Network.setCookie", {**cookie, "sameSite": "Strict"})
+        self.browser.get(f"{self.base}/#/{view}")
+        self._wait_until_live()
+
+    def login_by_form(self, name="ada", view=""):
+        """Log in with the name and the password."""
         self.browser.get(f"{self.base}/#/{view}")
         self.fill("name", name)
         self.fill("password", self.password)
         self.press("Log in")
+        self._wait_until_live()
+
+    def _wait_until_live(self):
         self.find("nav.side")
         self.until(lambda: not self.all(".banner"), "live")
 
@@ -64,12 +96,16 @@ class Page:
 
     def wait_for_text(self, words, selector="#app"):
         """Wait until these words are shown."""
-        found = lambda: words in self.browser.find_element(By.CSS_SELECTOR, selector).text  # noqa: E731
-        return self.until(found, f"{words!r} in {selector}")
+        return self.until(lambda: self._shows(words, selector), f"{words!r} in {selector}")
 
     def wait_without_text(self, words, selector="#app"):
-        found = lambda: words not in self.browser.find_element(By.CSS_SELECTOR, selector).text  # noqa: E731
-        return self.until(found, f"no {words!r} in {selector}")
+        """Wait until there is such an element, and these words are not shown in it."""
+        self.until(lambda: not self._shows(words, selector), f"no {words!r} in {selector}")
+
+    def _shows(self, words, selector):
+        """Tell whether words are shown; the costly look at what is visible comes last."""
+        element = self.browser.find_element(By.CSS_SELECTOR, selector)
+        return self.browser.execute_script(_HAS_TEXT, selector, words) and words in element.text
 
     def control(self, label):
         """Return the form control with this aria-label."""
@@ -79,8 +115,7 @@ class Page:
         """Press the button or link with these words."""
 
         def act():
-            root = self.browser.find_element(By.CSS_SELECTOR, within)
-            for each in root.find_elements(By.CSS_SELECTOR, "button, a"):
+            for each in self.browser.execute_script(_LABELLED, within, words):
                 if each.text.strip() == words and each.is_enabled():
                     each.click()
                     return True
@@ -118,15 +153,13 @@ class Page:
 
         self.until(act, selector)
 
-    def websocket_frames(self):
-        """Return the texts that came over WebSockets since the last call."""
-        logged = [json.loads(line["message"]) for line in self.browser.get_log("performance")]
-        messages = [each["message"] for each in logged]
-        return [
-            each["params"]["response"]["payloadData"]
-            for each in messages
-            if each["method"] == "Network.webSocketFrameReceived"
-        ]
+    @contextmanager
+    def recorded_frames(self):
+        """Record what comes over WebSockets of pages that open now; give the new ones."""
+        source = {"source": _RECORD_FRAMES}
+        script = self.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", source)
+        yield lambda: self.browser.execute_script("return window.receivedFrames.splice(0);")
+        self.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
 
     def rows(self, selector="tbody tr"):
         return [row.text for row in self.all(selector)]

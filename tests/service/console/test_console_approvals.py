@@ -25,7 +25,7 @@ def test_one_admin_asks_and_another_approves(strict_console, page):
     page.go("account")
     page.press("Log out")
     page.find("main.login form")
-    page.login("eve", "approvals")
+    page.login_by_form("eve", "approvals")
     page.press("Approve …")
     page.wait_for_text("ada has requested it: roles: end_user", "dialog")
     page.press("Approve", "dialog")

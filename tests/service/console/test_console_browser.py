@@ -488,5 +488,5 @@ def test_a_draft_does_not_outlive_the_session(guard, page):
     page.wait_for_text("1 change in draft")
     page.go("account")
     page.press("Log out")
-    page.login("ada", "robots/turtle1/nodes/grcn_cmd_vel")
+    page.login_by_form("ada", "robots/turtle1/nodes/grcn_cmd_vel")
     page.wait_for_text("Nothing changed")

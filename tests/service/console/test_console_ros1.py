@@ -20,7 +20,7 @@ def app(ros1, tmp_path):
 def page(app, chromium):
     chromium.delete_all_cookies()
     page = Page(chromium, app.service.url, app.service.password)
-    page.login("admin")
+    page.login_by_form("admin")
     yield page
     chromium.get("about:blank")
 
