@@ -17,6 +17,7 @@ from rtron.service.store.database import Database
 from rtron.service.store.event_pages import EventFilter, event_page
 from rtron.service.store.partitions import partition_pruning
 from rtron.service.store.partitions.event_partitions import (
+    ID_BITS,
     begin_partition,
     current_partition,
     drop_partition,
@@ -89,10 +90,36 @@ def test_ids_count_up_from_partition_to_partition(database, connection, robot):
         if number % 2 == 0:
             begin_partition(connection)
     assert numbers(database) == [1, 2, 3, 4, 5, 6]
-    assert partition_numbers(connection) == [0, 1, 2, 3]
+    assert partition_numbers(connection) == [0, 1, 2, 3, 4]
     assert [event_count(connection, number) for number in range(4)] == [2, 2, 2, 0]
     assert stored_count(ids(database)[-1]) == 6
     assert max(ids(database)) < 1 << 53
+
+
+INSERT_TWO = """
+    INSERT INTO events (robot_id, run, number, at, stored, kind, level, node, topic, flow,
+        publisher, policy, decision, reason, revision, values)
+    SELECT :robot, 'run', n, n, 1, 'owner', 'info', '', '', '', '', '', '', '', 0, '{}'
+    FROM generate_series(1, 2) AS n WHERE n = 1 OR pg_advisory_xact_lock(7) IS NOT NULL
+"""
+"""Stores one event, waits for whoever holds lock 7, and stores another one."""
+WAITING = "SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND NOT granted"
+
+
+@pytest.mark.parametrize("begun", [1, 2])
+def test_an_insert_under_way_goes_on_in_a_partition_that_begins(database, connection, robot, begun):
+    for _ in range(begun - 1):
+        begin_partition(connection)
+    connection.exec_driver_sql("SELECT pg_advisory_lock(7)")
+    with database.own_connection(60) as other:
+        insert = Thread(target=other.execute, args=(text(INSERT_TWO), {"robot": robot}))
+        insert.start()
+        wait_for(lambda: connection.exec_driver_sql(WAITING).scalar(), what="the first event")
+        begin_partition(connection)
+        connection.exec_driver_sql("SELECT pg_advisory_unlock(7)")
+        insert.join(60)
+    assert numbers(database) == [1, 2]
+    assert [each >> ID_BITS for each in ids(database)] == [begun - 1, begun]
 
 
 def test_what_comes_again_is_stored_once_whatever_partition_it_is_in(database, robot):
@@ -155,7 +182,7 @@ def test_too_much_takes_the_oldest_partitions(database, connection, robot):
     assert forget(database, 2, days=1000, size=bound) == [1000, 1000]
     assert numbers(database) == list(range(2001, 6001))
     forget(database, 2, days=1000, size=0)
-    assert len(partition_numbers(connection)) == 2
+    assert len(partition_numbers(connection)) == 3  # the next one too
 
 
 def test_a_clock_that_is_set_refuses_no_event(database, connection, robot):

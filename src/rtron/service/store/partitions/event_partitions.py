@@ -2,7 +2,8 @@
 
 A partition has a range of ids, which count up in the order of storing, so it is a span of time, by
 whatever clock. To begin the next one, the sequence of ids jumps to the begin of its range; the low
-half of an id goes on counting. Neither making nor dropping a partition makes a writer wait.
+half of an id goes on counting. Neither making nor dropping a partition makes a writer wait. An
+INSERT finds only the partitions that were there when it began, so each is made one ahead.
 """
 
 import re
@@ -56,18 +57,22 @@ def is_nearly_full(connection: Connection) -> bool:
 def begin_partition(connection: Connection) -> int:
     """Let new events go into the next partition; return it. Nobody else may do so meanwhile."""
     number = current_partition(connection) + 1
-    begin, end = id_range(number)
-    if number not in partition_numbers(connection):
-        name = partition_name(number)
-        # One statement, so that a crash leaves all of it or nothing.
-        connection.exec_driver_sql(f"""DO $$ BEGIN
-            CREATE TABLE {name} (LIKE events INCLUDING DEFAULTS);
-            ALTER TABLE events ATTACH PARTITION {name} FOR VALUES FROM ({begin}) TO ({end});
-            END $$""")
+    for each in {number, number + 1}.difference(partition_numbers(connection)):
+        make_partition(connection, each)
+    begin, _ = id_range(number)
     count = stored_count(_last_id(connection))
     first = begin + (count if count < _SIZE >> 1 else 0)
     connection.execute(text("SELECT setval('events_id_seq', :first)"), {"first": first})
     return number
+
+
+def make_partition(connection: Connection, number: int) -> None:
+    """Make a partition, in one statement, so that a crash leaves all of it or nothing."""
+    name, (begin, end) = partition_name(number), id_range(number)
+    connection.exec_driver_sql(f"""DO $$ BEGIN
+        CREATE TABLE {name} (LIKE events INCLUDING DEFAULTS);
+        ALTER TABLE events ATTACH PARTITION {name} FOR VALUES FROM ({begin}) TO ({end});
+        END $$""")
 
 
 def drop_partition(connection: Connection, number: int) -> None:

@@ -6,7 +6,12 @@ SQLite's stays as it is.
 import sqlalchemy as sa
 from alembic import op
 
-from rtron.service.store.partitions.event_partitions import ID_BITS, id_range, partition_name
+from rtron.service.store.partitions.event_partitions import (
+    ID_BITS,
+    id_range,
+    make_partition,
+    partition_name,
+)
 
 revision = "0012"
 down_revision = "0011"
@@ -62,6 +67,7 @@ def _partition_events() -> None:
         op.execute(f"CREATE INDEX {name} ON events {columns}")
     op.execute("ALTER SEQUENCE events_id_seq OWNED BY events.id")
     op.execute(f"ALTER TABLE events ATTACH PARTITION {first} FOR VALUES FROM (MINVALUE) TO ({end})")
+    make_partition(op.get_bind(), number + 1)
 
 
 def _fill_runs() -> None:
