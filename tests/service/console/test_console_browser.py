@@ -308,6 +308,11 @@ def test_the_graph_is_filtered_by_kind_and_domain(console, guard, page):
     page.until(lambda: 0 < len(page.all(".picture .box")) < everything)
 
 
+def scale_of(page):
+    """Return how the graph is moved and scaled; it is empty until the graph is laid out."""
+    return page.find(".world").get_attribute("transform") or ""
+
+
 @pytest.mark.parametrize(("width", "height"), [(1300, 900), (390, 844)])
 def test_the_graph_opens_readable(console, guard, page, width, height):
     """The size on the screen of the words in it, which are 12 px high at full size."""
@@ -315,7 +320,7 @@ def test_the_graph_opens_readable(console, guard, page, width, height):
     size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
     page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     page.login("ada", "robots/turtle1/graph")
-    page.until(lambda: "scale(1)" in page.find(".world").get_attribute("transform"))
+    page.until(lambda: "scale(1)" in scale_of(page))
     assert "/cmd_vel" in page.browser.execute_script("""
         const seen = document.querySelector(".picture").getBoundingClientRect();
         return [...document.querySelectorAll(".picture text")].filter((text) => {
@@ -325,7 +330,7 @@ def test_the_graph_opens_readable(console, guard, page, width, height):
         }).map((text) => text.textContent);
     """)
     page.press("All")
-    page.until(lambda: "scale(1)" not in page.find(".world").get_attribute("transform"))
+    page.until(lambda: "scale(1)" not in scale_of(page))
 
 
 @pytest.mark.long
