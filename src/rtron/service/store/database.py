@@ -1,5 +1,7 @@
 """The database: one SQLite file by default, PostgreSQL by URL."""
 
+import os
+import socket
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
@@ -21,6 +23,7 @@ from rtron.errors import InputError
 from rtron.service.store.notices import CHANNEL, SENDER, notice_channel
 from rtron.service.store.schema_migration import migrate
 
+_POSTGRESQL_PORT = 5432
 _BUSY_TIMEOUT_S = 30
 _ANSWER_TIMEOUT_S = 60
 _REPLICA_BITS = 31
@@ -110,6 +113,7 @@ class Database:
         engine = create_engine(
             self.url, poolclass=NullPool, connect_args=arguments, isolation_level="AUTOCOMMIT"
         )
+        event.listen(engine, "do_connect", _connect_over_socket)
         with closing(engine.connect()) as connection:
             yield connection
 
@@ -177,6 +181,30 @@ def _engine(url: URL) -> Engine:
     event.listen(engine, "connect", _set_pragmas)
     event.listen(engine, "checkin", _reset_durability)
     return engine
+
+
+def _connect_over_socket(
+    dialect: Any,  # noqa: ANN401 - SQLAlchemy's
+    _record: object,
+    arguments: tuple[Any, ...],
+    parameters: dict[str, Any],
+) -> object:
+    """Connect over a socket of ours: pg8000 leaves its own open if the server does not answer."""
+    if "host" not in parameters:
+        return None
+    place = (parameters["host"], parameters.get("port", _POSTGRESQL_PORT))
+    try:
+        connected = socket.create_connection(place, parameters["timeout"])
+    except OSError as error:
+        raise dialect.dbapi.InterfaceError(f"{place[0]}:{place[1]}: {error}") from None
+    connected.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    try:
+        return dialect.dbapi.Connection(*arguments, **parameters, sock=connected)
+    except BaseException:
+        # pg8000's file on it would keep a closed one open; that of TLS has taken it over.
+        if (descriptor := connected.detach()) >= 0:
+            os.close(descriptor)
+        raise
 
 
 def _set_pragmas(connection: Any, _record: object) -> None:  # noqa: ANN401 - sqlite3's own

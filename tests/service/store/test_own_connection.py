@@ -1,0 +1,49 @@
+"""Connections of one's own to PostgreSQL: they end where the server does not answer."""
+
+import os
+import socket
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from sqlalchemy import make_url
+from sqlalchemy.exc import DBAPIError
+
+from rtron.service.store.database import Database
+
+DESCRIPTORS = Path("/proc/self/fd")
+
+
+@pytest.fixture
+def database(postgresql):
+    made = Database(postgresql.new_database())
+    yield made
+    made.close()
+
+
+def open_sockets():
+    """Return what is open, without waiting for garbage to be collected."""
+    names = [os.path.realpath(each) for each in DESCRIPTORS.iterdir()]
+    return {each for each in names if "socket:" in each}
+
+
+def test_a_connection_answers(database):
+    with database.own_connection(60) as connection:
+        assert connection.exec_driver_sql("SELECT 1").scalar() == 1
+
+
+def test_a_server_that_does_not_answer_leaves_no_socket_open(database):
+    with closing(socket.create_server(("127.0.0.1", 0))) as silent:
+        database.url = make_url(f"postgresql+pg8000://a@127.0.0.1:{silent.getsockname()[1]}/b")
+        before = open_sockets()
+        with pytest.raises((DBAPIError, OSError)), database.own_connection(0.1):
+            pass
+        assert open_sockets() == before
+
+
+def test_a_server_that_is_not_there_is_an_error_of_the_database(database):
+    with closing(socket.create_server(("127.0.0.1", 0))) as gone:
+        port = gone.getsockname()[1]
+    database.url = make_url(f"postgresql+pg8000://a@127.0.0.1:{port}/b")
+    with pytest.raises(DBAPIError, match=f"127.0.0.1:{port}"), database.own_connection(60):
+        pass
