@@ -14,6 +14,9 @@ from rtron.sources.static.common.task import InterpretationTask, TaskResult
 from rtron.sources.static.common.worker import failed_result, run_in_worker, start_worker
 from rtron.sources.workspace import Workspace
 
+_PRIVATE_FORKSERVER = (3, 11, 1)
+"""Before this Python, other users of the machine reach its fork server (CVE-2022-42919)."""
+
 
 @dataclass(slots=True)
 class WorkerPool:
@@ -76,7 +79,8 @@ class WorkerPool:
         if self._executor is None:
             method = self.start_method or _safe_start_method()
             context = get_context(method)
-            context.set_forkserver_preload([run_in_worker.__module__])
+            if method == "forkserver":
+                context.set_forkserver_preload([run_in_worker.__module__])
             fresh = Workspace(self.workspace.packages, self.workspace.folders)
             self._executor = ProcessPoolExecutor(
                 max_workers=max(1, workers),
@@ -91,7 +95,9 @@ def _safe_start_method() -> str:
     """Return how a process starts that needs nothing but what is here (`multiprocessing`)."""
     if sys.platform != "linux":
         return "spawn"
-    return "fork" if threading.active_count() == 1 else "forkserver"
+    if threading.active_count() == 1:
+        return "fork"
+    return "forkserver" if sys.version_info >= _PRIVATE_FORKSERVER else "spawn"
 
 
 def _result_or_none(future: "Future[TaskResult]") -> TaskResult | None:
