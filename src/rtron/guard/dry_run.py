@@ -27,8 +27,9 @@ from rtron.guard.runner import (
     run_parts,
 )
 from rtron.guard.settings.applier import SettingsApplier
-from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
+from rtron.guard.settings.in_force import SettingsInForce
 from rtron.guard.settings.intrusion_clearing import create_request_handler
+from rtron.guard.settings.saved_settings import settings_at_start
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
 from rtron.vocabulary import Plan, build_streams
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from rtron.errors import InputError
-from rtron.guard.link.options import INCIDENTS, state_folder
+from rtron.guard.system.state_folder import INCIDENTS, state_folder
 from rtron.sources.bag.incident import (
     IncidentEntry,
     IncidentFile,

@@ -7,7 +7,7 @@ from harness import wait_for
 from mcap.reader import make_reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from rtron.guard.link.options import INCIDENTS, state_folder
+from rtron.guard.system.state_folder import INCIDENTS, state_folder
 from rtron.sources.bag.incident import IncidentFile
 from rtron.vocabulary import SECOND
 from rtron.workflows.incidents import read_account

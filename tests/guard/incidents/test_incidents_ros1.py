@@ -18,7 +18,7 @@ from incident_checks import (
 )
 from rostopic import TWIST, say
 
-from rtron.guard.link.options import INCIDENTS, state_folder
+from rtron.guard.system.state_folder import INCIDENTS, state_folder
 from rtron.sources.bag.incident import IncidentFile
 from rtron.vocabulary import SECOND
 from rtron.workflows.incidents import read_account

@@ -16,7 +16,7 @@ from saved_incident import saved_incident
 
 from rtron.guard.link import incident_reports, service_connection
 from rtron.guard.link.incident_reports import MAX_BACKLOG, IncidentReports
-from rtron.guard.link.options import INCIDENTS
+from rtron.guard.system.state_folder import INCIDENTS
 from rtron.vocabulary import Settings
 from rtron.wire.common.incident_report import encode_report
 from rtron.wire.common.link_protocol import (

@@ -70,7 +70,8 @@ def build_link_options(
     plans: "PlanFolder | None" = None,
 ) -> "LinkOptions":
     """Return the link's options, all of them checked; InputError if one cannot be used."""
-    from rtron.guard.link.options import LinkOptions, state_folder
+    from rtron.guard.link.options import LinkOptions
+    from rtron.guard.system.state_folder import state_folder
 
     if token_file is None:
         help = "make one with `rtron token create`, and give --token-file FILE"

@@ -18,10 +18,10 @@ from rtron.errors import RTronError
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import BackgroundWorker
 from rtron.guard.core.handover_state import STOPS, HandoverState
-from rtron.guard.link.options import state_folder
 from rtron.guard.settings.emergency_stop import can_move_robot
 from rtron.guard.system.durable_file import make_private_folder, remove_file, replace_file
 from rtron.guard.system.master_name import master_file_name
+from rtron.guard.system.state_folder import state_folder
 from rtron.guard.system.unix_socket import open_own_folder
 from rtron.guard.transport.common.protocol import Transport
 from rtron.policies.authority.stop_latch import StopAnswer, StopLatch

@@ -11,8 +11,9 @@ from collections.abc import Collection
 from contextlib import suppress
 
 from rtron.errors import WireError
-from rtron.guard.link.options import INCIDENTS, LinkOptions
+from rtron.guard.link.options import LinkOptions
 from rtron.guard.system.durable_file import replace_file
+from rtron.guard.system.state_folder import INCIDENTS
 from rtron.guard.system.time_limit import run_within
 from rtron.wire.common.link_protocol import IncidentSaved, decode_from_guard, encode_incident
 

@@ -4,15 +4,16 @@ import os
 import ssl
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit, urlunsplit
 
 from rtron.errors import InputError
-from rtron.guard.link.plan_folder import PlanFolder
 from rtron.guard.system.durable_file import make_private_folder, replace_file
 from rtron.guard.system.unix_socket import abstract_address, user_name
 
-INCIDENTS = "incidents"
-"""The folder of incidents, in the folder of the guard's state."""
+if TYPE_CHECKING:
+    from rtron.guard.link.plan_folder import PlanFolder
+
 _PATH = "/link/v1"
 _SCHEMES = {"http": "ws", "https": "wss"}
 _SHARED = Path("/dev/shm")  # noqa: S108 - the folders in it are checked
@@ -36,7 +37,7 @@ class LinkOptions:
     certificate: Path | None = None
     key: Path | None = None
     report_command: tuple[str, ...] = ()
-    plans: PlanFolder | None = None
+    plans: "PlanFolder | None" = None
 
     def tls_context(self) -> ssl.SSLContext | None:
         """Return how the service is known, and what the guard shows; None without TLS.
@@ -137,11 +138,3 @@ class LinkOptions:
 
 
 _TOKEN_HELP = "make one: rtron token create NAME --scope guard --robot ROBOT --token-file FILE"  # noqa: S105 - a command
-
-
-def state_folder(app: str) -> Path:
-    """Return where the guard of an app keeps its state by default (XDG base folders)."""
-    root = os.environ.get("XDG_STATE_HOME", "")
-    base = Path(root) if Path(root).is_absolute() else Path.home() / ".local" / "state"
-    name = "".join(each if each.isalnum() or each in "-_" else "_" for each in app)[:64] or "app"
-    return base / "rtron" / name

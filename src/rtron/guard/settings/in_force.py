@@ -3,9 +3,7 @@
 import logging
 from dataclasses import replace
 
-from rtron.errors import InputError, RTronError
-from rtron.guard.link.options import LinkOptions
-from rtron.guard.link.settings_file import read_settings
+from rtron.errors import RTronError
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.system.machine_time import machine_time
 from rtron.vocabulary import EmergencyStop, Settings
@@ -60,19 +58,3 @@ class SettingsInForce:
         """Put an emergency stop in force beside what is in force."""
         self.current = replace(self.current, stop=stop)
         self._applier.apply(self.current, machine_time().now)
-
-
-def settings_at_start(settings: SettingsInForce, options: LinkOptions) -> None:
-    """Put the last settings in force that the service has sent, before the guard opens."""
-    _prepare_folders(options)
-    saved = read_settings(options.settings_file, machine_time())
-    if saved:
-        settings.apply(saved)
-
-
-def _prepare_folders(options: LinkOptions) -> None:
-    """Make the folders; a guard whose disk is full guards all the same."""
-    try:
-        options.prepare()
-    except InputError as error:
-        log.error("the link to the service will not work: %s", error)  # noqa: TRY400

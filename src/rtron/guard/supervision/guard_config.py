@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rtron.guard.link.options import state_folder
+from rtron.guard.system.state_folder import state_folder
 from rtron.guard.system.unix_socket import runtime_folder
 from rtron.vocabulary import Mode, Plan, Stream, StreamKind, build_streams
 

@@ -12,11 +12,11 @@ from pathlib import Path
 from rtron.errors import RTronError, SourceError
 from rtron.guard.core.event_loop import BackgroundWorker
 from rtron.guard.intrusion_latch import handover_document, intrusions_in
-from rtron.guard.link.options import state_folder
 from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.system.durable_file import make_private_folder, remove_file, replace_file
 from rtron.guard.system.master_name import master_file_name
+from rtron.guard.system.state_folder import state_folder
 from rtron.guard.system.unix_socket import open_own_folder
 from rtron.vocabulary import SECOND, OnForeign, build_streams
 

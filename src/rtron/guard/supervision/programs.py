@@ -4,21 +4,26 @@ A program is `python -c` with the module path of the process that starts it: it 
 whatever lies in the folder where it is started, and needs nothing of the command line.
 """
 
+from __future__ import annotations
+
 import logging
 import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from rtron.errors import RTronError
-from rtron.guard.link.options import LinkOptions
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.supervisor_fsm import GUARD_EXISTS, REFUSED
 from rtron.guard.supervision.supervisor_handover import GuardExistsError
-from rtron.vocabulary import MeasuredRun, Plan
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from rtron.guard.link.options import LinkOptions
+    from rtron.vocabulary import MeasuredRun, Plan
 
 _CODE = (
     "import gc, sys; gc.disable(); sys.path[:] = sys.argv[3:]; "

@@ -30,14 +30,13 @@ from rtron.guard.lanes.exchange.messages import (
     RepeatStop,
     StoppedStreams,
 )
-from rtron.guard.link.options import INCIDENTS, state_folder
-from rtron.guard.link.service_link import ServiceLink
 from rtron.guard.middleware import Middleware, open_middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
-from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
+from rtron.guard.settings.in_force import SettingsInForce
 from rtron.guard.system.process_priority import lower_priority
+from rtron.guard.system.state_folder import INCIDENTS, state_folder
 from rtron.vocabulary import BULK_NODE, SECOND, Mode, OnForeign, Plan, build_streams
 
 if TYPE_CHECKING:
@@ -45,6 +44,7 @@ if TYPE_CHECKING:
 
     from rtron.guard.core.observations import Observations
     from rtron.guard.link.options import LinkOptions
+    from rtron.guard.link.service_link import ServiceLink
     from rtron.guard.transport.common.protocol import LiveTransport
 
 log = logging.getLogger(__name__)
@@ -81,10 +81,7 @@ def run_bulk_process(
     settings = service_link = None
     if link:
         settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, bulk_part))
-        settings_at_start(settings, link)
-        service_link = ServiceLink(plan, coordinator, settings, loop, link, connection)
-        service_link.on_lease_command = connection.send
-        connection.message_listeners.append(service_link.receive)
+        service_link = _link_service(settings, plan, coordinator, connection, loop, link)
         parts.append(service_link)
     if plan.incidents.keep:
         state = link.state if link else state_folder(plan.app)
@@ -98,6 +95,25 @@ def run_bulk_process(
     if plan.ros != 1:
         parts.append(StandStillEnd(loop))
     run_parts(loop, parts)
+
+
+def _link_service(
+    settings: SettingsInForce,
+    plan: Plan,
+    coordinator: Coordinator,
+    connection: CommandConnection,
+    loop: EventLoop,
+    link: LinkOptions,
+) -> ServiceLink:
+    """Put the service's last settings in force; return the link, which most guards do not load."""
+    from rtron.guard.link.service_link import ServiceLink  # noqa: PLC0415
+    from rtron.guard.settings.saved_settings import settings_at_start  # noqa: PLC0415
+
+    settings_at_start(settings, link)
+    service_link = ServiceLink(plan, coordinator, settings, loop, link, connection)
+    service_link.on_lease_command = connection.send
+    connection.message_listeners.append(service_link.receive)
+    return service_link
 
 
 def _connect(

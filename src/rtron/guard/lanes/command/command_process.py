@@ -9,7 +9,6 @@ from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.authority.latched_stops import LatchedStops, StopFile, stop_file
 from rtron.guard.authority.lease_controller import LeaseController
 from rtron.guard.authority.lease_topics import LeaseTopics
-from rtron.guard.authority.service_leases import ServiceLeases
 from rtron.guard.authority.stop_buttons import StopButtons
 from rtron.guard.cell.access import GUARD
 from rtron.guard.coordinator import Coordinator
@@ -25,7 +24,6 @@ from rtron.guard.lanes.command.bulk_connection import BulkConnection
 from rtron.guard.lanes.command.diagnostics_reports import DiagnosticsReports
 from rtron.guard.lanes.command.node_reports import NodeReports
 from rtron.guard.lanes.command.remote_audit import RemoteAudit, RemoteBrake
-from rtron.guard.lanes.command.service_reports import ServiceReports
 from rtron.guard.lanes.exchange.messages import RegisterNode
 from rtron.guard.middleware import Middleware, open_middleware
 from rtron.guard.rehearsal import Rehearsal
@@ -36,14 +34,10 @@ from rtron.guard.runner import (
     raise_file_limit,
     run_parts,
 )
-from rtron.guard.settings.applier import SettingsApplier
-from rtron.guard.settings.in_force import SettingsInForce, settings_at_start
 from rtron.guard.settings.intrusion_clearing import create_request_handler
-from rtron.guard.settings.saved_stop import SavedStop
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
 from rtron.guard.supervision.output_watch import OutputWatch
 from rtron.vocabulary import Mode, Plan, build_streams
-from rtron.wire.common.link_protocol import LeaseCommand
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -81,7 +75,6 @@ def run_command_process(
     streams = build_streams(command_part(plan))
     coordinator = Coordinator(transport, streams, board.observations, handover=handover)
     connection = BulkConnection(loop, supervisor.configuration, board, coordinator)
-    middleware.set_other_pids(connection.pids)
     response = _alarm_response(plan, coordinator, transport, connection)
     _follow_audit(connection, response, middleware, loop)
     topics = len(streams) + len(build_streams(bulk_part(plan)))
@@ -99,8 +92,9 @@ def run_command_process(
     authority, handler, leases = _create_authority(plan, coordinator, transport, handover, file)
     parts += authority
     if link:
-        settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
-        parts += _service_parts(settings, leases, coordinator, connection, loop, link)
+        from rtron.guard.lanes.command.service_parts import service_parts  # noqa: PLC0415 - most have none
+
+        parts += service_parts(plan, leases, coordinator, transport, connection, loop, link)
     if plan.incidents.keep:
         parts.append(IncidentNotes(connection, coordinator, loop))
     if socket := open_control_socket(loop, plan, control, handler):
@@ -128,36 +122,11 @@ def _create_authority(
     return [LeaseTopics(leases, transport), buttons], handler, leases
 
 
-def _service_parts(
-    settings: SettingsInForce,
-    leases: LeaseController,
-    coordinator: Coordinator,
-    connection: BulkConnection,
-    loop: EventLoop,
-    link: LinkOptions,
-) -> list[Part]:
-    """Put the service's last settings in force; return what follows the service from then on."""
-    settings_at_start(settings, link)
-    reports = ServiceReports(connection, coordinator, loop, settings)
-    connection.on_settings = reports.apply
-    _follow_leases(connection, ServiceLeases(leases, reports.record))
-    return [reports, SavedStop(settings, link, loop)]
-
-
-def _follow_leases(connection: BulkConnection, leases: ServiceLeases) -> None:
-    """Do what persons at the service ask of leases, and answer."""
-
-    def receive(message: object) -> None:
-        if isinstance(message, LeaseCommand):
-            connection.send(leases.carry_out(message))
-
-    connection.message_listeners.append(receive)
-
-
 def _follow_audit(
     connection: BulkConnection, response: AlarmResponse, middleware: Middleware, loop: EventLoop
 ) -> None:
-    """Do what the audit in the bulk process asks for."""
+    """Do what the audit in the bulk process asks for; that process is ours."""
+    middleware.set_other_pids(connection.pids)
     RemoteAudit(connection, response, loop)
 
     def register(message: object) -> None:
