@@ -20,8 +20,9 @@ from rtron.guard.incidents.recorder import IncidentRecorder
 from rtron.guard.system.machine_time import MachineTime
 from rtron.guard.system.unix_socket import open_own_folder
 from rtron.messages.common.encoding import Encoding
+from rtron.sources.bag.incident import decode_header, decode_plan
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, Settings
-from rtron.wire.common.incident_format import decode_header, decode_plan, encode_settings
+from rtron.wire.common.incident_format import encode_settings
 
 IN, OUT, DECISIONS = "/rtron/cmd_vel/flow1", "/rtron/cmd_vel/out", "/rtron/decisions"
 

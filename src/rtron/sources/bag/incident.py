@@ -12,6 +12,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from pydantic import TypeAdapter, ValidationError
+
 from rtron.errors import InputError, WireError
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.common.encoding import Encoding
@@ -22,6 +24,7 @@ from rtron.sources.bag.mcap.reader import open_mcap_with_metadata
 from rtron.sources.bag.mcap.summary import INCIDENT_ENCODINGS
 from rtron.vocabulary import (
     PRIVATE_ROOT,
+    SECOND,
     IncidentHeader,
     Plan,
     Settings,
@@ -30,15 +33,21 @@ from rtron.vocabulary import (
 )
 from rtron.wire.common.incident_format import (
     DECISIONS,
-    decode_former_settings,
-    decode_header,
-    decode_plan,
+    FORMER_SETTINGS,
+    INCIDENT,
+    PLAN,
+    SETTINGS,
 )
 
 OUTPUT = "out"
 """The last part of the name of a stream's private output."""
 _LONGEST_DECISION = 1 << 20
 _HELP = "give a file that a guard has saved; `rtron incident list` shows them"
+_LONGEST = 3600 * SECOND
+"""More than any guard keeps, ns."""
+_HEADER: TypeAdapter[IncidentHeader] = TypeAdapter(IncidentHeader)
+_PLAN: TypeAdapter[Plan] = TypeAdapter(Plan)
+_SETTINGS: TypeAdapter[Settings] = TypeAdapter(Settings)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -260,3 +269,43 @@ def _velocity_reader(on: BagConnection, encoding: Encoding) -> Callable[[bytes],
 
 def _no_velocity(_message: bytes) -> None:
     """Return no velocity."""
+
+
+def decode_header(metadata: Mapping[str, Mapping[str, str]]) -> IncidentHeader:
+    """Return what an incident is about; WireError if the file is none."""
+    header: IncidentHeader = _decode(_HEADER, metadata, INCIDENT)
+    if not header.causes:
+        raise WireError("it names no cause")
+    if not 0 <= header.begin <= header.causes[0].at < 1 << 63 or not (
+        header.begin <= header.end <= header.begin + _LONGEST
+    ):
+        raise WireError("its times are no guard's")
+    return header
+
+
+def decode_plan(metadata: Mapping[str, Mapping[str, str]]) -> tuple[Plan, Settings]:
+    """Return the plan and the settings that were in force."""
+    return _decode(_PLAN, metadata, PLAN), _decode(_SETTINGS, metadata, SETTINGS)
+
+
+def decode_former_settings(metadata: Mapping[str, Mapping[str, str]]) -> Settings | None:
+    """Return the settings that were in force before those; None if they are not known."""
+    if FORMER_SETTINGS not in metadata:
+        return None
+    settings: Settings = _decode(_SETTINGS, metadata, FORMER_SETTINGS)
+    return settings
+
+
+def _decode(adapter: TypeAdapter[Any], metadata: Mapping[str, Mapping[str, str]], name: str) -> Any:  # noqa: ANN401 - as the adapter says
+    text = metadata.get(name, {}).get("json")
+    if text is None:
+        raise WireError(f"it has no metadata {name}")
+    try:
+        return adapter.validate_json(text)
+    except (ValidationError, RecursionError) as error:
+        where = (
+            error.errors(include_url=False, include_input=False)[0]["loc"]
+            if isinstance(error, ValidationError)
+            else ()
+        )
+        raise WireError(f"{name} is not as it should be: {'.'.join(map(str, where))}") from None
