@@ -8,13 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from message_samples import ROS1, ROS2
+from rosbags.typesys import Stores, get_typestore
 
 from rtron.errors import InputError
 from rtron.messages import DefinitionRegistry, Field, parse_definition
 from rtron.messages.common.definition_lines import MAX_FIELDS, MAX_VALUES
 from rtron.messages.common.definition_parser import MAX_DEPTH, MAX_TEXT
+from rtron.messages.common.definition_registry import standard_text
 from rtron.vocabulary import MessageDefinition
 
+STORES = [each for each in Stores if each is not Stores.EMPTY]
 DEBIAN = """
 import importlib, json
 found = {}
@@ -282,6 +285,13 @@ def test_fuzz_definition(text):
         return
     assert found.type == "a/B"
     assert len(found.md5sum) == 32
+
+
+@pytest.mark.parametrize("store", STORES, ids=lambda store: store.value)
+def test_a_twist_is_the_same_in_every_distribution(store):
+    ros = 1 if store is Stores.ROS1_NOETIC else 2
+    text, _ = get_typestore(store).generate_msgdef("geometry_msgs/msg/Twist", ros_version=ros)
+    assert standard_text("geometry_msgs/Twist", ros) == text
 
 
 @pytest.mark.parametrize(

@@ -11,17 +11,16 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.observations import observations_of
 from rtron.guard.core.report_messages import DIAGNOSTICS, STRING, UINT64
-from rtron.guard.dry_run import run_dry
 from rtron.guard.lanes.command.command_process import run_command_process
 from rtron.guard.log_format import start_logging
-from rtron.guard.supervision.guard_config import read_config, stopped_streams
+from rtron.guard.supervision.guard_config import GuardConfig, read_config, stopped_streams
 from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import SupervisorClient
 from rtron.guard.supervision.supervisor_handover import BEGIN
 from rtron.guard.transport.factory import load_types, prepare_session, share_memory
 from rtron.messages.common.encoding import Encoding
-from rtron.vocabulary import Plan, build_streams
+from rtron.vocabulary import build_streams
 
 _DISCOVERY_S = 4.0
 """How long it takes to know a domain: Fast DDS asks after what was lost every 3 s."""
@@ -40,7 +39,7 @@ def main(numbers: str) -> None:
     memory = GuardMemory(memory_file, len(stopped_streams(config.plan)))
     share_memory(config.plan.ros, on=config.options["dry_run"])
     session = prepare_session(config.plan.ros, config.master)
-    _load(config.plan)
+    _load(config)
     if session:
         select.select([connection], (), (), _DISCOVERY_S)
     memory[StatusWord.READY] = EventLoop.now()
@@ -53,6 +52,8 @@ def main(numbers: str) -> None:
         client = SupervisorClient(config, memory, connection, config_file, session)
         options = dict(config.options)
         if options.pop("dry_run"):
+            from rtron.guard.dry_run import run_dry  # noqa: PLC0415 - loaded before
+
             run_dry(config.plan, config.master, client, **options)
         else:
             del options["figures"]  # a dry run's
@@ -62,17 +63,23 @@ def main(numbers: str) -> None:
     sys.exit(run_program(guard))
 
 
-def _load(plan: Plan) -> None:
+def _load(config: GuardConfig) -> None:
     """Read message types and compile expressions now: on ROS 2 a definition takes up to 0.4 s.
 
-    What fails here fails again when the guard begins, and is reported there.
+    What fails here fails again when the guard begins, and is reported there. What only some guards
+    need is imported now, too, so that a spare guard begins at once.
     """
+    if config.options["dry_run"]:
+        import rtron.guard.dry_run  # noqa: PLC0415
+    elif config.options.get("link"):
+        import rtron.guard.lanes.command.service_parts  # noqa: F401, PLC0415
+    plan = config.plan
     encoding = Encoding.ROS1 if plan.ros == 1 else Encoding.CDR
     own = [DIAGNOSTICS[encoding].type, STRING.type, UINT64.type]
-    types = [*own, *(each.type for each in build_streams(plan))]
+    types = [each.type for each in build_streams(plan)]
     with suppress(RTronError):
         observations_of(plan)
-        load_types(plan.ros, types)
+        load_types(plan.ros, [*own, *types])
         for type in types:
             standard_info(type, encoding)
     gc.collect()

@@ -85,6 +85,8 @@ def standard_text(name: str, ros: int) -> str | None:
 
     It is that of the distribution that was sourced; else of Noetic, or of Jazzy.
     """
+    if name == "geometry_msgs/Twist":
+        return TWIST
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - most guards need none
     from rosbags.typesys.base import TypesysError  # noqa: PLC0415
 
@@ -96,6 +98,12 @@ def standard_text(name: str, ros: int) -> str | None:
         return str(store.generate_msgdef(f"{package}/msg/{last}", ros_version=ros)[0])
     except TypesysError:
         return None
+
+
+_COMPONENTS = "float64 x\nfloat64 y\nfloat64 z\n"
+_VECTOR = f"{'=' * 80}\nMSG: geometry_msgs/Vector3\n{_COMPONENTS}"
+TWIST = f"geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n{_VECTOR}"
+"""What most guards stop, the same in all distributions: it takes no table of all their types."""
 
 
 def standard_names(package: str) -> frozenset[str]:
