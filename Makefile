@@ -1,6 +1,6 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo check test test-all test-durations test-ros2 test-pythons test-arm64 lint coverage mutation fuzz bench bench-fleet soak eval study docs lock check-locks
+.PHONY: help setup demo check test test-all test-durations test-ros2 test-pythons test-arm64 lint coverage mutation fuzz steady bench bench-fleet soak eval study docs lock check-locks
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
@@ -66,6 +66,9 @@ fuzz: setup ## Give the wire parsers over 100000 hostile inputs, and scan 1000 r
 	$(BIN)/pytest tests/wire --hypothesis-profile=fuzz -k fuzz --timeout=0 -q
 	seed=$(or $(SEED),$$(date +%s)); echo "programs from seed $$seed on"; \
 	  FUZZ_PROGRAMS=500 FUZZ_SEED=$$seed $(BIN)/pytest tests/sources/code/fuzz -m "not long" --timeout=0 -q
+
+steady: setup ## Run the tests in FILES ten times while real-time processes stall the cores; SEED=N repeats it (as long as they take)
+	$(PYTHON) scripts/steady.py $(FILES) $(if $(TIMES),--times $(TIMES)) $(if $(SEED),--seed $(SEED)) $(if $(LONG),--long)
 
 bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json (2 hours)
 	$(PYTHON) -m bench
