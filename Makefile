@@ -67,7 +67,7 @@ fuzz: setup ## Give the wire parsers over 100000 hostile inputs, and scan 1000 r
 	seed=$(or $(SEED),$$(date +%s)); echo "programs from seed $$seed on"; \
 	  FUZZ_PROGRAMS=500 FUZZ_SEED=$$seed $(BIN)/pytest tests/sources/code/fuzz -m "not long" --timeout=0 -q
 
-steady: setup ## Run the tests in FILES ten times while real-time processes stall the cores; SEED=N repeats it (as long as they take)
+steady: setup ## Run the tests in FILES ten times while real-time processes stall the cores; SEED=N repeats it (ten times as long as they take)
 	$(PYTHON) scripts/steady.py $(FILES) $(if $(TIMES),--times $(TIMES)) $(if $(SEED),--seed $(SEED)) $(if $(LONG),--long)
 
 bench: setup ## Measure beside the peers, and write build/bench.json and build/bench-ros2.json (2 hours)

@@ -179,7 +179,7 @@ def test_the_share_is_the_kernels(runtime, share, tmp_path, monkeypatch):
 def test_a_machine_that_does_not_allow_it_runs_nothing(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(steady, "refusal", lambda share: "no")
     monkeypatch.setattr(steady, "run_file", None)
-    monkeypatch.setattr(steady.signal, "signal", None)
+    monkeypatch.setattr(steady, "signal", None)
     (tmp_path / "test_x.py").touch()
     assert steady.main([str(tmp_path / "test_x.py")]) == 2
     assert capsys.readouterr() == ("", "steady: cannot run: no\n")
