@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple, NoReturn
 
 from core_stalls import real_time_share, refusal, schedule, stalling
-from defusedxml.ElementTree import parse
+from junit_report import read_report
 
 ROOT = Path(__file__).parent.parent
 ROS2_PYTHON = ROOT / ".venv-ros2" / "bin" / "python"
@@ -89,16 +89,12 @@ def _stop(process: subprocess.Popen[bytes]) -> None:
 
 def outcome(report: Path, code: int | None) -> tuple[int, list[str]]:
     """Return how many tests ran, and each failure with its reason."""
-    cases = list(parse(report).iter("testcase")) if report.exists() else []
-    failures = [
-        f"{case.get('name')}: {(problem.get('message') or problem.tag).splitlines()[0]}"
-        for case in cases
-        for problem in (*case.findall("failure"), *case.findall("error"))
-    ]
+    cases = list(read_report(report)) if report.exists() else []
+    failures = [f"{case.name}: {case.reason}" for case in cases if case.outcome == "failed"]
     if code is None or (code not in (0, _NO_TESTS) and not failures):
         ended = f"did not end in {LIMIT_S:.0f} s" if code is None else f"exit code {code}"
         failures.append(f"pytest: {ended}, see {report.with_suffix('.log')}")
-    return sum(case.find("skipped") is None for case in cases), failures
+    return sum(case.outcome != "skipped" for case in cases), failures
 
 
 def table(runs: list[Run]) -> str:
