@@ -8,6 +8,8 @@ from typing import TypeAlias
 from rtron.errors import InputError
 
 MAX_DEPTH = 100
+IGNORE_MARKERS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
+"""What lies in folders that neither catkin nor colcon builds (catkin_pkg, colcon-core)."""
 
 SkipHandler: TypeAlias = Callable[[str, str], None]
 """Takes a folder that is not read, and why."""

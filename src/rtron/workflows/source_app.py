@@ -165,10 +165,15 @@ def _split_launch(launch: str) -> list[str]:
 
 
 def launches_by_name(folders: Sequence[Path]) -> "dict[str, LaunchFileInfo]":
-    """Return the launch files by name; those of a package that share a name, by path."""
+    """Return the launch files by name; those of a package that share a name, by path.
+
+    Raise InputError for a folder that builds leave out.
+    """
+    from rtron.sources.launch.common.packages import require_no_ignore_marker  # noqa: PLC0415 - likewise
     from rtron.sources.launch.ros1.file_search import find_launch_files  # noqa: PLC0415 - likewise
     from rtron.sources.launch.ros2.file_search import list_ros2_launch_files  # noqa: PLC0415 - likewise
 
+    require_no_ignore_marker(folders)
     found = {
         each.path: each for each in (*find_launch_files(folders), *list_ros2_launch_files(folders))
     }

@@ -6,7 +6,7 @@ from itertools import islice
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.folders import path_exists, walk
+from rtron.folders import IGNORE_MARKERS, path_exists, walk
 from rtron.functions.reading import fields
 from rtron.functions.reading.fields import MAX_NAME, MAX_TEXT
 from rtron.functions.reading.skipped_entries import (
@@ -85,7 +85,6 @@ def _parse_manifest(path: Path, root: Path) -> Element:
 
 
 MAX_FOLDERS = 200_000
-_IGNORED = frozenset({"CATKIN_IGNORE", "COLCON_IGNORE", "AMENT_IGNORE"})
 
 
 def read_folders(top: Path, on_skipped: SkippedHandler) -> Iterator[SourceRepository]:
@@ -175,7 +174,7 @@ def _package_folders(top: Path, skipped: list[SkippedEntry]) -> Iterator[Path]:
         if number == MAX_FOLDERS:
             skip(str(top), f"has more than {MAX_FOLDERS} folders; the others are left out")
             return
-        ignored = not _IGNORED.isdisjoint(files)
+        ignored = not IGNORE_MARKERS.isdisjoint(files)
         if MANIFEST in files and not ignored:
             yield Path(folder)
         if MANIFEST in files or ignored:

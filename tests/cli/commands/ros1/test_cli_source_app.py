@@ -1,4 +1,5 @@
 import json
+import shutil
 import sys
 from types import SimpleNamespace
 
@@ -56,6 +57,28 @@ def test_a_folder_alone_lists_its_launch_files(rtron, folder):
     assert "robot/app.launch     speed:=… [topic:=…]" in ran.out
     assert "robot/broken.launch  cannot be read" in ran.out
     assert f"rtron scan {folder} --launch robot/plain.launch" in ran.out
+
+
+def test_what_a_build_made_is_not_read(rtron, folder):
+    share = folder.parent / "install" / "robot" / "share"
+    shutil.copytree(folder / "launch", share / "robot" / "launch")
+    shutil.copy(folder / "package.xml", share / "robot")
+    (folder.parent / "install" / "COLCON_IGNORE").touch()
+    listed = rtron("scan", folder.parent)
+    assert "3 launch files" in listed.out
+    assert "robot/plain.launch" in listed.out
+    app = ("--launch", "robot/plain.launch", "-j", "1")
+    ends = graph(rtron, folder.parent, *app)["endpoints"]
+    assert [end["evidence"][0]["file"] for end in ends] == [str(folder / "scripts" / "base.py")]
+
+
+@pytest.mark.parametrize("app", [(), APP])
+def test_a_folder_that_builds_leave_out_is_no_app(rtron, folder, app):
+    (folder / "COLCON_IGNORE").touch()
+    ran = rtron("scan", folder, *app)
+    assert ran.code == 2
+    assert f"{folder}: left out, as COLCON_IGNORE in it says" in ran.err
+    assert "help: give the folder with the source" in ran.err
 
 
 def test_the_launch_file_that_is_likeliest_to_start_the_app_is_proposed(rtron, folder):

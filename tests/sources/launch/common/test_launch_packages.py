@@ -63,6 +63,15 @@ def test_an_ignored_package_is_none(tmp_path, marker):
     assert own([tmp_path]) == {}
 
 
+@pytest.mark.parametrize("marker", MARKERS)
+def test_a_given_folder_that_is_ignored_is_an_error(tmp_path, marker):
+    make(tmp_path / "package")
+    (tmp_path / marker).touch()
+    with pytest.raises(InputError, match=f"left out, as {marker} in it says"):
+        own([tmp_path])
+    assert own([], {"ROS_PACKAGE_PATH": str(tmp_path)}) == {}
+
+
 def test_given_folders_come_before_the_package_path_and_the_first_wins(tmp_path):
     folders = [make(tmp_path / where / "p").parent for where in ("given", "one", "two")]
     path = f"{folders[1]}::{folders[2]}"

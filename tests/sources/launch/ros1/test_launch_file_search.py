@@ -36,6 +36,17 @@ def test_launch_files_are_listed_with_package_and_arguments(tmp_path):
     assert len(find_launch_files([tmp_path / "src", tmp_path / "src/p"])) == 1
 
 
+@pytest.mark.parametrize("marker", ["AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"])
+def test_what_builds_leave_out_has_no_launch_files(tmp_path, marker):
+    write(tmp_path / "install" / marker, "")
+    for place in ("src", "install/p/share"):
+        write(tmp_path / place / "p/package.xml", "<package><name>p</name></package>")
+        write(tmp_path / place / "p/launch/x.launch")
+    assert [each.path for each in find_launch_files([tmp_path])] == [
+        tmp_path / "src/p/launch/x.launch"
+    ]
+
+
 @pytest.mark.parametrize(
     "body",
     [

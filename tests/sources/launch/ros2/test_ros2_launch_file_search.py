@@ -69,3 +69,14 @@ def test_more_arguments_than_anybody_declares_are_a_fault(tmp_path):
     (tmp_path / "app.launch.py").write_text(FILE.format(lines=lines))
     (found,) = list_ros2_launch_files([tmp_path])
     assert "declares over 2000 arguments" in found.error
+
+
+@pytest.mark.parametrize("marker", ["AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"])
+def test_what_builds_leave_out_has_no_launch_files(tmp_path, marker):
+    for place in ("src", "made/p/share"):
+        (tmp_path / place).mkdir(parents=True)
+        (tmp_path / place / "x.launch.py").write_text(FILE.format(lines=""))
+    (tmp_path / "made" / marker).touch()
+    assert [each.path for each in list_ros2_launch_files([tmp_path])] == [
+        tmp_path / "src/x.launch.py"
+    ]

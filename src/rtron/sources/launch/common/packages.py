@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rtron.errors import InputError
-from rtron.folders import walk
+from rtron.folders import IGNORE_MARKERS, path_exists, walk
 from rtron.sources.launch.common.xml_document import parse_xml
 from rtron.vocabulary import Trust
 
@@ -15,8 +15,6 @@ PackageIndex: TypeAlias = Mapping[str, Path]
 MAX_FOLDERS = 200_000
 
 _DEBIAN_SHARE = Path("/usr/share")
-_IGNORE_MARKERS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
-"""What lies in folders that neither catkin nor colcon builds (catkin_pkg, colcon-core)."""
 _STOP_MARKER = "rospack_nosubdirs"
 
 
@@ -26,8 +24,10 @@ def find_packages(
     """Return the packages below `folders`, then ROS_PACKAGE_PATH, then Debian's; the first wins.
 
     Links are followed, as rospack does; what cannot be listed, or lies too deep, is left out. Raise
-    InputError for a folder that has no end.
+    InputError for a folder that has no end, or is one of `folders` and left out of a build.
     """
+    folders = tuple(folders)
+    require_no_ignore_marker(folders)
     packages: dict[str, Path] = {}
     path_folders = [
         Path(entry) for entry in environ.get("ROS_PACKAGE_PATH", "").split(":") if entry
@@ -38,6 +38,14 @@ def find_packages(
     for manifest in sorted(_DEBIAN_SHARE.glob("*/package.xml")):
         packages.setdefault(package_name(manifest.parent), manifest.parent)
     return packages
+
+
+def require_no_ignore_marker(folders: Iterable[Path]) -> None:
+    """Raise InputError for a folder that a user names and that builds leave out."""
+    for folder in folders:
+        for marker in sorted(name for name in IGNORE_MARKERS if path_exists(folder / name)):
+            help = "give the folder with the source; build, install and log are made from it"
+            raise InputError(f"left out, as {marker} in it says", path=str(folder), help=help)
 
 
 def package_name(package: Path) -> str:
@@ -64,7 +72,7 @@ def _packages_below(top: Path) -> Iterator[Path]:
             raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top), help=help)
         real = os.path.realpath(folder)
         is_package = "package.xml" in files or "manifest.xml" in files
-        is_left_out = real in visited or not _IGNORE_MARKERS.isdisjoint(files)
+        is_left_out = real in visited or not IGNORE_MARKERS.isdisjoint(files)
         if is_package and not is_left_out:
             yield Path(folder)
         if is_package or is_left_out or _STOP_MARKER in files:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.folders import SkipHandler, walk
+from rtron.folders import IGNORE_MARKERS, SkipHandler, walk
 from rtron.sources.launch.common.launch_file import LaunchFileInfo, is_ros2
 from rtron.sources.launch.common.packages import package_name
 from rtron.sources.launch.common.xml_document import parse_launch
@@ -19,7 +19,8 @@ _SKIPPED_FOLDERS = frozenset({".git", ".hg", ".svn"})
 def find_launch_files(folders: Iterable[Path]) -> tuple[LaunchFileInfo, ...]:
     """Return the launch files of ROS 1 below folders, by path; those of ROS 2 are left out.
 
-    Links are not followed. Raise InputError for a folder that has no end.
+    Links are not followed, and what builds leave out has none. Raise InputError for a folder that
+    has no end.
     """
     packages_by_path: dict[Path, str] = {}
     errors: list[LaunchFileInfo] = []
@@ -40,6 +41,9 @@ def _launch_files_below(top: Path, unreadable: SkipHandler) -> Iterator[tuple[Pa
     for folder, subfolders, files in walk(top, unreadable):
         if len(packages) == MAX_FOLDERS:
             raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top))
+        if not IGNORE_MARKERS.isdisjoint(files):
+            subfolders.clear()
+            continue
         package = packages.get(os.path.dirname(folder), "")  # noqa: PTH120 - a key, as os.walk spells it
         if "package.xml" in files:
             package = package_name(Path(folder))

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.folders import walk
+from rtron.folders import IGNORE_MARKERS, walk
 from rtron.sources.bounded_file import read_bounded
 
 MAX_FOLDERS = 200_000
@@ -19,8 +19,8 @@ _SKIPPED_FOLDERS = frozenset({".git", ".hg", ".svn", "build", "install", "log"})
 def find_ros2_launch_files(folders: Iterable[Path]) -> tuple[Path, ...]:
     """Return the launch files of ROS 2 below folders, by path; links are not followed.
 
-    A Python file is one if it defines what launch calls, or names it and is called so. Raise
-    InputError for a folder without end.
+    What builds leave out has none. A Python file is one if it defines what launch calls, or names
+    it and is called so. Raise InputError for a folder without end.
     """
     return tuple(
         sorted({path for folder in folders for path in _launch_files_below(folder.absolute())})
@@ -31,6 +31,9 @@ def _launch_files_below(top: Path) -> Iterator[Path]:
     for count, (folder, subfolders, files) in enumerate(walk(top, lambda path, why: None)):
         if count == MAX_FOLDERS:
             raise InputError(f"has more than {MAX_FOLDERS} folders", path=str(top))
+        if not IGNORE_MARKERS.isdisjoint(files):
+            subfolders.clear()
+            continue
         subfolders[:] = [name for name in subfolders if name not in _SKIPPED_FOLDERS]
         yield from (path for name in files if _is_launch_file(path := Path(folder, name)))
 
