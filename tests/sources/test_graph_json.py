@@ -261,6 +261,7 @@ def test_standard_input_is_a_dash(monkeypatch):
         (document(endpoints=[endpoint(qos={"reliable": 1})]), "endpoints[0].qos.reliable: is not"),
         ([], "the document: must be an object, not a list"),
         (b"", "not JSON"),
+        (b"\x7fELF\x02\x01\x01\0\0", "a binary file"),
         (b'{"schema": "rtron.graph/1", "app": "\xff"}', "not JSON"),
         (b"[" * 100_000, "not JSON: recursion limit"),
         (b'{\n"schema":\n', ":3: not JSON"),

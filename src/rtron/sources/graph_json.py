@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, FailFast, Field, TypeAdapter, ValidationError, with_config
 
+from rtron.errors import InputError
 from rtron.sources.bounded_file import read_bounded
 from rtron.sources.graph_json_errors import graph_file_error
 from rtron.vocabulary import (
@@ -23,6 +24,7 @@ from rtron.vocabulary import (
 )
 
 MAX_BYTES = 512 * 1024 * 1024
+_HEAD_BYTES = 4096
 
 
 @with_config(ConfigDict(extra="forbid", strict=True))
@@ -80,6 +82,9 @@ def parse_graph(data: bytes, path: str) -> InteractionGraph:
     try:
         return _graph_of_document(_DOCUMENT.validate_json(data.removeprefix(BOM_UTF8)))
     except ValidationError as error:
+        if b"\0" in data[:_HEAD_BYTES]:
+            help = "give a graph, a bag, a launch file or a folder with source"
+            raise InputError("a binary file", path=path, help=help) from None
         raise graph_file_error(error, path) from None
 
 

@@ -14,7 +14,12 @@ from rtron.sources.static.common.scan_options import Progress, ignore_progress
 from rtron.vocabulary import InteractionGraph
 from rtron.workflows.launch_arguments import ASSIGNMENT
 from rtron.workflows.live_app import LiveApp
-from rtron.workflows.source_app import SourceOptions, WorkspaceSource, open_workspace_source
+from rtron.workflows.source_app import (
+    SourceOptions,
+    WorkspaceSource,
+    open_workspace_source,
+    source_folder,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +91,27 @@ class AppSelection:
             help = "give folders with source, one graph, or one bag"
             raise InputError(f"{other} is not a folder", help=help)
         return folders
+
+
+def with_launch_paths(selection: AppSelection) -> AppSelection:
+    """Return a selection in which each path of a launch file is one of its `launches`.
+
+    Without a folder beside them, the source is the packages that they lie in. What names no app in
+    source, or two apps, stays as it is.
+    """
+    from rtron.sources.static.common.launch_paths import is_launch_file  # noqa: PLC0415 - only source needs it
+
+    files = [path for path in selection.paths if path != STDIN and is_launch_file(path)]
+    others = [path for path in selection.paths if path not in files]
+    if not files or selection.live or not all(map(is_folder, others)):
+        return selection
+    folders = others or list(dict.fromkeys(map(source_folder, files)))
+    launches = (*selection.source.launches, *(quote(str(path)) for path in files))
+    return replace(
+        selection,
+        inputs=(*map(str, folders), *selection.launch_arguments),
+        source=replace(selection.source, launches=launches),
+    )
 
 
 def select_app(selection: AppSelection, progress: Progress = ignore_progress) -> SelectedApp:

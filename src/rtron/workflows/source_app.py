@@ -127,6 +127,13 @@ def open_workspace_source(
     )
 
 
+def source_folder(launch: Path) -> Path:
+    """Return the folder to read with a launch file: its package's, or its own in none."""
+    from rtron.sources.launch.common.packages import package_folder  # noqa: PLC0415 - likewise
+
+    return package_folder(launch) or launch.absolute().parent
+
+
 def static_scan_options(jobs: int | None, *, use_cache: bool, progress: Progress) -> ScanOptions:
     """Return how source is read: over `jobs` processes, by default all cores."""
     from rtron.sources.static.common.cache import user_cache_folder  # noqa: PLC0415 - the guard starts without it

@@ -59,6 +59,7 @@ def plan(
 
     $ rtron plan graph.json                show the proposal
     $ rtron plan src --launch pkg/app.launch -o rtron.yaml
+    $ rtron plan src/pkg/launch/app.launch    with the source of its package
     $ rtron plan src --launch pkg/app.launch.py --execute-launch
     $ rtron plan graph.json -o rtron.yaml  write it; an older one becomes .bak
     $ rtron plan graph.json -o -           print the YAML

@@ -94,6 +94,7 @@ def scan(  # noqa: PLR0913 - one for each option
 
     $ rtron scan src                             list its launch files
     $ rtron scan src --launch pkg/app.launch model:=big
+    $ rtron scan src/pkg/launch/app.launch       with the source of its package
     $ rtron scan src --launch pkg/app.launch --level auditor
     $ rtron scan src --launch pkg/app.launch --format html -o app.html
     $ rtron scan src --launch pkg/app.launch.py  ROS 2: .py, .xml, .yaml

@@ -62,7 +62,7 @@ def _app_selection(  # noqa: PLR0913 - one for each option
     jobs: Jobs = None,
     no_cache: NoCache = False,
 ) -> "AppSelection":
-    from rtron.workflows.app_selection import AppSelection
+    from rtron.workflows.app_selection import AppSelection, with_launch_paths
     from rtron.workflows.source_app import SourceOptions
 
     source = SourceOptions(
@@ -75,4 +75,5 @@ def _app_selection(  # noqa: PLR0913 - one for each option
         python=launch_python,
     )
     running = LiveApp(ros=ros, master=master, domain=domain, timeout=timeout)
-    return AppSelection(inputs=inputs or (), live=running if live else None, source=source)
+    given = AppSelection(inputs=inputs or (), live=running if live else None, source=source)
+    return with_launch_paths(given)

@@ -28,8 +28,9 @@ Inputs = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="PATH|GRAPH.json|BAG [ARG:=VALUE]",
-        help="The app's source folders, its interaction graph (- is standard input), or a bag: "
-        ".bag, .mcap, .db3, or a ROS 2 bag's folder. Arguments are for every --launch.",
+        help="The app's source folders, a launch file in its package, its interaction graph (- is "
+        "standard input), or a bag: .bag, .mcap, .db3, or a ROS 2 bag's folder. Arguments are for "
+        "every launch file.",
     ),
 ]
 Launches = Annotated[

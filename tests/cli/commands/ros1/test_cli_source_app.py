@@ -107,6 +107,34 @@ def test_an_app_in_source_is_scanned(rtron, folder):
     assert words in ran.out
 
 
+def test_a_launch_file_as_path_is_read_with_its_package(rtron, folder):
+    path = folder / "launch" / "app.launch"
+    ran = rtron("scan", path, "speed:=1", "--env", "KIND=base", "-j", "1")
+    assert (ran.code, ran.err) == (1, "")
+    assert "/cmd_vel" in ran.out
+    assert f"rtron plan {folder} speed:=1 --launch {path} --env KIND=base" in ran.out
+    planned = rtron("plan", path, "speed:=1", "--env", "KIND=base", "-j", "1", "-o", "-")
+    assert (planned.code, "topic: /cmd_vel" in planned.out) == (0, True)
+    both = graph(rtron, folder.parent, path, "speed:=1", "--env", "KIND=base", "-j", "1")
+    assert both == graph(rtron, folder, *APP, "speed:=1")
+
+
+def test_a_launch_file_in_no_package_is_read_with_its_folder(rtron, folder, tmp_path):
+    path = tmp_path / "my robot.launch"
+    path.write_text(PLAIN)
+    (base,) = graph(rtron, path, "-j", "1")["endpoints"]
+    assert (base["topic"], base["evidence"][0]["file"]) == (
+        "/cmd_vel",
+        str(folder / "scripts" / "base.py"),
+    )
+
+
+def test_a_launch_file_beside_another_app_is_an_error(rtron, folder, graph_file):
+    path = folder / "launch" / "plain.launch"
+    assert f"what is {path}?" in rtron("scan", graph_file, path).err
+    assert f"both {path} and --live are given" in rtron("scan", path, "--live").err
+
+
 def graph(rtron, *arguments):
     ran = rtron("scan", *arguments, "--format", "graph", "--fail-on", "never")
     assert (ran.code, ran.err) == (0, "")

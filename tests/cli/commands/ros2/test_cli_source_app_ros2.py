@@ -59,6 +59,20 @@ def test_a_scan_is_of_ros_2_and_takes_arguments(rtron, folder):
     assert {("/robot/smooth", "/drive"), ("/robot/pad", "/robot/cmd_vel_nav")} <= published
 
 
+@pytest.mark.parametrize("ending", ["py", "xml", "yaml"])
+def test_a_launch_file_as_path_is_read_with_its_package(rtron, folder, ending):
+    (path,) = folder.glob(f"**/robot.launch.{ending}")
+    ran = rtron("scan", path, "-j", "1", "--format", "graph", "--fail-on", "never")
+    assert (ran.code, ran.err, json.loads(ran.out)["ros"]) == (0, "", 2)
+    assert "/robot/smooth" in ran.out
+
+
+def test_a_python_file_is_a_launch_file_by_what_it_defines(rtron, folder):
+    (path,) = folder.glob("**/robot.launch.py")
+    ran = rtron("plan", path.rename(path.with_name("bringup.py")), "-j", "1", "-o", "-")
+    assert (ran.code, "ros: 2" in ran.out) == (0, True)
+
+
 def test_a_plan_follows(rtron, folder, tmp_path):
     plan = tmp_path / "rtron.yaml"
     app = ("--launch", "parts/robot.launch.py", "-j", "1")

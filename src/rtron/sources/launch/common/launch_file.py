@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.sources.launch.common.packages import package_folder
 from rtron.sources.launch.common.xml_document import Element, parse_launch, parse_xml
 
 _ROS2_SUFFIXES = frozenset({".py", ".yaml", ".yml"})
@@ -58,11 +59,11 @@ def _is_ros2(element: Element) -> bool:
 
 
 def _is_in_ament_package(path: Path) -> bool:
-    manifest = next((m for f in path.parents if (m := f / "package.xml").is_file()), None)
-    if manifest is None:
+    package = package_folder(path)
+    if package is None:
         return False
     try:
-        root = parse_xml(manifest)
+        root = parse_xml(package / "package.xml")
     except InputError:
         return False
     return any(str(tag.text).strip().startswith("ament_") for tag in root.iter("build_type"))

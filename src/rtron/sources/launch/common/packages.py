@@ -40,6 +40,13 @@ def find_packages(
     return packages
 
 
+def package_folder(file: Path) -> Path | None:
+    """Return the folder of the package that a file lies in; None for a file in no package."""
+    manifests = ("package.xml", "manifest.xml")
+    above = file.absolute().parents
+    return next((f for f in above if any(path_exists(f / name) for name in manifests)), None)
+
+
 def require_no_ignore_marker(folders: Iterable[Path]) -> None:
     """Raise InputError for a folder that a user names and that builds leave out."""
     for folder in folders:

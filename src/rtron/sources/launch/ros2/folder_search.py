@@ -35,10 +35,11 @@ def _launch_files_below(top: Path) -> Iterator[Path]:
             subfolders.clear()
             continue
         subfolders[:] = [name for name in subfolders if name not in _SKIPPED_FOLDERS]
-        yield from (path for name in files if _is_launch_file(path := Path(folder, name)))
+        yield from (path for name in files if is_ros2_launch_file(path := Path(folder, name)))
 
 
-def _is_launch_file(path: Path) -> bool:
+def is_ros2_launch_file(path: Path) -> bool:
+    """Return whether a file is a launch file of ROS 2, by its name or by what it defines."""
     if path.name.endswith(_SUFFIXES):
         return True
     if path.suffix != ".py" or not path.is_file():

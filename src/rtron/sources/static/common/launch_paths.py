@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.folders import path_exists
+from rtron.sources.launch.ros2.folder_search import is_ros2_launch_file
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_files import PackageFiles, is_regular, list_files
 
@@ -44,6 +45,11 @@ def find_launch_file(
         else "rtron scan PATH lists launch files"
     )
     raise InputError(f"no launch file {path_text}", help=help)
+
+
+def is_launch_file(path: Path) -> bool:
+    """Return whether a path leads to a launch file, by its name or by what it defines."""
+    return is_regular(path) and (path.name.endswith(_SUFFIXES) or is_ros2_launch_file(path))
 
 
 def _as_path(path_text: str) -> Path | None:
