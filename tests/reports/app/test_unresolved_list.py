@@ -132,13 +132,19 @@ def app(read, unread):
     return InteractionGraph(app="app", nodes=tuple(nodes))
 
 
+NOTHING_READ = (
+    "nothing can be found in them: correct what is listed as not resolved, or give its source, "
+    "and scan again"
+)
+
+
 @pytest.mark.parametrize(
     ("read", "unread", "words"),
     [
         (0, 0, ""),
         (3, 0, ""),
         (2, 1, "2 of 3 nodes read; not read: /u0"),
-        (0, 3, "0 of 3 nodes read; not read: /u0, /u1, /u2"),
+        (0, 3, f"0 of 3 nodes read; not read: /u0, /u1, /u2; {NOTHING_READ}"),
         (1, 5, "1 of 6 nodes read; not read: /u0, /u1, /u2 and 2 more"),
     ],
 )

@@ -88,7 +88,8 @@ def _is_severe(shown: Triage, mildest: Severity) -> bool:
 
 def _is_unread(graph: InteractionGraph) -> bool:
     """Return whether nothing of an app was read: then no findings say nothing."""
-    return bool(graph.unresolved) and not (graph.nodes or graph.endpoints or graph.topics)
+    is_empty = not (graph.endpoints or graph.topics) and all(node.unread for node in graph.nodes)
+    return bool(graph.unresolved) and is_empty
 
 
 def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> Report:

@@ -74,6 +74,11 @@ _KINDS = (
         "no model of it",
     ),
     _kind(
+        "Errors in the source",
+        "correct these places, and scan again",
+        r": (?:all from here is )?left out: ",
+    ),
+    _kind(
         "Programs that are read in part only",
         "look at these places yourself, or write a model: `rtron model draft`",
         "too large",

@@ -69,14 +69,22 @@ def _names(noun: str, names: Sequence[str]) -> str:
 
 
 def nodes_read(graph: InteractionGraph) -> str:
-    """Return how many nodes were read, where some were not."""
+    """Return how many nodes were read, where some were not, and what to do where none was."""
     unread = [node for node in graph.nodes if node.unread]
     if not unread:
         return ""
     names = ", ".join(node.name for node in unread[:_MOST_EXAMPLES])
     more = f" and {len(unread) - _MOST_EXAMPLES} more" if len(unread) > _MOST_EXAMPLES else ""
     read = len(graph.nodes) - len(unread)
-    return f"{read} of {len(graph.nodes)} nodes read; not read: {names}{more}"
+    remedy = (
+        ""
+        if read
+        else (
+            "; nothing can be found in them: correct what is listed as not resolved, or give its "
+            "source, and scan again"
+        )
+    )
+    return f"{read} of {len(graph.nodes)} nodes read; not read: {names}{more}{remedy}"
 
 
 def unresolved_list(unresolved: Sequence[UnresolvedItem], page: TextPage) -> Iterator[Text]:

@@ -199,6 +199,7 @@ def _run_cpp_program(
         if found is None:
             location = Evidence(file=str(sources[0]) if sources else "")
             machine.recorder.add_unresolved(*missing, location)
+            _note_problems(machine, runtime.symbols, lambda each: not _is_relevant_problem(each))
         else:
             _run_part(machine, Path(found[0]), runtime.initialise_globals)
             _run_all(machine, Path(found[0]), found[1])
@@ -293,12 +294,18 @@ def _create_cpp_machine(
     )
     machine = _create_machine(runtime, site, volatile)
     runtime.machine = machine
-    for path, unit in symbols.units.items():
-        for problem in unit.problems if symbols.is_program_file(str(path)) else ():
-            if _is_relevant_problem(problem):
-                machine.recorder.add_problem(path, problem)
+    _note_problems(machine, symbols, _is_relevant_problem)
     _note_unread(machine, symbols)
     return runtime, machine
+
+
+def _note_problems(
+    machine: AbstractMachine, symbols: SymbolTable, is_noted: Callable[[SourceProblem], bool]
+) -> None:
+    for path, unit in symbols.units.items():
+        for problem in unit.problems if symbols.is_program_file(str(path)) else ():
+            if is_noted(problem):
+                machine.recorder.add_problem(path, problem)
 
 
 def _note_unread(machine: AbstractMachine, symbols: SymbolTable) -> None:

@@ -135,6 +135,28 @@ def test_a_launch_file_beside_another_app_is_an_error(rtron, folder, graph_file)
     assert f"both {path} and --live are given" in rtron("scan", path, "--live").err
 
 
+def test_a_node_whose_source_has_an_error_is_no_success(rtron, folder):
+    (folder / "scripts" / "base.py").write_text(BASE.replace('"cmd_vel"', '"cmd_vel'))
+    app = ("scan", folder, "--launch", "robot/plain.launch", "-j", "1")
+    ran = rtron(*app)
+    assert ran.code == 1
+    said = " ".join(ran.out.split())
+    assert "0 of 1 nodes read; not read: /base; nothing can be found in them: correct " in said
+    assert "Errors in the source (1) -> correct these places, and scan again base.py: " in said
+    assert "(scripts/base.py:4)" in said
+    assert rtron(*app, "--format", "json").code == 1
+    assert rtron(*app, "--fail-on", "never").code == 0
+
+
+def test_an_error_in_cpp_that_hides_the_program_is_listed(rtron, folder):
+    (folder / "CMakeLists.txt").write_text("project(robot)\nadd_executable(base.py base.cpp)\n")
+    broken = "#include <ros/ros.h>\nint main(int argc, char** argv {\n  ros::NodeHandle n; }\n"
+    (folder / "base.cpp").write_text(broken)
+    ran = rtron("scan", folder, "--launch", "robot/plain.launch", "-j", "1")
+    assert ran.code == 1
+    assert "base.cpp: cannot be read: 'int main(int argc, char** argv" in " ".join(ran.out.split())
+
+
 def graph(rtron, *arguments):
     ran = rtron("scan", *arguments, "--format", "graph", "--fail-on", "never")
     assert (ran.code, ran.err) == (0, "")
