@@ -22,11 +22,12 @@ from rtron.planning.plan_file.yaml_parser import read_text
 from rtron.sources.graph_json import graph_to_json, read_graph
 from rtron.sources.launch.common.environment import LaunchEnvironment
 from rtron.sources.launch.common.launch_file import launch_generation
-from rtron.sources.launch.common.packages import find_packages
+from rtron.sources.launch.common.packages import find_packages, package_folder
 from rtron.sources.launch.common.undeclared_arguments import undeclared_arguments
 from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.workspace import read_workspace
+from rtron.sources.workspace.package_files import is_regular
 from rtron.vocabulary import InteractionGraph, Plan
 from rtron.workflows.app_environment import given_environment, robot_environment
 from rtron.workflows.check_plan import require_fit
@@ -39,7 +40,8 @@ if TYPE_CHECKING:
 class InstrumentRequest:
     """A launch file with its arguments, the plan that guards it, and where the result goes.
 
-    Packages are looked for in `folders`, then as ROS does. The guard checks the plan against the
+    Packages are looked for in `folders`, then as ROS does; without folders first in the package of
+    a launch file that is a path. The guard checks the plan against the
     app's `graph` whenever it starts. With a `keystore`, each process of the graph starts in its
     enclave. `cells` are nodes that run in a cell, beside those of the plan, and `cell_options`
     those of `rtron cell`.
@@ -81,6 +83,7 @@ def instrument(request: InstrumentRequest) -> InstrumentResult:
     text = read_text(request.plan)
     plan = parse_plan(text, str(request.plan))
     text, plan = _with_cells(text, plan, request)
+    request = _with_folders(request)
     source = _find_launch(request)
     _check_launch_generation(source.path, plan, str(request.plan))
     if request.keystore and plan.ros == 1:
@@ -96,10 +99,33 @@ def instrument(request: InstrumentRequest) -> InstrumentResult:
     return InstrumentResult(plan.ros, launch)
 
 
+def _with_folders(request: InstrumentRequest) -> InstrumentRequest:
+    """Return a request with the folders of its packages, where it has none.
+
+    They are the package that the launch file lies in, or the working folder for a launch file of a
+    package that ROS does not find.
+    """
+    if request.folders:
+        return request
+    path = Path(request.launch)
+    if is_regular(path):
+        package = package_folder(path)
+        return replace(request, folders=(package,) if package else ())
+    environ = _environment(request)
+    try:
+        find_launch_file(request.launch, read_workspace((), environ), environ)
+    except InputError:
+        return replace(request, folders=(Path(),))
+    return request
+
+
+def _environment(request: InstrumentRequest) -> LaunchEnvironment:
+    return robot_environment(given_environment(request.env, take_all=request.env_all))
+
+
 def _find_launch(request: InstrumentRequest) -> _Launch:
     """Return the launch file of a request; raise InputError if it is nowhere."""
-    given = given_environment(request.env, take_all=request.env_all)
-    environ = robot_environment(given)
+    environ = _environment(request)
     workspace = read_workspace(request.folders, environ)
     return _Launch(
         path=find_launch_file(request.launch, workspace, environ),

@@ -22,8 +22,8 @@ def instrument(  # noqa: PLR0913 - one for each option
         str,
         typer.Argument(
             metavar="PKG/FILE",
-            help="The launch file that starts the app, `pkg/file.launch` below --packages, or a "
-            "path; in ROS 2 one of .xml, .yaml or .py.",
+            help="The launch file that starts the app, `pkg/file.launch` or a path; in ROS 2 one "
+            "of .xml, .yaml or .py.",
         ),
     ],
     arguments: Annotated[
@@ -59,7 +59,9 @@ def instrument(  # noqa: PLR0913 - one for each option
         list[Path] | None,
         typer.Option(
             metavar="DIR",
-            help="Search packages here first; can be repeated.",
+            help="Search packages here first; can be repeated.  [default: the package of the "
+            "launch file, or where ROS finds it, or the working folder]",
+            show_default=False,
         ),
     ] = None,
     cell: Annotated[
@@ -92,6 +94,7 @@ def instrument(  # noqa: PLR0913 - one for each option
 
     $ rtron instrument app.launch --plan rtron.yaml -o guarded.launch
     $ rtron instrument app.launch model:=waffle --plan rtron.yaml -o out.launch
+    $ rtron instrument pkg/app.launch --plan rtron.yaml -o guarded.launch
     $ rtron instrument pkg/app.launch --packages src --plan rtron.yaml -o o.launch
     $ rtron instrument app.launch --plan rtron.yaml --graph g.json -o out.launch
 

@@ -87,6 +87,39 @@ def test_packages_are_looked_for_where_they_are_said_to_be(instrument, launch_fi
     assert instrument().code == 1
 
 
+@pytest.mark.parametrize("launch", ["mine/start.launch", "ws/mine/launch/start.launch"])
+def test_without_folders_the_package_of_the_launch_file_is_found(
+    rtron, plan_file, tmp_path, monkeypatch, launch
+):
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "ws" / "mine" / "launch"
+    folder.mkdir(parents=True)
+    (folder.parent / "package.xml").write_text("<package><name>mine</name></package>")
+    (folder / "app.launch").write_text(LAUNCH)
+    (folder / "start.launch").write_text(
+        '<launch><include file="$(find mine)/launch/app.launch">'
+        '<arg name="rate" value="9"/></include></launch>'
+    )
+    ran = rtron("instrument", launch, "--plan", plan_file, "-o", "guarded.launch")
+    assert (ran.code, ran.err) == (0, "")
+    assert "/base\n  /cmd_vel  to  /rtron/cmd_vel/out\n" in ran.out
+
+
+def test_where_ros_finds_the_package_the_working_folder_is_not_searched(
+    rtron, plan_file, tmp_path, monkeypatch
+):
+    for place, text in (("ros", LAUNCH), ("here/src", "<launch/>")):
+        package = tmp_path / place / "mine"
+        package.mkdir(parents=True)
+        (package / "package.xml").write_text("<package><name>mine</name></package>")
+        (package / "app.launch").write_text(text)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "ros"))
+    monkeypatch.chdir(tmp_path / "here")
+    words = ("rate:=9", "--plan", plan_file, "-o", "guarded.launch")
+    assert rtron("instrument", "mine/app.launch", *words).code == 0
+
+
 STARTER = """\
 #!/usr/bin/env python
 import os
