@@ -134,8 +134,44 @@ def test_macros_that_are_expressions_are_declared_for_other_files():
 
 def test_expansion_is_bounded():
     text = "#define A0 x\n" + "".join(f"#define A{n + 1} A{n} A{n}\n" for n in range(60))
-    read = preprocess(f"{text}A60\n", {})
-    assert len(read.code) < 5_000_000
+    read = preprocess(f"{text}A60\nA2\n", {})
+    assert read.code.split() == ["A60", "x", "x", "x", "x"]
+    assert read.problems == (SourceProblem(62, "A60 expands to too much text; not expanded"),)
+    read = preprocess(text + "A60\n" * 20, {})
+    assert read.code.split() == ["A60"] * 20
     assert read.problems == (
-        SourceProblem(63, "macros expand to too much text; the rest is not expanded"),
+        *(SourceProblem(62 + n, "A60 expands to too much text; not expanded") for n in range(4)),
+        SourceProblem(82, "macros expand to too much text; the rest is not expanded"),
     )
+
+
+@pytest.mark.parametrize("depth", [20, 30, 250])
+def test_nested_uses_are_bounded(depth):
+    use = "F(" * depth + "\n1" + ")" * depth
+    read = preprocess(f"#define F(x) x x\n\na {use}; F(b)\n", {})
+    assert read.code == f"\n\na {use}; b b\n"
+    assert read.problems == (SourceProblem(3, "F expands to too much text; not expanded"),)
+
+
+def test_a_long_condition_is_noted_where_it_stands():
+    read = preprocess("#define F(x) x x\n#if " + "F(" * 30 + "0" + ")" * 30 + "\na\n#endif\n", {})
+    assert SourceProblem(2, "F expands to too much text; not expanded") in read.problems
+
+
+def test_nested_uses_are_expanded_within_the_bound():
+    read = preprocess("#define F(x) x x\n" + "F(" * 12 + "1" + ")" * 12 + "\n", {})
+    assert read.code.split() == ["1"] * 2**12
+    assert read.problems == ()
+
+
+@pytest.mark.parametrize("body", ["x " * 300_000, "x #x " * 100_000])
+def test_a_long_body_is_bounded(body):
+    read = preprocess(f"#define F(x) {body}\nF(123)\nF(1234567890)\n", {})
+    assert read.code.split() == ["F(123)", "F(1234567890)"]
+    assert [problem.line for problem in read.problems] == [2, 3]
+
+
+def test_a_long_body_is_read_once():
+    body = "x##y " + " " * 200_000 + "+ y" + " x" * 50_000
+    (code,) = preprocess(f"#define F(x, y) {body}\nF(a, b)\n", {}).code.strip().split("\n")
+    assert code.split() == ["ab", "+", "b", *["a"] * 50_000]

@@ -149,10 +149,18 @@ class _DirectiveReader:
         lines = code.count("\n")
         if self._branches:
             self._note_calls(code)
+        first_line = self._line
         self._line += lines
         if not self._is_active:
             return "\n" * lines
-        return self.macros.expand(_SPLICED.sub(_join_continued, code))
+        expanded = self.macros.expand(_SPLICED.sub(_join_continued, code))
+        self._note_oversized(first_line)
+        return expanded
+
+    def _note_oversized(self, first_line: int) -> None:
+        for name, line in self.macros.oversized:
+            self._problem(f"{name} expands to too much text; not expanded", first_line + line)
+        self.macros.oversized.clear()
 
     def _note_calls(self, code: str) -> None:
         """Remember the calls in open branches that would make endpoints."""
@@ -178,6 +186,7 @@ class _DirectiveReader:
             self._CONDITIONS[name](self, rest)
         elif self._is_active and name in self._ACTIONS:
             self._ACTIONS[name](self, rest)
+        self._note_oversized(self._line)
 
     def _problem(self, why: str, line: int = 0) -> None:
         self.problems.append(SourceProblem(line or self._line, why))
