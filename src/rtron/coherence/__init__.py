@@ -6,7 +6,7 @@ from rtron.coherence.effective_plan import (
     compatible_settings,
     coordination_node_ids,
 )
-from rtron.coherence.flows import CoherenceProblem
+from rtron.coherence.flows import CoherenceProblem, guards_nothing
 from rtron.coherence.plan_changes import relaunch_reasons
 from rtron.coherence.plan_checks import coherence_problems
 
@@ -17,5 +17,6 @@ __all__ = [
     "coherence_problems",
     "compatible_settings",
     "coordination_node_ids",
+    "guards_nothing",
     "relaunch_reasons",
 ]

@@ -12,9 +12,12 @@ from rtron.vocabulary import (
     EventFlow,
     Flow,
     GuardedTopic,
+    Mode,
+    Plan,
     PolicyName,
     StreamKind,
     WatchedFlow,
+    build_streams,
     matches_node,
     normalise_type,
 )
@@ -27,6 +30,11 @@ _TWISTS = ("geometry_msgs/Twist", "geometry_msgs/TwistStamped")
 # The private topics of a guarded topic end in a flow's name, or in `out`.
 RESERVED_FLOW_NAMES = (UNAPPROVED, "out")
 MAX_FLOWS = 1000
+
+
+def guards_nothing(plan: Plan) -> bool:
+    """Return whether no coordination node of a plan stands in a flow."""
+    return all(stream.mode is not Mode.ENFORCE for stream in build_streams(plan))
 
 
 def duplicate_topic_problems(

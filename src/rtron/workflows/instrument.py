@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rtron.coherence import guards_nothing
 from rtron.errors import InputError
 from rtron.planning.instrument import (
     GuardedLaunch,
@@ -19,6 +20,7 @@ from rtron.planning.instrument.common.guard_files import GuardFiles
 from rtron.planning.instrument.ros2.enclaves import Enclaves
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.plan_file.yaml_parser import read_text
+from rtron.planning.problem import PlanProblem
 from rtron.sources.graph_json import graph_to_json, read_graph
 from rtron.sources.launch.common.environment import LaunchEnvironment
 from rtron.sources.launch.common.launch_file import launch_generation
@@ -31,6 +33,8 @@ from rtron.sources.workspace.package_files import is_regular
 from rtron.vocabulary import InteractionGraph, Plan
 from rtron.workflows.app_environment import given_environment, robot_environment
 from rtron.workflows.check_plan import require_fit
+from rtron.workflows.scan import scan_graph
+from rtron.workflows.unguarded import unguarded_topics
 
 if TYPE_CHECKING:
     from rtron.sources.static.ros1.app import StaticApp
@@ -72,14 +76,21 @@ class _Launch:
 
 @dataclass(frozen=True, slots=True)
 class InstrumentResult:
-    """The launch files that were written, for an app of ROS 1 or 2."""
+    """The launch files that were written, for an app of ROS 1 or 2.
+
+    Without a `launch` the plan guards nothing, and `left_out` says why.
+    """
 
     ros: int
-    launch: GuardedLaunch
+    launch: GuardedLaunch | None
+    left_out: tuple[PlanProblem, ...] = ()
 
 
 def instrument(request: InstrumentRequest) -> InstrumentResult:
-    """Write the guarded launch of an app; raise InputError if the launch file or plan is unfit."""
+    """Write the guarded launch of an app; raise InputError if the launch file or plan is unfit.
+
+    Of a plan that guards nothing none is written, unless enclaves keep nodes out.
+    """
     text = read_text(request.plan)
     plan = parse_plan(text, str(request.plan))
     text, plan = _with_cells(text, plan, request)
@@ -90,6 +101,9 @@ def instrument(request: InstrumentRequest) -> InstrumentResult:
         raise InputError("ROS 1 has no enclaves", help="leave --keystore out; see `rtron master`")
     guarded = _instrument_ros1 if plan.ros == 1 else _instrument_ros2
     graph = _read_graph(request, plan)
+    if guards_nothing(plan) and not request.keystore:
+        left_out = unguarded_topics(plan, scan_graph(graph) if graph else None)
+        return InstrumentResult(plan.ros, None, left_out)
     files = GuardFiles(text, json.dumps(graph_to_json(graph)) if graph else "")
     cells = plan_cells(graph, plan, request.cell_options) if graph else ()
     launch = guarded(request, source, plan, files, cells)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtron.coherence import guards_nothing
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import PlanProblem
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
@@ -13,6 +14,7 @@ from rtron.sources.run_json import read_run
 from rtron.vocabulary import MeasuredRun, Plan, TuningProposal
 from rtron.workflows.check_plan import plan_doubts
 from rtron.workflows.scan import ScanResult
+from rtron.workflows.unguarded import unguarded_topics
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +29,11 @@ class ProposedPlan:
 def propose(scan: ScanResult) -> ProposedPlan:
     """Return the plan that the risks of an app ask for."""
     plan = propose_plan(scan.graph, scan.report)
-    omitted = unguardable_topics(scan.graph, scan.report)
+    omitted = (
+        unguarded_topics(plan, scan)
+        if guards_nothing(plan)
+        else unguardable_topics(scan.graph, scan.report)
+    )
     return ProposedPlan(plan, omitted, tuple(plan_doubts(plan, scan.graph)))
 
 

@@ -54,8 +54,53 @@ def test_a_topic_with_a_hole_in_its_name_is_said_to_be_left_out(rtron, graph_fil
         endpoint |= {"topic": "{prefix}/cmd_vel", "resolution": "symbolic"}
     graph_file.write_text(json.dumps(document))
     ran = rtron("plan", graph_file)
-    assert ran.code == 0
+    assert ran.code == 1
     assert "Left out (1)\n  warning  {prefix}/cmd_vel" in ran.out
+
+
+def without_keyboard(document):
+    document["endpoints"] = document["endpoints"][1:]
+
+
+def without_reader(document):
+    document["endpoints"] = document["endpoints"][1:2]
+
+
+def without_publisher(document):
+    document["endpoints"] = document["endpoints"][2:]
+
+
+def without_name(document):
+    document["endpoints"][0]["node"] = "{name}"
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (without_keyboard, "only /planner publishes it: `mode: enforce` keeps every other node"),
+        (without_reader, "no node is known to subscribe it"),
+        (without_publisher, "no node is known to publish it"),
+        (without_name, "its coordination node only observes: `mode: enforce` guards it"),
+    ],
+)
+def test_a_plan_that_guards_nothing_says_why_and_no_next_step(rtron, graph_file, change, why):
+    document = json.loads(graph_file.read_text())
+    change(document)
+    graph_file.write_text(json.dumps(document))
+    ran = rtron("plan", graph_file)
+    assert (ran.code, ran.err) == (1, "")
+    assert ran.out.startswith("This plan guards nothing: ")
+    assert f"  warning  /cmd_vel\n           {why}" in ran.out
+    assert "Next" not in ran.out
+
+
+def test_a_plan_that_guards_nothing_is_written_all_the_same(rtron, quiet_file, tmp_path):
+    ran = rtron("plan", quiet_file, "-o", tmp_path / "quiet.yaml")
+    assert (ran.code, "rtron instrument" in ran.out) == (1, False)
+    assert read_plan(tmp_path / "quiet.yaml").app == "quiet"
+    ran = rtron("plan", quiet_file, "-o", "-")
+    assert (ran.code, parse_plan(ran.out).app) == (1, "quiet")
+    assert ran.err.startswith("This plan guards nothing: ")
 
 
 def test_bad_input_is_2(rtron, tmp_path):

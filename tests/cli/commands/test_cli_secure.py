@@ -93,6 +93,17 @@ def test_what_may_break_is_told(secure):
     assert "/blob  the node" in shown.out
 
 
+def test_a_launch_with_enclaves_is_written_where_the_plan_only_observes(secure, rtron, tmp_path):
+    plan, launch = tmp_path / "rtron.yaml", tmp_path / "app.launch.xml"
+    plan.write_text(plan.read_text().replace("mode: enforce", "mode: observe"))
+    secure()
+    launch.write_text('<launch><node pkg="n" exec="n" name="nav"/></launch>')
+    words = ("--graph", tmp_path / "graph.json", "--keystore", secure.folder)
+    out = tmp_path / "out.launch.xml"
+    ran = rtron("instrument", launch, "--plan", plan, *words, "-o", out)
+    assert (ran.err, out.is_file()) == ("", True)
+
+
 def test_without_a_keystore_it_says_what_to_give(secure):
     refused = secure(keystore=False)
     assert refused.code == 2

@@ -78,6 +78,8 @@ def test_json_keys():
         "unenforceable",
         "notes",
         "ros",
+        "guards_nothing",
+        "left_out",
     ]
     assert document["remaps"][1] == {
         "node": "/base",

@@ -230,6 +230,7 @@ def test_at_80_columns(printed):
 
 def test_an_empty_plan(printed):
     assert printed(plan_text(Plan(app=""))) == (
+        "This plan guards nothing: none of its coordination nodes stands in a flow.\n"
         "app  plan for ROS 1, revision 0\nGRCN 0 (0 enforce), RSRCN 0, MSRCN 0, fps_monitor 0\n"
     )
 

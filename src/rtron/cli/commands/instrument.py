@@ -120,8 +120,9 @@ def instrument(  # noqa: PLR0913 - one for each option
 
     $ rtron instrument app.launch --plan p.yaml --graph g.json --cell /base -o o
 
-    Exit code: 0 every flow is guarded; 1 written, but nothing is guarded, or some
-    flow cannot be and the plan does not accept that; 2 bad input.
+    Exit code: 0 every flow is guarded; 1 the plan guards nothing and no file is
+    written, or a file is written, but some flow cannot be guarded and the plan
+    does not accept that; 2 bad input.
     """
     from rtron.reports.plan.instrumentation import instrumentation_text, instrumentation_to_json
     from rtron.workflows.instrument import InstrumentRequest
@@ -167,6 +168,8 @@ def _guarded_report(result: "InstrumentResult") -> "InstrumentedLaunch":
     from rtron.reports.plan.instrumentation import InstrumentedLaunch, NodeRemap, UnenforceableNode
 
     written = result.launch
+    if written is None:
+        return InstrumentedLaunch(ros=result.ros, guards_nothing=True, left_out=result.left_out)
     return InstrumentedLaunch(
         ros=result.ros,
         launch=str(written.launch),

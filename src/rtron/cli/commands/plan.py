@@ -18,6 +18,7 @@ from rtron.cli.support.outcome import (
     replace_file,
 )
 from rtron.cli.support.progress import show_count, show_progress
+from rtron.cli.support.skipped_report import print_to_stderr
 from rtron.errors import InputError
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def plan(
 
     --execute-launch RUNS the Python of the app's launch files, as in rtron scan.
 
-    Exit code: 0 proposed, 2 bad input.
+    Exit code: 0 proposed; 1 proposed, but the plan guards nothing; 2 bad input.
     """
     if from_run:
         if selection.inputs or selection.source.launches or selection.live:
@@ -91,8 +92,10 @@ def plan(
 
 
 def _propose(selection: "AppSelection", name_lists: Path | None, output: Path | None) -> Outcome:
+    from rtron.coherence import guards_nothing
     from rtron.planning.plan_file.writer import write_plan
     from rtron.reports.plan.plan_text import plan_text
+    from rtron.reports.plan.problems import NOTHING_GUARDED
     from rtron.workflows.app_selection import select_app
     from rtron.workflows.plan import propose
     from rtron.workflows.scan import scan_graph
@@ -101,8 +104,10 @@ def _propose(selection: "AppSelection", name_lists: Path | None, output: Path | 
         app = select_app(selection, progress)
         graph = app.source.read()
     proposed = propose(scan_graph(graph, name_lists))
+    exit_code = FINDINGS if guards_nothing(proposed.plan) else OK
     if output == STDOUT:
-        return Outcome(write_plan(proposed.plan))
+        print_to_stderr(*((NOTHING_GUARDED,) if exit_code else ()))
+        return Outcome(write_plan(proposed.plan), exit_code)
     if output:
         replace_file(output, write_plan(proposed.plan))
         app_launch = next(iter((*app.launches, *selection.source.launches)), None)
@@ -111,13 +116,13 @@ def _propose(selection: "AppSelection", name_lists: Path | None, output: Path | 
         next_step = f"rtron plan {app.arguments} -o {PLAN_FILE}"
     text = plan_text(
         proposed.plan,
-        next_step,
+        "" if exit_code else next_step,
         proposed.omitted,
         graph.nodes,
         proposed.doubts,
         guess=app.guess,
     )
-    return Outcome(text)
+    return Outcome(text, exit_code)
 
 
 def _fit_to_run(run: Path, plan: Path | None, output: Path | None, format: TextOrJson) -> Outcome:

@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.text import Text
 
+from rtron.reports.plan.problems import NOTHING_GUARDED, Remark, remark_lines
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 
 
@@ -32,14 +33,19 @@ class UnenforceableNode:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InstrumentedLaunch:
-    """A guarded launch file: what it changes, and what it does not achieve."""
+    """A guarded launch file: what it changes, and what it does not achieve.
 
-    launch: str
-    files: tuple[str, ...]
-    remaps: tuple[NodeRemap, ...]
-    unenforceable: tuple[UnenforceableNode, ...]
-    notes: tuple[str, ...]
+    None is written for a plan that guards nothing; `left_out` says why.
+    """
+
+    launch: str = ""
+    files: tuple[str, ...] = ()
+    remaps: tuple[NodeRemap, ...] = ()
+    unenforceable: tuple[UnenforceableNode, ...] = ()
+    notes: tuple[str, ...] = ()
     ros: int = 1
+    guards_nothing: bool = False
+    left_out: tuple[Remark, ...] = ()
 
     @property
     def is_closed(self) -> bool:
@@ -58,6 +64,11 @@ def instrumentation_text(launch: InstrumentedLaunch) -> Report:
 
 
 def _lines(launch: InstrumentedLaunch, page: TextPage) -> Iterator[Text]:
+    if launch.guards_nothing:
+        yield line((NOTHING_GUARDED, "bold red"))
+        yield from heading(f"Left out ({len(launch.left_out)})") if launch.left_out else ()
+        yield from remark_lines(launch.left_out, page)
+        return
     nodes = len({remap.node for remap in launch.remaps})
     remaps = counted(len(launch.remaps), "remap")
     yield line((launch.launch, "bold"), f"  {remaps} on {counted(nodes, 'node')}")

@@ -5,6 +5,7 @@ from itertools import chain
 
 from rich.text import Text
 
+from rtron.coherence import guards_nothing
 from rtron.reports.app.node_functions import node_functions
 from rtron.reports.plan.descriptions import (
     describe_area,
@@ -21,7 +22,7 @@ from rtron.reports.plan.descriptions import (
     one_line,
     seconds,
 )
-from rtron.reports.plan.problems import Remark, remark_lines
+from rtron.reports.plan.problems import NOTHING_GUARDED, Remark, remark_lines
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 from rtron.vocabulary import (
     GRCN,
@@ -96,6 +97,8 @@ def _remarks(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[
 
 
 def _lines(plan: Plan, guess: str, page: TextPage) -> Iterator[Text]:
+    if guards_nothing(plan):
+        yield line((NOTHING_GUARDED, "bold red"))
     yield line((plan.app or "app", "bold"), f"  plan for ROS {plan.ros}, revision {plan.revision}")
     yield line(_summary(plan))
     yield from paragraph(guess, page, style="dim") if guess else ()

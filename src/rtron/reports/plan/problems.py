@@ -26,6 +26,10 @@ class Remark(Protocol):
         """What is wrong."""
 
 
+NOTHING_GUARDED = "This plan guards nothing: none of its coordination nodes stands in a flow."
+"""The first line of a report on such a plan."""
+
+
 def problems_text(title: str, remarks: Sequence[Remark]) -> Report:
     """Return the remarks after their number, or that there is none."""
     return Report(lambda page: _lines(title, remarks, page))

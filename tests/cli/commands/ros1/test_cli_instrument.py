@@ -53,6 +53,28 @@ def test_json(instrument, tmp_path):
     } in document["remaps"]
 
 
+def test_for_a_plan_that_guards_nothing_no_file_is_written(instrument, plan_file, tmp_path):
+    plan_file.write_text(plan_file.read_text().replace("mode: enforce", "mode: observe"))
+    ran = instrument("rate:=9")
+    assert (ran.code, ran.err) == (1, "")
+    assert ran.out.startswith("This plan guards nothing: ")
+    why = "its coordination node only observes: `mode: enforce` guards it"
+    assert ran.out.endswith(f"\n\nLeft out (1)\n  warning  /cmd_vel\n           {why}\n")
+    assert not (tmp_path / "guarded.launch").exists()
+    document = json.loads(instrument("rate:=9", "--format", "json").out)
+    assert (document["launch"], document["files"], document["guards_nothing"]) == ("", [], True)
+    (left_out,) = document["left_out"]
+    assert left_out == {"level": "warning", "location": "/cmd_vel", "message": why}
+
+
+def test_the_graph_tells_what_a_plan_that_guards_nothing_lacks(
+    instrument, plan_file, graph_file, tmp_path
+):
+    plan_file.write_text("schema: rtron.plan/1\napp: small\nros: 1\n")
+    ran = instrument("rate:=9", "--graph", graph_file)
+    assert (ran.code, "  warning  /cmd_vel\n" in ran.out) == (1, True)
+
+
 def test_what_cannot_be_enforced_is_1_until_it_is_accepted(instrument, launch_file, plan_file):
     launch_file.write_text(LAUNCH.replace('  <node pkg="base" type="base" name="base"/>\n', ""))
     ran = instrument("rate:=9")

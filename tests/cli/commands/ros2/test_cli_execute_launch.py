@@ -64,14 +64,15 @@ def test_a_computed_name_is_known(rtron, folder):
 
 
 def test_the_next_command_runs_it_too(rtron, folder):
-    ran = rtron("plan", folder, *EXECUTED)
+    ran = rtron("scan", folder, *EXECUTED)
     assert "--execute-launch --launch-python" in " ".join(ran.out.split())
 
 
 def test_a_plan_of_it(rtron, folder, tmp_path):
     plan = tmp_path / "rtron.yaml"
     ran = rtron("plan", folder, *EXECUTED, "-o", plan)
-    assert (ran.code, ran.err) == (0, "")
+    assert (ran.code, ran.err) == (1, "")
+    assert plan.is_file()
 
 
 def test_a_launch_file_of_which_reading_tells_nothing(rtron, folder):

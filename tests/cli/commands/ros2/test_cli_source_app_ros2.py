@@ -76,7 +76,7 @@ def test_a_python_file_is_a_launch_file_by_what_it_defines(rtron, folder):
 def test_a_plan_follows(rtron, folder, tmp_path):
     plan = tmp_path / "rtron.yaml"
     app = ("--launch", "parts/robot.launch.py", "-j", "1")
-    assert rtron("plan", folder, *app, "-o", plan).code == 0
+    assert rtron("plan", folder, *app, "-o", plan).code == 1
     assert "ros: 2" in plan.read_text()
 
 
