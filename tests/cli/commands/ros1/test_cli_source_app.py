@@ -262,6 +262,13 @@ def test_the_head_says_what_is_missing_and_how_to_give_it(rtron, folder, branche
     assert "no launch file declares" not in said
 
 
+def test_an_argument_under_a_condition_is_declared(rtron, folder, branches):
+    skipped = '<arg name="robot" default="a" if="false"/><group if="0"><arg name="b"/></group>'
+    (folder / "launch" / "branches.launch").write_text(BRANCHES.replace("\n", skipped, 1))
+    said = head(rtron("scan", folder, *branches, "robot:=x", "b:=x"))
+    assert "no launch file declares" not in said
+
+
 def test_the_distribution_is_guessed_from_the_workspace(rtron, folder, branches, monkeypatch):
     monkeypatch.setenv("ROS_DISTRO", "kinetic")
     assert "ROS_DISTRO" not in head(rtron("scan", folder, *branches))

@@ -94,3 +94,9 @@ def test_a_file_that_is_not_there(rtron, tmp_path):
         missing, out = tmp_path / f"no.launch.{suffix}", tmp_path / f"g.launch.{suffix}"
         ran = rtron("instrument", missing, "--plan", tmp_path / "rtron.yaml", "-o", out)
         assert (ran.code, str(missing) in ran.err) == (2, True)
+
+
+def test_an_argument_that_a_python_launch_file_declares_is_not_missed(instrument):
+    assert "launch argument" not in instrument("app.launch.py", PYTHON, "robot:=b").out
+    ran = instrument("app.launch.xml", XML, "wo:=joy")
+    assert "launch argument wo: no launch file declares it: did you mean who?" in ran.out

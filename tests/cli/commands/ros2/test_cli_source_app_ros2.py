@@ -159,3 +159,23 @@ def test_python_launch_files_get_the_variables_that_are_given(rtron, folder, mon
     said = " ".join(rtron(*app).out.split())
     assert "not given: environment variables" in said
     assert all(name in said for name in ("MODEL", "LIDAR", "ARM"))
+
+
+SKIPPED = {
+    "argument": '<arg name="robot" default="a" if="$(var sim)"/>',
+    "group": '<group if="$(var sim)"><arg name="robot" default="a"/></group>',
+    "include": '<include file="$(find-pkg-share parts)/launch/other.launch.xml" if="false"/>',
+    "absent": '<include file="$(find-pkg-share absent)/launch/other.launch.xml"/>',
+    "unknown": '<mystery robot="a"/>',
+}
+
+
+@pytest.mark.parametrize("part", SKIPPED.values(), ids=SKIPPED)
+def test_an_argument_that_may_be_declared_in_what_is_skipped_is_not_missed(rtron, folder, part):
+    text = f'<launch><arg name="sim" default="false"/>{part}</launch>'
+    (folder / "parts" / "launch" / "part.launch.xml").write_text(text)
+    app = ("--launch", "parts/part.launch.xml", "-j", "1", "--fail-on", "never")
+    ran = rtron("scan", folder, *app, "robot:=b", "sin:=true", "--format", "graph")
+    whats = [note["what"] for note in json.loads(ran.out)["unresolved"]]
+    assert "launch argument robot" not in whats
+    assert "launch argument sin" in whats

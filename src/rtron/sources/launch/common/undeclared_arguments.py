@@ -4,15 +4,22 @@ from collections.abc import Collection, Iterable, Iterator
 
 from rtron.errors import suggestion
 from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
 ARGUMENT = "launch argument "
 """What a note on an argument begins with; its name follows."""
+_NEAR = ": did you mean"
 
 
 def undeclared_arguments(
     passed: Iterable[str], declared: Collection[str]
 ) -> Iterator[UnresolvedItem]:
-    """Yield a note on each argument that is not declared, with the nearest one that is."""
+    """Yield a note on each argument that is not declared, with the nearest one that is.
+
+    Where `*` is declared, what was not read may declare any: then only a slip of the pen is noted.
+    """
+    known = sorted(set(declared) - {UNKNOWN_NAME})
     for name in sorted(set(passed) - set(declared)):
-        near = f": {suggestion(name, sorted(declared))}" if declared else ""
-        yield UnresolvedItem(what=f"{ARGUMENT}{name}", why=f"no launch file declares it{near}")
+        near = f": {suggestion(name, known)}" if known else ""
+        if UNKNOWN_NAME not in declared or near.startswith(_NEAR):
+            yield UnresolvedItem(what=f"{ARGUMENT}{name}", why=f"no launch file declares it{near}")

@@ -52,6 +52,9 @@ class LaunchFileReader:
                 applied = self.state.unresolved.context_if_applies(tag, context)
                 if applied is not None:
                     self._read_element(tag, applied)
+                else:
+                    skipped = (arg.get("name") for arg in element.iter("arg"))
+                    self.state.declared_arguments.update(filter(None, skipped))
 
     def _read_element(self, tag: Tag, context: LoaderContext) -> None:
         number = self.document.element_numbers[tag.element]

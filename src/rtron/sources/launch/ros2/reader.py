@@ -36,6 +36,7 @@ from rtron.sources.launch.ros2.substitutions.template import has_placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.sources.launch.ros2.xml_yaml.parser import parse_elements
 from rtron.vocabulary import LaunchTree
+from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
 _NODE_TAGS = frozenset({"node", "lifecycle_node", "node_container"})
 _EVENT_TAGS = frozenset({"timer", "ros_timer", "event_handler"})
@@ -125,6 +126,8 @@ class LaunchReader:
         if root is not None:
             self._evaluator.limits.count_bytes(path, Path(path).stat().st_size)
             self._actions(root.children, context, file)
+        else:
+            self._evaluator.choices.declared.add(UNKNOWN_NAME)
         return file
 
     def _root(self, path: str) -> Element | None:
@@ -152,6 +155,7 @@ class LaunchReader:
         if changes_context or (starts and holds is False):
             self._evaluator.choices.decide(dependencies)
         if holds is False:
+            self._evaluator.choices.skip(site.element)
             return
         before, outer_uncertain = context.change_mark(), context.is_uncertain
         context.is_uncertain = outer_uncertain or (holds is None and not changes_context)
@@ -178,6 +182,7 @@ class LaunchReader:
             ContextActions(self._evaluator).apply(site, holds)
             self._collector.add_argument(site)
         elif site.tag not in IGNORED_TAGS:
+            self._evaluator.choices.declared.add(UNKNOWN_NAME)
             self._collector.note_unknown(site)
 
     @property
@@ -246,6 +251,7 @@ class LaunchReader:
             ContextActions(self._evaluator).set_configuration(argument)
         path = path and bundled_launch_file(path)
         if path is None or has_placeholder(path):
+            self._evaluator.choices.skip(site.element)
             self._collector.note_not_included(site, path)
             return
         source = self._evaluator.files.locate_source(absolute_path(path))
