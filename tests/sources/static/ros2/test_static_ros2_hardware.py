@@ -109,8 +109,9 @@ def test_a_component_that_is_not_here_is_noted_unless_it_joins_nothing(launched,
 
 def test_a_description_that_is_not_known_is_noted(launched):
     nodes = OWN.replace("arm.urdf", "none.urdf")
-    whats = [note.what for note in launched(nodes).unresolved]
-    assert "hardware of /controller_manager" in whats
+    graph = launched(nodes)
+    assert "hardware of /controller_manager" in [note.what for note in graph.unresolved]
+    assert [node.name for node in graph.nodes] == ["/controller_manager"]
 
 
 def test_a_kept_result_is_of_its_own_description(launched, tmp_path_factory):

@@ -82,9 +82,11 @@ class NodePart:
         return self.task is not None and (TOO_LARGE in notes or is_open)
 
     def with_missing_note(self, what: str, why: str, missing: str = "") -> "NodePart":
-        """Return the part with a note instead of an interface."""
+        """Return the part with a note instead of an interface; its nodes keep their names."""
         note = UnresolvedItem(what=what, why=why, missing=missing, evidence=(self.node.evidence,))
-        return replace(self, interface=NodeInterface(unresolved=(note,)))
+        return replace(
+            self, interface=NodeInterface(nodes=self.interface.nodes, unresolved=(note,))
+        )
 
 
 def node_parts(node: AppNode, workspace: Workspace, models: ModelCatalog) -> Iterator[NodePart]:
