@@ -19,9 +19,12 @@ from finding_pairs import GOALS
 
 from rtron.vocabulary import (
     Certainty,
+    Direction,
+    Endpoint,
     Evidence,
     FindingLevel,
     NodeParameter,
+    Resolution,
     Service,
     ServiceClient,
     Severity,
@@ -302,6 +305,22 @@ class TestLostCommand:
         assert finding.cause == ("no node of this launch subscribes it; /base obeys /base/cmd_vel")
         assert finding.remedy == "remap /cmd_vel to /base/cmd_vel"
         assert (finding.severity, finding.level) == (Severity.MEDIUM, FindingLevel.REGULAR)
+
+    def test_an_output_is_not_joined_to_the_input_that_it_is_made_of(self):
+        mux = f"/mux mux own\n    sub /cmd_vel {TWIST}\n    pub /mixed {TWIST}\n"
+        smoother = f"/smoother s own\n    sub /mixed {TWIST}\n    pub /base/cmd_vel {TWIST}\n"
+        assert not found("lost_command", small_graph(mux + smoother))
+        assert found("lost_command", small_graph(mux + smoother.replace("/mixed", "/other")))
+
+    def test_a_subscription_of_a_name_known_in_part_may_be_its_end(self):
+        end = Endpoint(
+            node="/mux",
+            topic="/{?}",
+            direction=Direction.SUBSCRIBE,
+            resolution=Resolution.SYMBOLIC,
+        )
+        graph = small_graph(self.LOST)
+        assert not found("lost_command", replace(graph, endpoints=(*graph.endpoints, end)))
 
     def test_a_node_that_was_not_read_may_hear_it(self):
         graph = small_graph(self.LOST + FIRMWARE, unread=("/firmware",))

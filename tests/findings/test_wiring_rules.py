@@ -253,7 +253,23 @@ class TestUnmatchedTopic:
         )
         finding = the_finding("unmatched_topic", replace(graph, endpoints=(*graph.endpoints, end)))
         assert finding.certainty is certainty
-        assert finding.topics[1] == "/odometry/filtered"
+        near = () if certainty is Certainty.POSSIBLE else ("/odometry/filtered",)
+        assert finding.topics[1:] == near
+        assert ("Remap" in finding.remedy) == bool(near)
+
+    def test_the_output_of_a_chain_is_not_joined_to_its_input(self):
+        mux = f"/mux mux own\n    sub /cmd_vel_nav {TWIST}\n    pub /mixed {TWIST}\n"
+        smoother = f"/smoother s own\n    sub /mixed {TWIST}\n    pub /cmd_vel {TWIST}\n"
+        assert not found("unmatched_topic", small_graph(mux + smoother))
+        apart = smoother.replace("/mixed", "/other")
+        assert found("unmatched_topic", small_graph(mux + apart))[0].topics[1:] == ("/cmd_vel",)
+
+    def test_no_reader_is_led_past_a_multiplexer(self):
+        base = f"/base driver own\n    sub /cmd_vel_safe {TWIST}\n"
+        nav = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
+        mux = f"/mux mux own\n    sub /cmd_vel {TWIST}\n    pub /mixed {TWIST}\n"
+        assert found("unmatched_topic", small_graph(base + nav))
+        assert not found("unmatched_topic", small_graph(base + nav + mux))
 
 
 class TestNoServer:

@@ -179,8 +179,13 @@ class AppFacts:
     def near_topics(self, topic: str, types: Iterable[str]) -> list[str]:
         """Return published topics of some types with a near name, those that nobody reads first.
 
-        What only the readers of the topic publish is not what they wait for.
+        What only the readers of the topic publish, or what is made of it, is not what they wait
+        for. Nor is a command on its way through another node, which a remap would lead past. Where
+        the topic may have a publisher whose name is not known, none is near.
         """
+        types = tuple(types)
+        if fits_open_name(topic, self._open_names[Direction.PUBLISH]):
+            return []
         sent = [self._sent[type] for type in types if type in self._sent]
         if sum(map(len, sent)) > _MOST_COMPARED:
             return []
@@ -189,12 +194,29 @@ class AppFacts:
             name
             for name in near_names(topic, list(chain.from_iterable(sent)))
             if not readers.issuperset(self.publishers(name))
+            and topic not in self.upstream_topics(self.publishers(name), types)
+            and not (self.is_motion(name) and self._is_forwarded(name, types))
         ]
         return sorted(near, key=lambda name: (bool(self.readers(name)), name))
+
+    def upstream_topics(self, nodes: Iterable[str], types: Collection[str]) -> set[str]:
+        """Return the topics of some types that reach nodes, by themselves or through others."""
+        found, pending = set[str](), list(nodes)
+        while pending:
+            for end in self.graph.subscribed_by(pending.pop()):
+                if normalise_type(end.type) in types and end.topic not in found:
+                    found.add(end.topic)
+                    pending.extend(self.publishers(end.topic))
+        return found
 
     def evidence(self, endpoints: Iterable[Endpoint]) -> tuple[Evidence, ...]:
         """Return where endpoints were read, each place once."""
         return evidence_of(endpoints)
+
+    def _is_forwarded(self, topic: str, types: Collection[str]) -> bool:
+        """Return whether a reader of a topic publishes one of some types."""
+        endpoints = (end for node in self.readers(topic) for end in self.graph.published_by(node))
+        return any(normalise_type(end.type) in types for end in endpoints)
 
     @cached_property
     def _open_names(self) -> dict[Direction, tuple[str, ...]]:

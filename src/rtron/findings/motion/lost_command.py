@@ -5,8 +5,9 @@
 A topic that commands motion, that nobody subscribes, while a topic of the same name and type is
 obeyed in a namespace above or below: one of the two was left out of a remap. Where every node was
 read, a topic beside it whose name says more or less (`control_mode`, `offboard_control_mode`)
-counts, too. Who obeys the one and publishes the other forwards it, and does not count. What may be
-an input of the autopilot PX4 (`/fmu/in/…`) is `pedantic`.
+counts, too. Who obeys the one and publishes the other forwards it, and does not count, nor where
+other nodes stand between; nor does a topic that a subscription of a name known in part may mean.
+What may be an input of the autopilot PX4 (`/fmu/in/…`) is `pedantic`.
 
 ## Why it matters
 
@@ -59,8 +60,9 @@ def _is_meant(app: AppFacts, lost: str, obeyed: str) -> bool:
     sent, expected = app.types(lost, Direction.PUBLISH), app.types(obeyed, Direction.SUBSCRIBE)
     publishers = set(app.publishers(lost))
     publishes_both = publishers <= set(app.publishers(obeyed))
-    forwards = publishers <= set(app.readers(obeyed))
-    return not publishes_both and not forwards and bool(sent.keys() & expected.keys())
+    if publishes_both or app.open_readers(lost) or not sent.keys() & expected.keys():
+        return False
+    return obeyed not in app.upstream_topics(publishers, sent.keys())
 
 
 def _finding(app: AppFacts, topic: str, obeyed: str) -> Finding:

@@ -5,7 +5,8 @@
 A topic with a subscriber and no publisher. Where another topic of the same type has a near name,
 the finding names it: most often a remap, a namespace or a slip of the pen parts the two. Then it is
 likely, if nobody else subscribes that one and all nodes were read. Else it is possible, and shown
-from the level `pedantic` on.
+from the level `pedantic` on. No other topic is named that is made of this one, that another node
+forwards as a command, or where a publisher's name that is known in part may be this topic.
 
 ## Why it matters
 
