@@ -3,7 +3,7 @@
     scripts/run_tests.py [GROUP…] [--long] [--changed] [--durations]
 
 Each group of tests is a process of pytest. Its results stay in `build/tests` as JUnit XML.
-If a group fails that needs no ROS, the groups behind it do not run.
+If one of the first three fails, the groups behind it do not run.
 """
 
 import argparse
@@ -164,6 +164,9 @@ def run(group: Group) -> Result:
     result = Result(group.name, 0 if code == NO_TESTS else code, time.monotonic() - started)
     if report.exists():
         _count(result, report)
+    if result.code and not result.failures:
+        why = f"not done within {LONGEST_GROUP} s" if code == -1 else f"exit code {code}, see above"
+        result.failures.append(f"{group.name}: {why}")
     return result
 
 
@@ -187,7 +190,8 @@ def print_summary(results: list[Result], groups: list[Group]) -> None:
         if group.name not in ran:
             print(f"{group.name:8} {'-':>6}  did not run")
     for each in results:
-        print(*(f"FAILED {failure}" for failure in each.failures), sep="\n", end="")
+        for failure in each.failures:
+            print(f"FAILED {failure}")
     sums = {key: sum(each.counts.get(key, 0) for each in results) for key in OUTCOMES}
     print(f"\nin {_clock(sum(each.seconds for each in results))}")
     print(", ".join(f"{sums[key]} {key}" for key in OUTCOMES))
@@ -227,6 +231,9 @@ def main() -> int:
     groups = (
         changed_groups(options.changed) if options.changed else all_groups(is_long=options.long)
     )
+    names = [each.name for each in groups]
+    if unknown := set(options.group).difference(names):
+        parser.error(f"no group {', '.join(sorted(unknown))}; there are {', '.join(names)}")
     chosen = [each for each in groups if each.name in options.group or not options.group]
     results = run_all(chosen)
     print_summary(results, chosen)

@@ -1,4 +1,4 @@
-"""The tests of SROS2 on Cyclone DDS, where somebody has built its RMW for the wheels."""
+"""The tests of SROS2 on Cyclone DDS, where its RMW is there (mark.ros2)."""
 
 from pathlib import Path
 

@@ -141,7 +141,7 @@ class AgentCommands:
                 self._check_holder(lease)
                 await self._app.publish(stream, message)
                 sent += 1
-                with suppress(TimeoutError):
+                with suppress(asyncio.TimeoutError):
                     await asyncio.wait_for(self._stop.wait(), _PERIOD_S)
         finally:
             with suppress(SourceError):
@@ -185,7 +185,7 @@ class AgentCommands:
         with self._app.lease_answers(lease, word) as answers:
             while time.monotonic() < deadline:
                 await self._app.request_lease(lease, request)
-                with suppress(TimeoutError):
+                with suppress(asyncio.TimeoutError):
                     answer = await asyncio.wait_for(answers.get(), _RETRY_S)
                     return _granted(answer)
         raise SourceError(f"the guard does not answer on {lease_topic(lease, 'answer')}")

@@ -67,7 +67,7 @@ class BridgeLink:
             body = (error.response.body or b"").decode(errors="replace")[:200]
             reason = body.strip() or error.response.reason_phrase
             raise SourceError(f"the bridge refuses: {reason}") from None
-        except (OSError, TimeoutError, InvalidHandshake, InvalidURI) as error:
+        except (OSError, asyncio.TimeoutError, InvalidHandshake, InvalidURI) as error:
             help = "start it with `rtron bridge`, and name its address with --bridge"
             raise SourceError(f"no bridge at {self._address}: {error}", help=help) from None
         self._reader = asyncio.create_task(self._read(self._socket))
@@ -142,7 +142,7 @@ class BridgeLink:
         try:
             await self._send({**frame, "id": id})
             return await asyncio.wait_for(answer, patience_s)
-        except TimeoutError:
+        except asyncio.TimeoutError:
             raise SourceError("the bridge does not answer") from None
         finally:
             self._answers.pop(id, None)

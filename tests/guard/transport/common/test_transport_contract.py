@@ -1,4 +1,7 @@
-"""What every transport keeps to, in memory, on a real ROS 1 and on a real ROS 2."""
+"""What every transport keeps to, in memory, on a real ROS 1 and on a real ROS 2.
+
+conftest.py gives the tests on a real ROS their marks: mark.ros1, mark.ros2.
+"""
 
 from dataclasses import replace
 from functools import partial

@@ -1,4 +1,4 @@
-"""The same tests of the transport on Cyclone DDS, where its RMW is built for the wheels."""
+"""The same tests of the transport on Cyclone DDS, where its RMW is there (mark.ros2)."""
 
 from pathlib import Path
 
