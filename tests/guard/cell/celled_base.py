@@ -4,15 +4,19 @@ import json
 import os
 import shutil
 import subprocess
+import sysconfig
 import tempfile
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from stat import S_IXOTH
 
 import pytest
 from driven_base import CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import Ros1, wait_for
+
+import rtron
 
 NODE = "/driver"
 OUT, FLOW1 = "/rtron/cmd_vel/out", "/rtron/cmd_vel/flow1"
@@ -26,8 +30,20 @@ def _may_be_made():
     return bool(ran) and ran.returncode == 0
 
 
+def others_may_run(program):
+    """Tell whether every user may execute a program, or enter a folder."""
+    there = Path(program).resolve()
+    return all(each.stat().st_mode & S_IXOTH for each in (there, *there.parents))
+
+
+RTRON = Path(rtron.__file__).parent
 needs_cell = pytest.mark.skipif(
-    not _may_be_made(), reason="a cell needs root, where it may make namespaces"
+    not (_may_be_made() and others_may_run(RTRON)),
+    reason="a cell needs root, who may make namespaces, and a user who may enter RTron's folder",
+)
+needs_open_packages = pytest.mark.skipif(
+    not others_may_run(sysconfig.get_path("purelib")),
+    reason="the user of a cell may not enter the folder of the Python packages",
 )
 
 

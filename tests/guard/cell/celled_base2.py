@@ -7,9 +7,8 @@ import sysconfig
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from stat import S_IXOTH
 
-from celled_base import open_file, open_folder
+from celled_base import open_file, open_folder, others_may_run
 from harness import wait_for
 from ros2_harness import NODES2, Ros2
 from ros2_plans import driving, written
@@ -21,14 +20,9 @@ STOP = ("0.0", "0.0")
 PLAN, DRIVEN = "rtron.yaml", "driven.txt"
 
 
-def _others_may_run(program):
-    there = Path(program).resolve()
-    return all(each.stat().st_mode & S_IXOTH for each in (there, *there.parents))
-
-
 def python_for_others():
     """Return the command of this Python, or of the system's, for a user who may not enter /root."""
-    if _others_may_run(sys.executable):
+    if others_may_run(sys.executable):
         return (sys.executable,)
     name = f"/usr/bin/python{sys.version_info.major}.{sys.version_info.minor}"
     paths = ":".join({sysconfig.get_path(each) for each in ("purelib", "platlib")})

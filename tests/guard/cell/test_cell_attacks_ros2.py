@@ -4,7 +4,7 @@ import sys
 from contextlib import closing
 
 import pytest
-from celled_base import needs_cell
+from celled_base import needs_cell, needs_open_packages
 from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
@@ -24,7 +24,7 @@ from rtron.guard.audit.ros2.celled_graph import CellReader
 from rtron.guard.cell.access import CellAccess
 from rtron.wire.ros2.domain_id import domain_address
 
-pytestmark = [pytest.mark.ros2, needs_cell]
+pytestmark = [pytest.mark.ros2, needs_cell, needs_open_packages]
 GUARD = "/rtron/grcn_cmd_vel"
 
 

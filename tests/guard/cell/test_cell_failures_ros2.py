@@ -6,13 +6,13 @@ import signal
 from pathlib import Path
 
 import pytest
-from celled_base import is_guarded, needs_cell
+from celled_base import is_guarded, needs_cell, needs_open_packages
 from harness import lives, wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from celled_base2 import CelledBase2, children, ros2_in_open_folder
 
-pytestmark = [pytest.mark.ros2, needs_cell]
+pytestmark = [pytest.mark.ros2, needs_cell, needs_open_packages]
 
 
 @pytest.fixture

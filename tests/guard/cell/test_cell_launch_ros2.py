@@ -8,7 +8,7 @@ import json
 import sys
 
 import pytest
-from celled_base import needs_cell, open_file
+from celled_base import needs_cell, needs_open_packages, open_file
 from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
@@ -29,7 +29,7 @@ from wrapped_launch import launch
 from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import Direction, Endpoint, InteractionGraph
 
-pytestmark = [pytest.mark.long, pytest.mark.ros2, needs_cell]
+pytestmark = [pytest.mark.long, pytest.mark.ros2, needs_cell, needs_open_packages]
 TWIST = "geometry_msgs/msg/Twist"
 GRAPH = InteractionGraph(
     app="robot",

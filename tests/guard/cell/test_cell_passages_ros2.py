@@ -6,13 +6,13 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 
 import pytest
-from celled_base import needs_cell
+from celled_base import needs_cell, needs_open_packages
 from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from celled_base2 import NODE, CelledBase2, ros2_in_open_folder, start_cell2
 
-pytestmark = [pytest.mark.ros2, needs_cell]
+pytestmark = [pytest.mark.ros2, needs_cell, needs_open_packages]
 DOCS = Path(__file__).parents[3] / "docs" / "cell.md"
 TRIGGER = "std_srvs/Trigger"
 FLOAT, STRING = "std_msgs/msg/Float64", "std_msgs/msg/String"

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from celled_base import needs_cell
+from celled_base import needs_cell, needs_open_packages
 from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
@@ -21,7 +21,7 @@ from ros2_harness import NODES2
 
 from rtron.guard.audit.ros2.domain_probe import probe_shared_memory
 
-pytestmark = [pytest.mark.ros2, needs_cell]
+pytestmark = [pytest.mark.ros2, needs_cell, needs_open_packages]
 
 
 def verified(base):
