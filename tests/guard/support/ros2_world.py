@@ -1,5 +1,6 @@
 """The guard's transport in a ROS 2 domain, and nodes of rclpy that stand outside."""
 
+from harness import LIMIT_S
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -37,6 +38,9 @@ class OnRos2(RosWorld):
         """Return a text as a network brings it: padded to words of 4 octets (RTPS)."""
         message = super().text(text)
         return message + bytes(-len(message) % 4)
+
+    def let_arrive(self, publisher):
+        assert publisher.is_acknowledged(LIMIT_S)
 
     def serve(self):
         self._executor.spin_once(timeout_sec=0)

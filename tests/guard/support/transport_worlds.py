@@ -43,6 +43,9 @@ class TransportWorld:
     def text(self, text):
         return string_message(self.encoding, str(text))
 
+    def let_arrive(self, publisher):
+        """Wait until all that a publisher said is where the guard will find it."""
+
 
 class InMemory(TransportWorld):
     """The memory, as ROS 2 would be encoded in it."""

@@ -102,6 +102,7 @@ def test_what_waits_while_the_guard_is_busy_is_the_newest_and_bounded(world):
     words = said(world, 300)
     for message in words:
         publisher.say(message)
+    world.let_arrive(publisher)
     world.until(lambda: ear.messages[-1] == words[-1])
     heard = without_first(world, ear.messages)
     assert heard == words[-len(heard) :]
