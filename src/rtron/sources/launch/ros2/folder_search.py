@@ -5,14 +5,10 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.folders import IGNORE_MARKERS, walk
-from rtron.sources.bounded_file import read_bounded
+from rtron.sources.launch.common.file_format import is_ros2_launch_file
 
 MAX_FOLDERS = 200_000
-MAX_BYTES = 2**20
 
-_SUFFIXES = ("launch.xml", "launch.yaml", "launch.yml")
-_PYTHON_SUFFIX = "launch.py"
-_ENTRY_FUNCTION = b"generate_launch_description"
 _SKIPPED_FOLDERS = frozenset({".git", ".hg", ".svn", "build", "install", "log"})
 
 
@@ -36,17 +32,3 @@ def _launch_files_below(top: Path) -> Iterator[Path]:
             continue
         subfolders[:] = [name for name in subfolders if name not in _SKIPPED_FOLDERS]
         yield from (path for name in files if is_ros2_launch_file(path := Path(folder, name)))
-
-
-def is_ros2_launch_file(path: Path) -> bool:
-    """Return whether a file is a launch file of ROS 2, by its name or by what it defines."""
-    if path.name.endswith(_SUFFIXES):
-        return True
-    if path.suffix != ".py" or not path.is_file():
-        return False
-    try:
-        text = read_bounded(path, MAX_BYTES)
-    except InputError:
-        return False
-    named = path.name.endswith(_PYTHON_SUFFIX)
-    return (_ENTRY_FUNCTION if named else b"def " + _ENTRY_FUNCTION) in text
