@@ -7,7 +7,7 @@ from pathlib import Path
 
 import h11
 import pytest
-from celled_base import NODE, celled_plan, open_folder
+from celled_base import NODE, celled_plan, needs_open_packages, open_folder
 from harness import ROS_PYTHON, SOURCE
 
 from rtron.planning.plan_file.writer import write_plan
@@ -71,6 +71,7 @@ def cell(folder, *options):
     return run_as(USER, *command, folder=folder)
 
 
+@needs_open_packages
 def test_an_ordinary_user_is_told_why_there_is_no_cell(folder):
     ended = cell(folder)
     assert ended.returncode == 2
