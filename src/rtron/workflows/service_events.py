@@ -1,13 +1,20 @@
 """Follow events: the service's live WebSocket, and its pages for events that were missed."""
 
+import asyncio
 import json
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
 
-from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus
-from websockets.sync.client import ClientConnection, connect
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import (
+    ConnectionClosed,
+    ConnectionClosedOK,
+    InvalidHandshake,
+    InvalidStatus,
+)
 
 from rtron.errors import InputError, SourceError
 from rtron.workflows.service_client import SecurityServiceClient
@@ -53,16 +60,16 @@ class _EventFollower:
     def while_connected(self) -> Iterator[Event]:
         """Yield events until the connection to the service is lost."""
         try:
-            with _connect(self.client) as socket:
-                yield from self._events(socket)
+            with _messages(self.client) as messages:
+                yield from self._events(messages)
         except (SourceError, OSError, InvalidHandshake, ConnectionClosed, TimeoutError) as error:
             _raise_if_unauthorized(error)
             self.on_lost(error)
 
-    def _events(self, socket: ClientConnection) -> Iterator[Event]:
+    def _events(self, messages: Iterator[str | bytes]) -> Iterator[Event]:
         """Yield missed events, then live ones; of a burst the service sends only some live."""
         yield from self._missed_events()
-        for event in _live_events(socket):
+        for event in _live_events(messages):
             if event["id"] > self.last + 1:
                 yield from self._missed_events()
             if event["id"] > self.last:
@@ -82,8 +89,23 @@ class _EventFollower:
         self.last = end
 
 
-def _connect(client: SecurityServiceClient) -> ClientConnection:
-    return connect(
+@contextmanager
+def _messages(client: SecurityServiceClient) -> Iterator[Iterator[str | bytes]]:
+    """Connect, and give the messages until the service closes; ConnectionClosed if it is lost.
+
+    websockets' synchronous client reads and writes in two threads, for which Python's TLS has no
+    lock before 3.13: one request in a thousand was lost.
+    """
+    with closing(asyncio.new_event_loop()) as loop:
+        socket = loop.run_until_complete(_connect(client))
+        try:
+            yield _until_closed(lambda: loop.run_until_complete(socket.recv()))
+        finally:
+            loop.run_until_complete(socket.close())
+
+
+async def _connect(client: SecurityServiceClient) -> ClientConnection:
+    return await connect(
         client.live_url,
         additional_headers=client.auth_headers,
         ssl=client.tls_context,
@@ -91,6 +113,12 @@ def _connect(client: SecurityServiceClient) -> ClientConnection:
         max_size=_LONGEST,
         proxy=None,
     )
+
+
+def _until_closed(receive: Callable[[], str | bytes]) -> Iterator[str | bytes]:
+    with suppress(ConnectionClosedOK):
+        while True:
+            yield receive()
 
 
 def stored_events(client: SecurityServiceClient, **query: object) -> Iterator[Event]:
@@ -103,8 +131,8 @@ def stored_events(client: SecurityServiceClient, **query: object) -> Iterator[Ev
         query["before"] = page["next"]
 
 
-def _live_events(socket: ClientConnection) -> Iterator[Event]:
-    for data in socket:
+def _live_events(messages: Iterator[str | bytes]) -> Iterator[Event]:
+    for data in messages:
         message = json.loads(data)
         if message["type"] == "event":
             yield message["event"]

@@ -5,16 +5,18 @@ import ssl
 import subprocess
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from urllib.parse import quote
 
 import httpx
 import pytest
+from anyio.from_thread import start_blocking_portal
 from controller_setup import hello, plan
 from harness import is_open
 from service_app import AccountFactory, open_app, serve_in_thread
+from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidMessage, InvalidStatus
-from websockets.sync.client import connect
 
 from rtron.errors import InputError
 from rtron.guard.link.options import LinkOptions
@@ -98,11 +100,14 @@ def options(tmp_path, port, trusted, shown=(None, None)):
 
 @contextmanager
 def guard(url, headers, tls=None):
-    with connect(
-        url, additional_headers=headers, ssl=tls, proxy=None, open_timeout=LIMIT_S
-    ) as socket:
-        socket.send(encode_from_guard(hello(plan())), text=True)
-        assert isinstance(decode_to_guard(socket.recv(timeout=LIMIT_S)), NewSettings)
+    """A guard that said hello; as in the product, one thread writes and reads its TLS."""
+    connection = connect(url, additional_headers=headers, ssl=tls, proxy=None, open_timeout=LIMIT_S)
+    with (
+        start_blocking_portal() as portal,
+        portal.wrap_async_context_manager(connection) as socket,
+    ):
+        portal.call(partial(socket.send, encode_from_guard(hello(plan())), text=True))
+        assert isinstance(decode_to_guard(portal.call(socket.recv)), NewSettings)
         yield socket
 
 
