@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from notation import graph_of
 
-from rtron.findings import find_findings
+from rtron.findings import app_facts, find_findings
 from rtron.vocabulary import Finding, InteractionGraph, NodeParameter
 
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
@@ -50,7 +50,7 @@ def parameters(name: str, **values) -> tuple[NodeParameter, ...]:
 
 def found(rule: str, graph: InteractionGraph) -> list[Finding]:
     """Return what one rule finds in a graph."""
-    return [finding for finding in find_findings(graph) if finding.rule == rule]
+    return [finding for finding in find_findings(app_facts(graph)) if finding.rule == rule]
 
 
 def the_finding(rule: str, graph: InteractionGraph) -> Finding:

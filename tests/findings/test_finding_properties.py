@@ -5,7 +5,8 @@ from dataclasses import replace
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rtron.findings import find_findings
+from rtron.findings import app_facts, find_findings, take_inventory
+from rtron.reports.app.inventory_rows import inventory_to_json, mover_rows
 from rtron.vocabulary import (
     Action,
     ActionRole,
@@ -38,6 +39,7 @@ TYPES = [
 ]
 PACKAGES = ["twist_mux", "rviz2", "rosbridge_server", "nav2_controller", "base", ""]
 PARAMETERS = ["use_sim_time", "cmd_vel_timeout", "x.cmd_timeout", "address", ""]
+PARAMETERS += ["topics.nav.topic", "topics.nav.priority", "max_vel"]
 MISSING = ["", "p/a", "a.launch", "/b/a.launch"]
 
 
@@ -108,8 +110,22 @@ hostile = graphs_of(st.text(max_size=3), st.text(max_size=3), st.text(max_size=3
 
 @given(graphs | hostile)
 def test_no_graph_breaks_the_rules(graph):
-    for finding in find_findings(graph):
+    for finding in find_findings(app_facts(graph)):
         assert all((finding.summary, finding.cause, finding.remedy, finding.fingerprint))
+
+
+@given(graphs | hostile)
+def test_no_graph_breaks_the_inventory(graph):
+    movers = take_inventory(app_facts(graph))
+    assert all(row.text for mover in movers for row in mover_rows(mover))
+    assert all(list(mover_rows(mover)) for mover in movers)
+    assert len(inventory_to_json(movers)) == len(movers)
+
+
+@given(graphs)
+def test_the_order_of_a_graph_changes_nothing_in_its_inventory(graph):
+    turned = replace(graph, endpoints=graph.endpoints[::-1])
+    assert take_inventory(app_facts(turned)) == take_inventory(app_facts(graph))
 
 
 @given(graphs | hostile)
@@ -124,7 +140,7 @@ def test_no_graph_breaks_the_rules(graph):
     )
 )
 def test_a_finding_has_an_id_of_its_own(graph):
-    ids = [finding.id for finding in find_findings(graph)]
+    ids = [finding.id for finding in find_findings(app_facts(graph))]
     assert len(ids) == len(set(ids))
 
 
@@ -137,13 +153,13 @@ def test_the_order_of_the_endpoints_changes_nothing(graph, random):
 
 
 def identities(graph):
-    return [(each.id, each.severity, each.fingerprint) for each in find_findings(graph)]
+    return [(each.id, each.severity, each.fingerprint) for each in find_findings(app_facts(graph))]
 
 
 @given(graphs)
 def test_the_worst_comes_first(graph):
     order = ["high", "medium", "low"]
-    found = [order.index(finding.severity) for finding in find_findings(graph)]
+    found = [order.index(finding.severity) for finding in find_findings(app_facts(graph))]
     assert found == sorted(found)
 
 
@@ -153,6 +169,6 @@ def test_a_huge_name_does_no_harm():
         Endpoint(node=name, topic=name + str(direction), type="a/B", direction=direction)
         for direction in Direction
     )
-    assert {each.rule for each in find_findings(InteractionGraph(app="", endpoints=ends))} == {
-        "unmatched_topic"
-    }
+    assert {
+        each.rule for each in find_findings(app_facts(InteractionGraph(app="", endpoints=ends)))
+    } == {"unmatched_topic"}

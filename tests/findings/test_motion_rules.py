@@ -37,6 +37,11 @@ MUX_PASSED_BY = MUX + f"/teleop teleop own\n    pub /cmd_vel {TWIST}\n"
 REMEDY = "put one arbiter before /cmd_vel: `rtron plan` proposes a guard (GRCN)"
 
 
+def wiring_of(kind, value):
+    place = Evidence(file="base.cpp", line=3)
+    return WiringFact(kind=WiringFactKind(kind), subject="/base", value=value, evidence=(place,))
+
+
 class TestSeveralPublishers:
     def test_with_a_known_reader(self):
         finding = the_finding("several_publishers", small_graph(TWO_DRIVERS + BASE))
@@ -220,6 +225,26 @@ class TestCommandTimeout:
         assert the_finding("command_timeout", graph).cause == (
             "its parameter a.cmd_vel_timeout is 0 and b.reference_timeout is 0: no timeout"
         )
+
+    def test_a_driver_in_whose_source_nothing_looks_at_the_age_of_commands(self):
+        device, aged = wiring_of("device", "CAN"), wiring_of("command_age", "age")
+        finding = the_finding("command_timeout", small_graph(BASE, wiring=(device,)))
+        assert finding.cause == (
+            "its source opens hardware (CAN), and nothing in it looks at how old a command is"
+        )
+        assert (finding.severity, finding.level) == (Severity.HIGH, FindingLevel.REGULAR)
+        assert (finding.topics, finding.evidence) == (("/cmd_vel",), device.evidence)
+        assert not found("command_timeout", small_graph(BASE, wiring=(device, aged)))
+
+    @pytest.mark.parametrize("type", ["std_msgs/msg/Float64", "sensor_msgs/msg/Imu"])
+    def test_a_driver_that_obeys_no_velocity_may_keep_its_last_command(self, type):
+        graph = small_graph(BASE.replace(TWIST, type), wiring=(wiring_of("device", "CAN"),))
+        assert not found("command_timeout", graph)
+
+    def test_a_timeout_that_is_turned_off_counts_before_the_source(self):
+        values = parameters("cmd_vel_timeout", base=0)
+        graph = small_graph(BASE, wiring=(wiring_of("device", "CAN"),), parameters=values)
+        assert the_finding("command_timeout", graph).certainty is Certainty.CERTAIN
 
 
 class TestNetworkBridge:

@@ -3,7 +3,7 @@
 import pytest
 from finding_graphs import BASE, FIRMWARE, MUX, TWIST, TWO_DRIVERS, parameters, small_graph
 
-from rtron.findings import find_findings, shown_at
+from rtron.findings import app_facts, find_findings, shown_at
 from rtron.findings.rule import make_finding
 from rtron.findings.severity import level_of, severity_of
 from rtron.vocabulary import Certainty, Consequence, FindingLevel, Severity
@@ -74,14 +74,14 @@ def test_names_and_places_stand_once_in_their_order():
 def test_two_drivers_are_certain_with_a_reader_and_likely_without(more, unread, certainty):
     for trust, severity in (("own", Severity.MEDIUM), ("third_party", Severity.HIGH)):
         drivers = TWO_DRIVERS.replace(" own", f" {trust}", 1)
-        (finding,) = find_findings(small_graph(drivers + more, unread=unread))
+        (finding,) = find_findings(app_facts(small_graph(drivers + more, unread=unread)))
         assert (finding.certainty, finding.severity) == (certainty, severity)
         assert finding.level is REGULAR
 
 
 @pytest.mark.parametrize("unread", [(), ("/firmware",)])
 def test_an_open_command_is_only_possible_and_for_the_pedantic(unread):
-    (finding,) = find_findings(small_graph(BASE + FIRMWARE, unread=unread))
+    (finding,) = find_findings(app_facts(small_graph(BASE + FIRMWARE, unread=unread)))
     assert (finding.certainty, finding.level) == (POSSIBLE, PEDANTIC)
     assert finding.severity is Severity.MEDIUM
 
@@ -92,7 +92,7 @@ def test_the_worst_comes_first_and_one_rule_in_order_of_subject():
         text + TWO_DRIVERS + MUX.replace("/cmd_vel", "/mux_vel"),
         parameters=parameters("use_sim_time", n=True, b=False),
     )
-    assert [(each.id, str(each.severity)) for each in find_findings(graph)] == [
+    assert [(each.id, str(each.severity)) for each in find_findings(app_facts(graph))] == [
         ("network_bridge:/b", "high"),
         ("network_bridge:/z", "high"),
         ("several_publishers:/cmd_vel", "medium"),
@@ -105,4 +105,4 @@ def test_the_worst_comes_first_and_one_rule_in_order_of_subject():
 
 def test_twist_in_ros_1_spelling_is_the_same_command():
     graph = small_graph(TWO_DRIVERS.replace(TWIST, "geometry_msgs/Twist") + BASE, ros=1)
-    assert [each.id for each in find_findings(graph)] == ["several_publishers:/cmd_vel"]
+    assert [each.id for each in find_findings(app_facts(graph))] == ["several_publishers:/cmd_vel"]

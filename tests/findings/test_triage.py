@@ -4,13 +4,13 @@ from dataclasses import replace
 
 from finding_graphs import BASE, TWO_DRIVERS, small_graph
 
-from rtron.findings import find_findings
+from rtron.findings import app_facts, find_findings
 from rtron.findings.triage import at_level, triage
 from rtron.risks import discover_risks
 from rtron.vocabulary import Baseline, Evidence, FindingLevel, Ignore
 
 GRAPH = small_graph(TWO_DRIVERS + BASE)
-FOUND, RISKS = find_findings(GRAPH), discover_risks(GRAPH).risks
+FOUND, RISKS = find_findings(app_facts(GRAPH)), discover_risks(GRAPH).risks
 (CMD_VEL,) = FOUND
 HERE = Evidence(file="rtron.toml", line=1)
 
@@ -67,7 +67,7 @@ def test_a_comment_ignores_in_its_line_and_the_next_one():
 
 def test_a_comment_in_a_strangers_code_silences_nothing():
     strange = small_graph(TWO_DRIVERS.replace("teleop own", "teleop third_party") + BASE)
-    (finding,) = find_findings(strange)
+    (finding,) = find_findings(app_facts(strange))
     mine = comment("a.py", 7)
     result = triage(strange, [at_line(finding, "a.py", 7)], (), [mine])
     assert (len(result.findings), result.unused) == (1, (mine,))

@@ -27,6 +27,7 @@ UNITS = {path.name for path in (ROOT / "deploy" / "systemd").iterdir()}
 UNREACHED = re.compile(
     "error sending request|dns error|Failed to fetch|not found in the package reg"
 )
+NO_INDEX = re.compile("NewConnectionError|No matching distribution|Temporary failure")
 BESIDES = {"CHANGELOG.md", "LICENSE", "README.md", "pyproject.toml", "PKG-INFO", ".gitignore"}
 
 
@@ -122,6 +123,19 @@ def test_the_project_links_are_of_one_repository(metadata):
     links = dict(line.split(", ") for line in metadata.get_all("Project-URL"))
     assert links.keys() == {"Source", "Issues", "Documentation", "Changelog"}
     assert all(link.startswith(ADDRESS) for link in links.values())
+
+
+def test_the_readme_s_installation_works_as_pasted(tmp_path):
+    (block,) = re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    clone = tmp_path / "rtron"
+    subprocess.run(["git", "clone", "--quiet", ROOT, clone], check=True)
+    ran = subprocess.run(
+        ["bash", "-ec", block], cwd=clone, capture_output=True, text=True, check=False
+    )
+    if NO_INDEX.search(ran.stderr):
+        pytest.fail("no package index", pytrace=False)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout.endswith(f"rtron {__version__}\n")
 
 
 @pytest.mark.parametrize("kind", ["sdist", "wheel"])

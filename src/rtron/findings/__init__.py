@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory import take_inventory
 from rtron.findings.motion import (
     arbiter,
     command_timeout,
@@ -35,7 +36,15 @@ from rtron.risks import RiskLists, default_lists
 from rtron.risks.graph_facts import GraphFacts
 from rtron.vocabulary import Finding, InteractionGraph, Severity
 
-__all__ = ["FINDING_RULES", "FindingRule", "find_findings", "finding_page", "shown_at"]
+__all__ = [
+    "FINDING_RULES",
+    "FindingRule",
+    "app_facts",
+    "find_findings",
+    "finding_page",
+    "shown_at",
+    "take_inventory",
+]
 
 FINDING_RULES: tuple[FindingRule, ...] = (
     several_publishers.RULE,
@@ -63,14 +72,15 @@ FINDING_RULES: tuple[FindingRule, ...] = (
 )
 
 
-def find_findings(graph: InteractionGraph, lists: RiskLists | None = None) -> tuple[Finding, ...]:
-    """Return the findings of a graph, the worst first; those of one rule in order of subject.
-
-    The order of the graph's endpoints changes nothing.
-    """
+def app_facts(graph: InteractionGraph, lists: RiskLists | None = None) -> AppFacts:
+    """Return what the rules ask of a graph; the order of its endpoints changes nothing."""
     endpoints = sorted(graph.endpoints, key=lambda e: (e.topic, e.direction, e.node, e.type))
     ordered = replace(graph, endpoints=tuple(endpoints))
-    app = AppFacts(GraphFacts(ordered, lists or default_lists()))
+    return AppFacts(GraphFacts(ordered, lists or default_lists()))
+
+
+def find_findings(app: AppFacts) -> tuple[Finding, ...]:
+    """Return the findings of an app, the worst first; those of one rule in order of subject."""
     found = [
         finding
         for rule in FINDING_RULES

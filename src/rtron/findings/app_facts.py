@@ -8,7 +8,6 @@ from functools import cached_property
 from itertools import chain
 
 from rtron.risks.graph_facts import GraphFacts, evidence_of
-from rtron.risks.wording import join_names
 from rtron.vocabulary import (
     Consequence,
     Direction,
@@ -21,6 +20,7 @@ from rtron.vocabulary import (
     fits_open_name,
     normalise_type,
 )
+from rtron.wording import join_names
 
 _NEAR_RATIO = 0.8
 _MOST_COMPARED = 200

@@ -36,8 +36,8 @@ from dataclasses import dataclass
 from rtron.risks.graph_facts import MAX_NAMED_NODES, GraphFacts, TopicFacts, evidence_of
 from rtron.risks.rule import RiskRule, RuleInput
 from rtron.risks.severity import contends_for_robot, severity_of
-from rtron.risks.wording import join_names
 from rtron.vocabulary import Domain, Endpoint, Risk, RiskKind, RiskRole, Severity, unstamped_type
+from rtron.wording import join_names
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -31,8 +31,8 @@ from collections.abc import Iterator
 from rtron.risks.graph_facts import GraphFacts, TopicFacts, evidence_of
 from rtron.risks.rule import RiskRule, RuleInput
 from rtron.risks.severity import contends_for_robot, severity_of
-from rtron.risks.wording import both_or_all, conjugate, join_names
 from rtron.vocabulary import Risk, RiskKind, RiskRole, Sharing, TopicClass
+from rtron.wording import both_or_all, conjugate, join_names
 
 
 def check(facts: GraphFacts) -> Iterator[Risk]:

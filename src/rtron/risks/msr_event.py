@@ -30,8 +30,8 @@ from collections.abc import Iterator
 from rtron.risks.graph_facts import GraphFacts, TopicFacts, evidence_of
 from rtron.risks.rule import RiskRule, RuleInput
 from rtron.risks.severity import severity_of
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import FunctionType, Risk, RiskKind, RiskRole, Trust
+from rtron.wording import conjugate, join_names
 
 
 def check(facts: GraphFacts) -> Iterator[Risk]:

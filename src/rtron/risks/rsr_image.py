@@ -27,8 +27,8 @@ from collections.abc import Iterator
 from rtron.risks.graph_facts import MAX_NAMED_NODES, GraphFacts, evidence_of
 from rtron.risks.rule import RiskRule, RuleInput
 from rtron.risks.severity import severity_of
-from rtron.risks.wording import join_names
 from rtron.vocabulary import Endpoint, Risk, RiskKind, RiskRole
+from rtron.wording import join_names
 
 
 def check(facts: GraphFacts) -> Iterator[Risk]:

@@ -31,6 +31,12 @@ class WiringFactKind(StringEnum):
     """The same, where conditions that are not known decide whether more than one does."""
     UNREAD_PUBLISHER = "unread_publisher"
     """A topic that code which was not understood may publish."""
+    DEVICE = "device"
+    """A node whose source opens hardware; the value says what: a serial port, CAN."""
+    SOCKET = "socket"
+    """A node whose source joins a network beside ROS; the value says how: MQTT, a web server."""
+    COMMAND_AGE = "command_age"
+    """A node whose source looks at how old a command is."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

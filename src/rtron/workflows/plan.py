@@ -12,9 +12,10 @@ from rtron.planning.tuning import tune_plan
 from rtron.sources.bag.file_type import is_bag
 from rtron.sources.run_json import read_run
 from rtron.vocabulary import MeasuredRun, Plan, TuningProposal
+from rtron.vocabulary.inventory import Means
 from rtron.workflows.check_plan import plan_doubts
 from rtron.workflows.scan import ScanResult
-from rtron.workflows.unguarded import unguarded_topics
+from rtron.workflows.unguarded import last_command_topics, unguarded_commands, unguarded_topics
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,13 +28,14 @@ class ProposedPlan:
 
 
 def propose(scan: ScanResult) -> ProposedPlan:
-    """Return the plan that the risks of an app ask for."""
-    plan = propose_plan(scan.graph, scan.report)
-    omitted = (
-        unguarded_topics(plan, scan)
-        if guards_nothing(plan)
-        else unguardable_topics(scan.graph, scan.report)
-    )
+    """Return the plan that the risks of an app ask for, and the commands next to its hardware."""
+    plan = propose_plan(scan.graph, scan.report, last_command_topics(scan.inventory))
+    if guards_nothing(plan):
+        requests = unguarded_commands(plan, scan.inventory, (Means.SERVICE, Means.ACTION))
+        omitted = (*unguarded_topics(plan, scan), *requests)
+    else:
+        unnamed = unguardable_topics(scan.graph, scan.report)
+        omitted = (*unnamed, *unguarded_commands(plan, scan.inventory))
     return ProposedPlan(plan, omitted, tuple(plan_doubts(plan, scan.graph)))
 
 

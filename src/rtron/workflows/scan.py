@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from rtron.errors import InputError
-from rtron.findings import FINDING_RULES, find_findings
+from rtron.findings import FINDING_RULES, app_facts, find_findings, take_inventory
+from rtron.findings.app_facts import AppFacts
 from rtron.findings.triage import triage
 from rtron.risks import RULES, RiskLists, discover_risks, load_lists
 from rtron.sources.bounded_file import read_regular_file
@@ -25,6 +26,7 @@ from rtron.vocabulary import (
     UnresolvedItem,
     WiringFact,
 )
+from rtron.vocabulary.inventory import Mover
 
 _Part = TypeVar("_Part", Endpoint, UnresolvedItem, WiringFact)
 
@@ -44,7 +46,17 @@ class ScanResult:
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
         """The findings for people, computed when they are first needed."""
-        return find_findings(self.graph, self.lists)
+        return find_findings(self.app)
+
+    @cached_property
+    def inventory(self) -> tuple[Mover, ...]:
+        """What can move the robot, computed when it is first needed."""
+        return take_inventory(self.app)
+
+    @cached_property
+    def app(self) -> AppFacts:
+        """What the rules ask of the graph."""
+        return app_facts(self.graph, self.lists)
 
 
 def scan_graph(graph: InteractionGraph, name_lists: Path | None = None) -> ScanResult:

@@ -64,9 +64,11 @@ class WorkspaceSource:
 
     def read(self) -> InteractionGraph:
         """Return the graph; raise InputError if a launch file cannot be read."""
+        from rtron.sources.static.common.devices import with_devices  # noqa: PLC0415 - likewise
         from rtron.sources.static.common.unread_publishers import with_unread_publishers  # noqa: PLC0415 - likewise
 
         graph = with_unread_publishers(self._read(), self.workspace)
+        graph = with_devices(graph, self.workspace)
         notes = dict.fromkeys((*graph.unresolved, *self.environ.notes()))
         return replace(graph, unresolved=tuple(notes))
 

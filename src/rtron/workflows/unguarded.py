@@ -1,13 +1,12 @@
-"""Why a plan that guards nothing leaves out what could move the robot."""
+"""What could move the robot and is in no coordination node of a plan, and why."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
-from rtron.findings.app_facts import AppFacts
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.planning.proposal.policy_defaults import unguardable_topics
-from rtron.risks import default_lists
-from rtron.risks.graph_facts import GraphFacts
-from rtron.vocabulary import GRCN, Domain, GuardedTopic, Plan
+from rtron.vocabulary import GRCN, Domain, GuardedTopic, Mode, Plan, build_streams
+from rtron.vocabulary.inventory import SWITCHES, Command, Means, Mover, Thing
+from rtron.wording import join_names
 from rtron.workflows.scan import ScanResult
 
 _MOVING = (Domain.PLANNING, Domain.CONTROL)
@@ -24,6 +23,47 @@ def unguarded_topics(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanPr
     return tuple(problems[location] for location in sorted(problems))
 
 
+def last_command_topics(movers: Iterable[Mover]) -> frozenset[str]:
+    """Return the topics with known ends that nodes next to the hardware obey.
+
+    Those of switches and limits are not among them: a stop must come from anyone, and stays.
+    """
+    moving = (mover for mover in movers if mover.thing not in {*SWITCHES, Thing.LIMITS})
+    commands = (each for mover in moving for each in mover.last_commands)
+    topics = (each for each in commands if each.means is Means.TOPIC)
+    return frozenset(each.name for each in topics if each.senders and each.receivers)
+
+
+def unguarded_commands(
+    plan: Plan, movers: Iterable[Mover], kinds: Collection[Means] = tuple(Means)
+) -> tuple[PlanProblem, ...]:
+    """Return a warning for each thing whose last commands no coordination node enforces."""
+    guarded = {stream.topic for stream in build_streams(plan) if stream.mode is Mode.ENFORCE}
+    return tuple(
+        PlanProblem(ProblemLevel.WARNING, str(mover.thing), f"{join_names(names)}: {why}")
+        for mover in movers
+        for means, why in _WHY_UNGUARDED.items()
+        if means in kinds
+        if (names := [c.name for c in _left(mover.last_commands, means, guarded)])
+    )
+
+
+def _left(commands: Iterable[Command], means: Means, guarded: Collection[str]) -> Iterator[Command]:
+    """Yield the commands of one kind that are not guarded; an action is by its goals."""
+    for each in commands:
+        goals = f"{each.name}/goal" if means is Means.ACTION else each.name
+        is_guarded = means is not Means.SERVICE and not {each.name, goals}.isdisjoint(guarded)
+        if each.means is means and not is_guarded:
+            yield each
+
+
+_WHY_UNGUARDED = {
+    Means.TOPIC: "no coordination node enforces who commands it",
+    Means.ACTION: "no coordination node enforces who sends its goals",
+    Means.SERVICE: "a plan cannot guard services: whoever reaches it can call it",
+}
+
+
 def _planned(plan: Plan) -> Iterator[PlanProblem]:
     parts: Iterable[GRCN | GuardedTopic] = (
         *(grcn for grcn in plan.grcn if grcn.domain in _MOVING),
@@ -36,9 +76,8 @@ def _planned(plan: Plan) -> Iterator[PlanProblem]:
 
 def _of_app(scan: ScanResult | None) -> Iterator[PlanProblem]:
     if scan:
-        app = AppFacts(GraphFacts(scan.graph, scan.lists or default_lists()))
-        for topic in app.motion_topics:
-            yield _unguarded(topic, app.publishers(topic), app.readers(topic))
+        for topic in scan.app.motion_topics:
+            yield _unguarded(topic, scan.app.publishers(topic), scan.app.readers(topic))
 
 
 def _unguarded(topic: str, publishers: Sequence[str], readers: Sequence[str]) -> PlanProblem:

@@ -3,6 +3,7 @@ import json
 import pytest
 
 from rtron.planning.plan_file.loader import parse_plan, read_plan
+from rtron.vocabulary import Mode
 
 
 def test_a_proposal_is_shown(rtron, graph_file):
@@ -58,8 +59,26 @@ def test_a_topic_with_a_hole_in_its_name_is_said_to_be_left_out(rtron, graph_fil
     assert "Left out (1)\n  warning  {prefix}/cmd_vel" in ran.out
 
 
-def without_keyboard(document):
+def test_a_command_with_one_publisher_is_guarded_too(rtron, graph_file):
+    document = json.loads(graph_file.read_text())
     document["endpoints"] = document["endpoints"][1:]
+    graph_file.write_text(json.dumps(document))
+    ran = rtron("plan", graph_file, "-o", "-")
+    (grcn,) = parse_plan(ran.out).grcn
+    assert (ran.code, grcn.mode, [flow.publisher for flow in grcn.flows]) == (
+        0,
+        Mode.ENFORCE,
+        ["/planner"],
+    )
+
+
+def test_what_no_coordination_node_can_guard_is_told(rtron, graph_file, plan_file):
+    document = json.loads(graph_file.read_text())
+    document["services"] = [{"node": "/base", "name": "/kill", "type": "std_srvs/Trigger"}]
+    graph_file.write_text(json.dumps(document))
+    words = "emergency stop\n           /kill: a plan cannot guard services"
+    assert words in rtron("plan", graph_file).out
+    assert words in rtron("check", plan_file, "--graph", graph_file).out
 
 
 def without_reader(document):
@@ -77,7 +96,6 @@ def without_name(document):
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        (without_keyboard, "only /planner publishes it: `mode: enforce` keeps every other node"),
         (without_reader, "no node is known to subscribe it"),
         (without_publisher, "no node is known to publish it"),
         (without_name, "its coordination node only observes: `mode: enforce` guards it"),

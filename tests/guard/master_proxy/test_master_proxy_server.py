@@ -7,7 +7,7 @@ import threading
 from xmlrpc.client import ServerProxy, dumps
 
 import pytest
-from harness import LIMIT_S, wait_for
+from harness import LIMIT_S, free_port, wait_for
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from masters import Master, http_post, raw, running_proxy, serving
@@ -382,8 +382,6 @@ def test_nothing_is_asked_for_a_caller_that_has_left(public, master):
 
 
 def test_a_dead_master_is_an_error():
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
-    with running_proxy((), f"http://127.0.0.1:{port}/") as public:
+    with running_proxy((), f"http://127.0.0.1:{free_port()}/") as public:
         assert call(public, "getPid", "/x", timeout=LIMIT_S)[0] == -1
         assert call(public, "getPid", "/x", timeout=LIMIT_S)[0] == -1

@@ -5,7 +5,7 @@ import threading
 from contextlib import ExitStack, contextmanager
 
 import pytest
-from harness import LIMIT_S, wait_for
+from harness import LIMIT_S, free_port, wait_for
 from masters import Master, Slave, running_proxy, serving
 from plans import grcn, plan_of
 
@@ -51,8 +51,7 @@ def hanging():
 
 
 def closed():
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return f"http://127.0.0.1:{server.getsockname()[1]}/"
+    return f"http://127.0.0.1:{free_port()}/"
 
 
 @pytest.mark.parametrize("name", ["/nav", "/driver", "/teleop_7", "/rosout"])

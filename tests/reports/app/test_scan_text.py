@@ -20,6 +20,11 @@ NO_FINDINGS = Triage(findings=())
 AT_80_COLUMNS = """\
 autorace  ROS 1, read from graph.json
 5 nodes, 4 topics, 8 endpoints
+
+What can move this robot
+  nothing in what could be read, see below
+
+Findings
 no findings in what could be read, see below
 
 The paper's risks
@@ -111,7 +116,8 @@ def test_places_are_fewer_the_milder_the_risk(printed):
 def test_no_risk_is_said_with_the_doubt_that_stays(printed):
     quiet = InteractionGraph(app="quiet", endpoints=(speaks("/a", "/t"), hears("/b", "/t")))
     text = printed(scan_of(quiet, report_of()))
-    assert text.startswith("quiet  ROS 1, read from graph.json\n2 endpoints\nno findings\n\n")
+    assert text.startswith("quiet  ROS 1, read from graph.json\n2 endpoints\n\nWhat can move")
+    assert "\n  nothing\n\nFindings\nno findings\n\n" in text
     assert text.endswith("no risks found\n")
     assert "no risks found in what could be read" in printed(scan_of(GRAPH, report_of()))
     skipped = report_of(not_run={"rsr": "why"})

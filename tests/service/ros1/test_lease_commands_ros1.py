@@ -85,7 +85,7 @@ def scene(ros1, tmp_path):
 def test_a_person_takes_over_by_rank_and_the_base_obeys(scene):
     nav, agent, teleop = (scene.commander(name) for name in (NAV, AGENT, TELEOP))
     nav.ask("acquire a goal has come")
-    nav.drive(0.0)
+    nav.drive_neutral()
     scene.wait_for_speed(0.0)
     nav.drive(0.25)
     scene.wait_for_speed(0.25)
@@ -96,7 +96,7 @@ def test_a_person_takes_over_by_rank_and_the_base_obeys(scene):
     assert "given by ann (remote_operator): the door is shut" in answer.json()["reason"]
     wait_for(lambda: scene.speed() == 0.0, what="rest")
     taken = len(scene.driven.messages())
-    agent.drive(0.0)
+    agent.drive_neutral()
     scene.wait_for_speed(0.0)
     agent.drive(0.125)
     scene.wait_for_speed(0.125)
@@ -116,7 +116,7 @@ def test_a_person_takes_over_by_rank_and_the_base_obeys(scene):
 def test_what_a_person_ends_stops_the_base(scene):
     nav = scene.commander(NAV)
     nav.ask("acquire")
-    nav.drive(0.0)
+    nav.drive_neutral()
     scene.wait_for_speed(0.0)
     nav.drive(0.25)
     scene.wait_for_speed(0.25)

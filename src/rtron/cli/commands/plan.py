@@ -177,7 +177,8 @@ def check(
 
     Each error comes with its line and the nearest valid word. It warns of
     values that leave a policy without effect. With the app's graph, it also
-    finds topics and flows that nobody publishes, and orders that are a guess.
+    finds topics and flows that nobody publishes, orders that are a guess, and
+    what moves the robot and is in no coordination node.
 
     $ rtron check rtron.yaml
     $ rtron check rtron.yaml --graph graph.json
@@ -189,8 +190,13 @@ def check(
     from rtron.reports.plan.problems import problems_text
     from rtron.sources.graph_json import read_graph
     from rtron.workflows.check_plan import check as check_plan
+    from rtron.workflows.scan import scan_graph
+    from rtron.workflows.unguarded import unguarded_commands
 
     checked_plan = read_plan(plan)
-    problems = check_plan(checked_plan, read_graph(graph) if graph else None)
+    app_graph = read_graph(graph) if graph else None
+    problems = check_plan(checked_plan, app_graph)
+    if app_graph:
+        problems += unguarded_commands(checked_plan, scan_graph(app_graph).inventory)
     failed = any(problem.level is ProblemLevel.ERROR for problem in problems)
     return Outcome(problems_text(str(plan), problems), FINDINGS if failed else OK)

@@ -103,6 +103,7 @@ def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLe
         hidden=tuple(each for each in triage.findings if each not in shown.findings),
         level=level,
         guess=app.guess,
+        inventory=result.inventory,
     )
     return scan_text(scan)
 
@@ -110,21 +111,23 @@ def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLe
 def _html(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> str:
     plan, findings = propose(result).plan, at_level(triage, level).findings
     lines = read_source_lines(findings, app.root)
-    return graph_to_html(result.graph, result.report, plan, findings, lines)
+    return graph_to_html(result.graph, result.report, plan, findings, lines, result.inventory)
 
 
 def _sarif(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> str:
     """Return findings as SARIF, and the paper's risks where the text would show them too."""
     shown = at_level(triage, level)
     report = replace(result.report, risks=shown.risks)
-    return risks_to_sarif(result.graph, report, app.root, shown)
+    return risks_to_sarif(result.graph, report, app.root, shown, result.inventory)
 
 
 _HUMAN_FORMATS = {"text", "html", "dot"}
 _Renderer = Callable[[SelectedApp, ScanResult, Triage, FindingLevel], str | Report]
 _RENDERERS: Mapping[str, _Renderer] = {
     "text": _text,
-    "json": lambda app, scan, triage, level: as_json(risks_to_json(scan.report, triage)),
+    "json": lambda app, scan, triage, level: as_json(
+        risks_to_json(scan.report, triage, scan.inventory)
+    ),
     "graph": lambda app, scan, triage, level: as_json(graph_to_json(scan.graph)),
     "nodl": lambda app, scan, triage, level: graph_to_nodl(scan.graph),
     "rosgraph": lambda app, scan, triage, level: as_json(graph_to_rosgraph(scan.graph)),

@@ -26,9 +26,9 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, NodeParameterValue
 from rtron.vocabulary.remap_rules import expand_name
+from rtron.wording import join_names
 
 ARBITER_PACKAGES = frozenset(
     {
@@ -71,22 +71,31 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 def _with_priorities(app: AppFacts, node: str, inputs: tuple[str, ...]) -> list[str]:
     """Return the inputs of an arbiter, each with its priority, and its locks (twist_mux)."""
-    sources: dict[tuple[str, str], dict[str, NodeParameterValue | None]] = defaultdict(dict)
-    for each in app.graph.parameters:
-        match = _SOURCE.fullmatch(each.name) if each.node == node else None
-        if match:
-            sources[match["kind"], match["name"]][match["key"]] = each.value
-    priorities: dict[str, dict[str, NodeParameterValue | None]] = {"topics": {}, "locks": {}}
-    for (kind, _), of_source in sources.items():
-        topic = expand_name(str(of_source.get("topic")), node)
-        priorities[kind][topic] = of_source.get("priority")
-    shown = [_with_priority(topic, priorities["topics"].get(topic)) for topic in inputs]
-    locks = sorted(priorities["locks"].items())
+    topics = priorities(app, node)
+    locks = sorted(priorities(app, node, "locks").items())
+    shown = [_with_priority(topic, topics.get(topic, "")) for topic in inputs]
     return shown + [f"lock {_with_priority(topic, priority)}" for topic, priority in locks]
 
 
-def _with_priority(topic: str, priority: NodeParameterValue | None) -> str:
-    return topic if priority is None else f"{topic} (priority {priority})"
+def priorities(app: AppFacts, node: str, kind: str = "topics") -> dict[str, str]:
+    """Return the priorities that a twist_mux gives its inputs, or its `locks`, by topic."""
+    sources: dict[str, dict[str, NodeParameterValue | None]] = defaultdict(dict)
+    for each in app.graph.parameters:
+        match = _SOURCE.fullmatch(each.name) if each.node == node else None
+        if match and match["kind"] == kind:
+            sources[match["name"]][match["key"]] = each.value
+    return {
+        expand_name(str(source.get("topic")), node): _written(source.get("priority"))
+        for source in sources.values()
+    }
+
+
+def _written(value: NodeParameterValue | None) -> str:
+    return "" if value is None else str(value)
+
+
+def _with_priority(topic: str, priority: str) -> str:
+    return f"{topic} (priority {priority})" if priority else topic
 
 
 def arbiters(app: AppFacts) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:

@@ -4,6 +4,9 @@
 
 A node whose parameter for the timeout of its commands (`cmd_vel_timeout` and its kin) is 0 or less,
 which turns the timeout off. The parameters are those of the launch; a running app tells its own.
+And a node that obeys velocities, whose source opens hardware, and in whose source nothing looks at
+how old a command is: no watchdog, no timeout, no time of the last command. Then only the hardware
+could stop; whether it does, no scan sees.
 
 ## Why it matters
 
@@ -11,37 +14,100 @@ When the node that drives dies, or its link breaks, the robot goes on with the l
 
 ## Remedy
 
-Set the timeout to half a second or less.
+Set the timeout to half a second or less. In a driver of your own, send zero when no command came
+for so long.
 
 ## Example
 
 `/diff_drive_controller` has `cmd_vel_timeout: 0.0`.
 """
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator
+from math import inf
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import join_names
-from rtron.vocabulary import Certainty, Consequence, Finding, NodeParameter
+from rtron.vocabulary import (
+    Certainty,
+    Consequence,
+    Endpoint,
+    Finding,
+    NodeParameter,
+    WiringFact,
+    WiringFactKind,
+    normalise_type,
+)
+from rtron.wording import join_names
 
-_NAMES = ("cmd_vel_timeout", "cmd_timeout", "command_timeout", "reference_timeout", "timeout_cmd")
+TIMEOUT_NAMES = (
+    "cmd_vel_timeout",
+    "cmd_timeout",
+    "command_timeout",
+    "reference_timeout",
+    "timeout_cmd",
+)
+"""Parameters that say how long a command counts."""
+_MEASURED = re.compile("gps|odom|imu|measured|actual|current|estimat")
+_VELOCITIES = ("geometry_msgs/Twist", "ackermann_msgs/")
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each node with parameters that turn a timeout of commands off."""
     off: dict[str, list[NodeParameter]] = defaultdict(list)
     for parameter in app.graph.parameters:
-        is_timeout = parameter.name.rpartition(".")[2] in _NAMES
-        if is_timeout and _is_off(parameter.value):
+        is_timeout = parameter.name.rpartition(".")[2] in TIMEOUT_NAMES
+        if is_timeout and is_off(parameter.value):
             off[parameter.node].append(parameter)
     for node, parameters in off.items():
         yield _finding(app, node, sorted(parameters, key=lambda each: each.name))
+    for node, device in _ageless_drivers(app):
+        if node not in off:
+            yield _ageless(app, node, device)
 
 
-def _is_off(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and value <= 0
+def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
+    """Yield the nodes that obey velocities by a device, and whose source knows no age of them."""
+    kinds = (WiringFactKind.DEVICE, WiringFactKind.COMMAND_AGE)
+    devices, aged = ({f.subject: f for f in app.graph.wiring if f.kind is kind} for kind in kinds)
+    for node in sorted(devices.keys() - aged.keys()):
+        endpoints = app.graph.subscribed_by(node)
+        if any(map(_is_velocity, endpoints)):
+            yield node, devices[node]
+
+
+def _is_velocity(end: Endpoint) -> bool:
+    """Return whether a topic carries a velocity that is commanded, not measured."""
+    is_measured = _MEASURED.search(end.topic.rpartition("/")[2]) is not None
+    return normalise_type(end.type).startswith(_VELOCITIES) and not is_measured
+
+
+def _ageless(app: AppFacts, node: str, device: WiringFact) -> Finding:
+    obeyed = [end for end in app.graph.subscribed_by(node) if app.is_motion(end.topic)]
+    return make_finding(
+        RULE.name,
+        node,
+        summary=f"{node} keeps its last command when its sender dies, unless its hardware stops",
+        cause=f"its source opens hardware ({device.value}), and nothing in it looks at how old a "
+        "command is",
+        remedy=f"in {node}, stop the hardware when no command came for 0.5 s; see what it does "
+        "by itself",
+        consequence=Consequence.MOTION,
+        certainty=Certainty.LIKELY,
+        nodes=(node,),
+        topics=[end.topic for end in obeyed],
+        evidence=(*device.evidence, *app.evidence(obeyed)),
+    )
+
+
+def is_off(value: object) -> bool:
+    """Return whether the value of such a parameter turns the timeout off."""
+    return (
+        isinstance(value, (int, float))
+        and not isinstance(value, bool)
+        and (value <= 0 or value == inf)
+    )
 
 
 def _finding(app: AppFacts, node: str, parameters: list[NodeParameter]) -> Finding:
@@ -62,7 +128,7 @@ def _finding(app: AppFacts, node: str, parameters: list[NodeParameter]) -> Findi
 RULE = FindingRule(
     name="command_timeout",
     title="A base keeps its last command for ever",
-    consequence="motion: certain",
+    consequence="motion: certain by a parameter, likely from source",
     since="0.2.0",
     check=check,
 )

@@ -27,8 +27,8 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts, says_more
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
+from rtron.wording import conjugate, join_names
 
 
 def check(app: AppFacts) -> Iterator[Finding]:

@@ -27,7 +27,6 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import join_names
 from rtron.vocabulary import (
     Certainty,
     Consequence,
@@ -36,6 +35,7 @@ from rtron.vocabulary import (
     Node,
     UnresolvedItem,
 )
+from rtron.wording import join_names
 
 _BRIDGES = {
     "rosbridge_server": "WebSocket clients can publish on every topic",

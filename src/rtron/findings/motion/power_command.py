@@ -28,8 +28,8 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
+from rtron.wording import conjugate, join_names
 
 _OFF = re.compile(r"(?:\w+_)?(?:shutdown|shut_down|poweroff|power_off)(?:_\w+)?")
 _PART = "mcu|board|system|robot|base|hardware|firmware|motors?|drivers?"

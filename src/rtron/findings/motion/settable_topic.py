@@ -23,8 +23,8 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, Resolution
+from rtron.wording import join_names
 
 
 def check(app: AppFacts) -> Iterator[Finding]:

@@ -25,8 +25,8 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.arbiter import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import both_or_all, join_names
 from rtron.vocabulary import ActionRole, Certainty, Consequence, Finding, FindingLevel
+from rtron.wording import both_or_all, join_names
 
 _MOTIONS = ("Trajectory", "Navigate", "FollowPath", "FollowWaypoints", "MoveBase", "MoveGroup")
 _MOTIONS_OF_NAV2 = (

@@ -33,8 +33,8 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.arbiter import arbiters, is_one_stack
 from rtron.findings.motion.lost_command import obeyed_instead
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import both_or_all, conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
+from rtron.wording import both_or_all, conjugate, join_names
 
 _ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
 _MOVERS = frozenset(
@@ -122,7 +122,8 @@ def _command(app: AppFacts, topic: str) -> str:
     return "set the robot's speed limit" if is_limit else "drive the robot"
 
 
-def _moves(node: str, package: str) -> bool:
+def moves(node: str, package: str) -> bool:
+    """Return whether a node and its package are called like what moves a robot."""
     name = f"{node.rpartition('/')[2]}_{package}"
     return not _MOVERS.isdisjoint(re.split("[_-]", name.lower()))
 
@@ -130,7 +131,7 @@ def _moves(node: str, package: str) -> bool:
 def _missing_reader(app: AppFacts, maybe_readers: tuple[str, ...]) -> str:
     if maybe_readers:
         return f"not all topics that {join_names(maybe_readers)} subscribes are known"
-    bases = [node for node in app.unread_nodes if _moves(node, app.nodes[node].package)]
+    bases = [node for node in app.unread_nodes if moves(node, app.nodes[node].package)]
     if not bases:
         return "its reader is not in the source"
     return f"its reader is not in the source, it may be {join_names(bases)} (not read)"

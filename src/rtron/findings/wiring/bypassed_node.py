@@ -27,7 +27,6 @@ from collections.abc import Iterable, Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import (
     Certainty,
     Endpoint,
@@ -35,6 +34,7 @@ from rtron.vocabulary import (
     FindingLevel,
     normalise_type,
 )
+from rtron.wording import conjugate, join_names
 
 _PLAIN = ("std_msgs/", "*")
 _MOST_INPUTS = 2

@@ -34,8 +34,8 @@ from collections.abc import Iterator, Sequence
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.risks.wording import both_or_all, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, WiringFactKind
+from rtron.wording import both_or_all, join_names
 
 _KINDS = {
     WiringFactKind.DOUBLE_FRAME: (Certainty.LIKELY, FindingLevel.REGULAR),

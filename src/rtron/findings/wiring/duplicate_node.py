@@ -24,8 +24,8 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.risks.wording import both_or_all, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, WiringFactKind
+from rtron.wording import both_or_all, join_names
 
 _TOOL = "_ros2cli"
 """How the nodes of `ros2` are named, which nobody addresses."""

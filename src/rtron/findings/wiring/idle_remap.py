@@ -24,7 +24,6 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import (
     Certainty,
     Consequence,
@@ -32,6 +31,7 @@ from rtron.vocabulary import (
     FindingLevel,
     WiringFactKind,
 )
+from rtron.wording import conjugate, join_names
 
 _OF_ALL = ("/tf", "/tf_static")
 """Launch files often remap them for every node, be it one that uses them or not."""

@@ -26,8 +26,8 @@ from pathlib import PurePath
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, UnresolvedItem
+from rtron.wording import join_names
 
 _CAUSES = {
     1: "its package makes no {}, nor has an executable file of this name",

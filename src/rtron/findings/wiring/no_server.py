@@ -24,7 +24,6 @@ from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts, near_names
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import (
     ActionRole,
     Certainty,
@@ -35,6 +34,7 @@ from rtron.vocabulary import (
     ServiceClient,
     fits_open_name,
 )
+from rtron.wording import conjugate, join_names
 
 
 class _RequestSide(NamedTuple):

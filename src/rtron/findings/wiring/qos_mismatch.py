@@ -35,7 +35,6 @@ from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import (
     Certainty,
     Durability,
@@ -45,6 +44,7 @@ from rtron.vocabulary import (
     QoS,
     Reliability,
 )
+from rtron.wording import conjugate, join_names
 
 
 class _Mismatch(NamedTuple):

@@ -26,7 +26,6 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.risks.wording import both_or_all, join_names
 from rtron.vocabulary import (
     Certainty,
     Consequence,
@@ -34,6 +33,7 @@ from rtron.vocabulary import (
     FindingLevel,
     WiringFactKind,
 )
+from rtron.wording import both_or_all, join_names
 
 _OF_ALL = ("/tf", "/tf_static", "/diagnostics", "/joint_states", "/rosout")
 """Topics that many nodes publish for all (REP 105, REP 107)."""

@@ -25,8 +25,8 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import Certainty, Consequence, Finding, Node
+from rtron.wording import conjugate, join_names
 
 _SIMULATORS = ("gazebo_", "ros_gz", "ros_ign")
 _NAV2_HELPER = re.compile(r".*_rclcpp_node|(?:/.*)?/(\w+)/\1")

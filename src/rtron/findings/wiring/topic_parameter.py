@@ -23,7 +23,6 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.risks.wording import join_names
 from rtron.vocabulary import (
     Certainty,
     Consequence,
@@ -31,6 +30,7 @@ from rtron.vocabulary import (
     FindingLevel,
     WiringFactKind,
 )
+from rtron.wording import join_names
 
 
 def check(app: AppFacts) -> Iterator[Finding]:

@@ -26,7 +26,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import (
     Certainty,
     Consequence,
@@ -37,6 +36,7 @@ from rtron.vocabulary import (
     Resolution,
     unstamped_type,
 )
+from rtron.wording import conjugate, join_names
 
 _TELL_DISTRIBUTION = "say which ROS it is for: --env ROS_DISTRO=humble, or give both ends one type"
 

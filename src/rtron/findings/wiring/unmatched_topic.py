@@ -26,7 +26,6 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.arbiter import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.risks.wording import conjugate, join_names
 from rtron.vocabulary import (
     ROS2_ACTION_TOPICS,
     Certainty,
@@ -39,6 +38,7 @@ from rtron.vocabulary import (
     ros1_topic_name,
     ros2_entity_name,
 )
+from rtron.wording import conjugate, join_names
 
 
 def check(app: AppFacts) -> Iterator[Finding]:

@@ -1,6 +1,6 @@
 """The app that a plan is made for: a graph and its risks, with the answers that planning needs."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,6 +16,7 @@ from rtron.vocabulary import (
     RiskRole,
     Ros1ActionTopic,
     Sharing,
+    StreamKind,
     TopicClass,
     action_name,
     is_action_type,
@@ -23,18 +24,26 @@ from rtron.vocabulary import (
     with_goal_topics,
 )
 
+_MOVING = (Domain.PLANNING, Domain.CONTROL)
+
 
 @dataclass(frozen=True)
 class AppModel:
-    """A graph and the report on it; the goals of ROS 2's actions are topics here, too."""
+    """A graph and the report on it; the goals of ROS 2's actions are topics here, too.
+
+    `last_commands` are the topics that nodes next to the hardware obey.
+    """
 
     graph: InteractionGraph
     report: RiskReport
+    last_commands: Collection[str] = ()
 
     @staticmethod
-    def from_graph(graph: InteractionGraph, report: RiskReport) -> "AppModel":
+    def from_graph(
+        graph: InteractionGraph, report: RiskReport, last_commands: Collection[str] = ()
+    ) -> "AppModel":
         """Return the site of a graph as it was read."""
-        return AppModel(with_goal_topics(graph), report)
+        return AppModel(with_goal_topics(graph), report, last_commands)
 
     @cached_property
     def viewers(self) -> frozenset[str]:
@@ -109,8 +118,11 @@ class AppModel:
         return next((e.type for e in endpoints if TYPE_NAME.matches(e.type) and e.type), "")
 
     def classify(self, topic: str) -> TopicClass:
-        """Return what the report says that a topic is for."""
-        return self.report.topic_classes.get(topic, TopicClass())
+        """Return what the report says that a topic is for; a last command moves the robot."""
+        known = self.report.topic_classes.get(topic, TopicClass())
+        if topic in self.last_commands and known.domain not in _MOVING:
+            return TopicClass(domain=Domain.CONTROL, kind=StreamKind.COMMAND)
+        return known
 
     def can_guard(self, topic: str) -> bool:
         """Tell whether a topic is one of the graph and its name is wholly known.
@@ -128,9 +140,12 @@ class AppModel:
         plan does not name is stopped. A command that nobody is known to read counts all the same.
         """
         topic_class = self.classify(topic)
-        moves_robot = topic_class.domain in (Domain.PLANNING, Domain.CONTROL)
         is_action_part = topic in self.action_parts and topic != self.goal_topic_of(topic)
-        if not moves_robot or topic_class.sharing is Sharing.MERGE or is_action_part:
+        if (
+            topic_class.domain not in _MOVING
+            or topic_class.sharing is Sharing.MERGE
+            or is_action_part
+        ):
             return False
         endpoints = (e for name in self._client_topics(topic) for e in self.graph.publishers(name))
         are_named = all(NODE_NAME.matches(e.node) for e in endpoints)

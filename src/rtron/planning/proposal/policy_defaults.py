@@ -7,6 +7,7 @@ The defaults (paper sections 5.3 and 7.2):
 | Control, contending                 | enforce | Preemption                                |
 | Planning, contending                | enforce | Priority_Queue, `done` where it is known  |
 | an action                           | as its goals | as above: it is one unit             |
+| the last command before the hardware | enforce | Preemption, whoever publishes it        |
 | merging, Perception, Drivers, Others | observe | Block, no bit set                        |
 | nobody is known to publish or listen | observe | as above                                 |
 
@@ -53,9 +54,15 @@ _CANCELS = ("actionlib_msgs/GoalID", "actionlib_msgs/msg/GoalID")
 _ORDER = (Domain.CONTROL, Domain.PLANNING, Domain.PERCEPTION, Domain.DRIVERS, Domain.OTHERS)
 
 
-def propose_plan(graph: InteractionGraph, report: RiskReport) -> Plan:
-    """Return a plan with a GRCN for each topic of a general risk, and the others as risks ask."""
-    app = AppModel.from_graph(graph, report)
+def propose_plan(
+    graph: InteractionGraph, report: RiskReport, last_commands: Collection[str] = ()
+) -> Plan:
+    """Return a plan with a GRCN for each topic of a general risk, and the others as risks ask.
+
+    `last_commands` are topics that nodes next to the hardware obey: each has a GRCN though only
+    one node may publish it, which keeps others out.
+    """
+    app = AppModel.from_graph(graph, report, last_commands)
     found = (_grcn(app, name) for name in _risky_topics(app) if app.can_guard(name))
     grcn = with_distinct_ids(_with_fitting_queue(app, each) for each in found)
     enforced = {node.topic for node in grcn if node.mode is Mode.ENFORCE}
@@ -93,7 +100,7 @@ def unguardable_topics(graph: InteractionGraph, report: RiskReport) -> tuple[Pla
 def _risky_topics(app: AppModel) -> list[str]:
     general = (RiskKind.GR_ST, RiskKind.GR_MT)
     risky = {topic for r in app.report.risks if r.kind in general for topic in r.topics}
-    risky.update(app.report.unread_commands)
+    risky.update(app.report.unread_commands, app.last_commands)
     topics = {_guarded_unit(app, topic, risky) for topic in risky}
     return sorted(topics, key=lambda topic: (_ORDER.index(app.classify(topic).domain), topic))
 

@@ -13,6 +13,7 @@ from string import Template
 from rtron.reports.app.page_data import NO_LINES, SourceLines, page_data
 from rtron.reports.inline_page import inline_json, page_text, policy
 from rtron.vocabulary import Finding, InteractionGraph, Plan, RiskReport
+from rtron.vocabulary.inventory import Mover
 
 _LAYOUT = ("graph/dagre.LICENSE.txt", "graph/dagre.min.js")
 _GRAPH = (
@@ -32,12 +33,13 @@ def graph_to_html(
     plan: Plan | None,
     findings: Sequence[Finding] = (),
     source_lines: SourceLines = NO_LINES,
+    inventory: Sequence[Mover] = (),
 ) -> str:
     """Return the page of a graph, findings, risks and, with a plan, its coordination nodes.
 
     `source_lines` are the lines of source at the places of findings, as far as they are known.
     """
-    data = page_data(graph, report, plan, findings, source_lines)
+    data = page_data(graph, report, plan, findings, source_lines, inventory)
     layout, program, style = "".join(map(page_text, _LAYOUT)), _program(), page_text("page.css")
     return Template(page_text("page.html")).substitute(
         title=escape(data["app"]),

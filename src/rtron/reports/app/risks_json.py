@@ -1,9 +1,10 @@
 """Risks and findings as JSON, schema `rtron.risks/2`."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rtron.reports.app.inventory_rows import inventory_to_json
 from rtron.vocabulary import (
     RISKS_SCHEMA,
     CoordinationCount,
@@ -16,16 +17,20 @@ from rtron.vocabulary import (
     RiskReport,
     Triage,
 )
+from rtron.vocabulary.inventory import Mover
 
 _ALWAYS_COUNTED = (Domain.PERCEPTION, Domain.PLANNING, Domain.CONTROL)
 
 
-def risks_to_json(report: RiskReport, triage: Triage | None = None) -> dict[str, Any]:
+def risks_to_json(
+    report: RiskReport, triage: Triage | None = None, inventory: Sequence[Mover] = ()
+) -> dict[str, Any]:
     """Return the report as a JSON document; counts of zero stand, except of the lesser domains."""
     kinds = Counter(risk.kind for risk in report.risks)
     return {
         "schema": RISKS_SCHEMA,
         "app": report.app,
+        "inventory": inventory_to_json(inventory),
         **_triage(triage or Triage(findings=())),
         "risks": [_risk(risk) for risk in report.risks],
         "summary": {kind.value: kinds[kind] for kind in RiskKind},

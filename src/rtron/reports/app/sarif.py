@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from rtron import __version__
+from rtron.reports.app.inventory_rows import inventory_to_json
 from rtron.reports.app.sarif_locations import (
     base_ids,
     logical_locations,
@@ -31,6 +32,7 @@ from rtron.vocabulary import (
     Triage,
     UnresolvedItem,
 )
+from rtron.vocabulary.inventory import Mover
 
 SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -48,9 +50,16 @@ _Facts = Mapping[Evidence, str]
 
 
 def risks_to_sarif(
-    graph: InteractionGraph, report: RiskReport, root: Path | None, triage: Triage | None = None
+    graph: InteractionGraph,
+    report: RiskReport,
+    root: Path | None,
+    triage: Triage | None = None,
+    inventory: Sequence[Mover] = (),
 ) -> str:
-    """Return findings and risks as a SARIF document; locations below `root` are relative to it."""
+    """Return findings and risks as a SARIF document; locations below `root` are relative to it.
+
+    The inventory stands in the properties of the run.
+    """
     found = triage or Triage(findings=())
     run = {
         "tool": {"driver": _driver(found)},
@@ -58,6 +67,7 @@ def risks_to_sarif(
         "invocations": [_invocation(graph, report, root)],
         "originalUriBaseIds": base_ids(root),
         "logicalLocations": list(_functions(graph)),
+        "properties": {"inventory": inventory_to_json(inventory)},
         "results": [*_finding_results(graph, found, root), *_results(graph, report, root)],
     }
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"

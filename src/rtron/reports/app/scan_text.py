@@ -1,7 +1,7 @@
 """What a scan found, as text for a person at a terminal."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
@@ -9,6 +9,7 @@ from rich.text import Text
 
 from rtron.reports.app.contention import contention
 from rtron.reports.app.finding_list import finding_list, findings_verdict, triage_notes
+from rtron.reports.app.inventory_rows import Tone, mover_rows
 from rtron.reports.app.node_functions import node_functions
 from rtron.reports.app.risk_list import MILDEST_LAST, SEVERITY_STYLE, risk_list
 from rtron.reports.app.unresolved_list import missing_inputs, nodes_read, unresolved_list
@@ -23,6 +24,10 @@ from rtron.vocabulary import (
     RiskReport,
     Triage,
 )
+from rtron.vocabulary.inventory import Mover
+
+_INDENT = 18
+_TONE_STYLE = {Tone.PLAIN: "", Tone.GOOD: "green", Tone.WARNING: "yellow", Tone.UNCERTAIN: "dim"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +45,7 @@ class Scan:
     hidden: tuple[Finding, ...] = ()
     level: FindingLevel = FindingLevel.REGULAR
     guess: str = ""
+    inventory: tuple[Mover, ...] = ()
 
 
 def scan_text(scan: Scan) -> Report:
@@ -50,6 +56,8 @@ def scan_text(scan: Scan) -> Report:
 def _lines(scan: Scan, page: TextPage) -> Iterable[Text]:
     return chain(
         _header(scan, page),
+        inventory_list(scan.inventory, page, is_whole=not scan.graph.unresolved),
+        _verdict(scan),
         finding_list(scan.triage.findings, page),
         triage_notes(scan.triage, page),
         _paper_risks(scan, page) if scan.level is FindingLevel.AUDITOR else (),
@@ -86,7 +94,33 @@ def _header(scan: Scan, page: TextPage) -> Iterator[Text]:
     for missing in missing_inputs(graph):
         yield from paragraph(missing, page, style="yellow")
     yield from paragraph(scan.guess, page, style="dim") if scan.guess else ()
-    yield findings_verdict(scan.triage.findings, scan.hidden, is_whole=not graph.unresolved)
+
+
+def inventory_list(movers: Sequence[Mover], page: TextPage, *, is_whole: bool) -> Iterator[Text]:
+    """Yield each thing that can be moved, or that nothing moves."""
+    yield from heading("What can move this robot")
+    if not movers:
+        partly = "" if is_whole else " in what could be read, see below"
+        yield from paragraph(f"nothing{partly}", page, indent=2)
+    for mover in movers:
+        first, *others = _mover_lines(mover, page)
+        mark = (f"{mover.thing:<{_INDENT - 2}}", "bold")
+        yield line(mark, indent=2).append_text(first[_INDENT:])
+        yield from others
+
+
+def _mover_lines(mover: Mover, page: TextPage) -> list[Text]:
+    return [
+        text
+        for row in mover_rows(mover)
+        for text in paragraph(row.text, page, indent=_INDENT, style=_TONE_STYLE[row.tone])
+    ]
+
+
+def _verdict(scan: Scan) -> Iterator[Text]:
+    yield from heading("Findings")
+    is_whole = not scan.graph.unresolved
+    yield findings_verdict(scan.triage.findings, scan.hidden, is_whole=is_whole)
 
 
 def _risk_verdict(scan: Scan) -> Text:

@@ -139,6 +139,7 @@ function start() {
   byId("title").textContent = MODEL.app;
   byId("counts").append([`ROS ${MODEL.ros}`, plural(MODEL.nodes.size, "node"), plural(MODEL.topics.size, "topic"), plural(explicit.length, "endpoint"), plural(MODEL.findings.length, "finding")].join(" · "), ...severityCounts());
   svg.querySelector("defs").append(...definitions());
+  fillInventory();
   fillFindings();
   fillRisks();
   fillCoordination();

@@ -49,6 +49,14 @@ function fillFindings() {
   byId("findings").append(...items, items.length ? "" : tag("p", { class: "note" }, "No findings in what could be read."));
 }
 
+// What can move the robot: each thing with what drives it, who commands it, what else can, and its end.
+function fillInventory() {
+  byId("inventory-count").textContent = MODEL.inventory.length;
+  const rows = ({ rows: all }) => all.map(({ text, tone }) => tag("p", { class: tone }, text));
+  const movers = MODEL.inventory.map((mover) => tag("article", { class: "mover" }, tag("h3", {}, mover.thing), ...rows(mover)));
+  byId("inventory").append(...movers, movers.length ? "" : tag("p", { class: "note" }, "Nothing in what could be read."));
+}
+
 function fillRisks() {
   byId("risk-count").textContent = MODEL.risks.length;
   const kinds = Object.entries(MODEL.kinds).map(([kind, title]) => {

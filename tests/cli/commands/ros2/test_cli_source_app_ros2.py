@@ -70,13 +70,13 @@ def test_a_launch_file_as_path_is_read_with_its_package(rtron, folder, ending):
 def test_a_python_file_is_a_launch_file_by_what_it_defines(rtron, folder):
     (path,) = folder.glob("**/robot.launch.py")
     ran = rtron("plan", path.rename(path.with_name("bringup.py")), "-j", "1", "-o", "-")
-    assert (ran.code, "ros: 2" in ran.out) == (1, True)
+    assert (ran.code, "ros: 2" in ran.out) == (0, True)
 
 
 def test_a_plan_follows(rtron, folder, tmp_path):
     plan = tmp_path / "rtron.yaml"
     app = ("--launch", "parts/robot.launch.py", "-j", "1")
-    assert rtron("plan", folder, *app, "-o", plan).code == 1
+    assert rtron("plan", folder, *app, "-o", plan).code == 0
     assert "ros: 2" in plan.read_text()
 
 

@@ -4,7 +4,7 @@ import socket
 
 import pytest
 from faulty_nodes import garbage, saying, stranger
-from harness import WaitLimit, wait_for
+from harness import WaitLimit, free_port, wait_for
 
 from rtron.errors import WireError
 from rtron.guard.audit.ros1.master_queries import refuses_connections, resolve_uri
@@ -145,8 +145,7 @@ def test_who_does_not_answer_well_fails_and_delays_nobody(loop, answer):
 
 
 def test_nobody_at_an_address_is_a_refusal(loop):
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     place = ServerAddress("", (socket.AF_INET, ("127.0.0.1", port)))
     failed, rounds = poll_target_at(loop, place)
     run_until(loop, lambda: failed)

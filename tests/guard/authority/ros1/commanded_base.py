@@ -17,6 +17,7 @@ class Commander:
         self._file = ros1.folder / f"{name.strip('/')}_orders.txt"
         self._file.touch()
         remap = (f"/cmd_vel:=/rtron/cmd_vel/{end}",) if end else ()
+        self._ros1, self._topic = ros1, f"/rtron/cmd_vel/{end}"
         self.process = ros1.node("commander.py", name, self._file, *leases, *remap)
 
     def order(self, line):
@@ -28,6 +29,15 @@ class Commander:
 
     def drive(self, speed):
         self.order(f"speed {speed}")
+
+    def drive_neutral(self):
+        """Drive at 0 until the guard has heard it: a next order may overtake this one."""
+        before = self._received()
+        self.drive(0.0)
+        wait_for(lambda: self._received() > before + 5, what="neutral commands at the guard")
+
+    def _received(self):
+        return self._ros1.received(CMD_VEL_GUARD, self._topic)
 
     def answers(self):
         """Return the answers to this and to all other nodes."""

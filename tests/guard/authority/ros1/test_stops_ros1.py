@@ -83,9 +83,7 @@ def test_a_stop_of_a_person_outlives_guard_and_supervisor(base):
     assert "/nav is not neutral" in refused
     listed = base.rtron("release")
     assert "a person on the track" in listed
-    nav.drive(0.0)
-    before = received(base)
-    wait_for(lambda: received(base) > before + 5, what="neutral commands at the guard")
+    nav.drive_neutral()
     released = base.rtron("release", "robot", "--reason", "the track is free")
     assert released.startswith("the stop of robot is released by ")
     nav.drive(0.25)
@@ -105,9 +103,7 @@ def test_a_button_stops_until_it_is_free_and_released(ros1):
     pressed.touch()
     base.wait_for_log("stopped by red: /estop_driver, pressed")
     wait_for_rest(base)
-    nav.drive(0.0)
-    before = received(base)
-    wait_for(lambda: received(base) > before + 5, what="neutral commands at the guard")
+    nav.drive_neutral()
     assert "is still there: pressed" in base.rtron("release", "red", "--reason", "test")
     pressed.unlink()
     released = "the stop of red is released"

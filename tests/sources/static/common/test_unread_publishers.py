@@ -7,7 +7,7 @@ from notation import graph_of
 from workspace_tree import package
 
 from cpu_time import growth
-from rtron.sources.static.common import unread_publishers
+from rtron.sources.static.common import node_sources, unread_publishers
 from rtron.sources.static.common.unread_publishers import with_unread_publishers
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence
@@ -118,7 +118,7 @@ def test_a_program_that_is_started_may_publish(tmp_path):
 
 
 def test_a_file_that_is_too_large_is_left_out(notes, monkeypatch):
-    monkeypatch.setattr(unread_publishers, "MAX_FILE_BYTES", len(SENDS) - 1)
+    monkeypatch.setattr(node_sources, "MAX_FILE_BYTES", len(SENDS) - 1)
     assert notes(SENDS) == []
 
 

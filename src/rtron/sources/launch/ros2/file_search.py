@@ -11,9 +11,9 @@ from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.code.frontends.python.lowering import MAX_BYTES
 from rtron.sources.code.frontends.python.parser import parse
 from rtron.sources.code.frontends.python.source_encoding import decode
+from rtron.sources.launch.common.file_format import find_ros2_launch_files
 from rtron.sources.launch.common.launch_file import LaunchFileInfo, launch_generation
 from rtron.sources.launch.common.packages import package_name
-from rtron.sources.launch.ros2.folder_search import find_ros2_launch_files
 from rtron.sources.launch.ros2.limits import MAX_NAMES
 from rtron.sources.launch.ros2.xml_yaml.parser import parse_elements
 from rtron.sources.static.common.worker import deep_recursion

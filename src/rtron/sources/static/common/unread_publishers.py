@@ -5,12 +5,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from rtron.errors import InputError
-from rtron.sources.bounded_file import read_regular_file
+from rtron.sources.static.common.node_sources import file_content
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, InteractionGraph, WiringFact, WiringFactKind
 
-MAX_FILE_BYTES = 2**20
 MAX_FILES = 5_000
 """More of an app's own code is not searched: what a search finds only makes findings milder."""
 _CODE = (".py", ".cpp", ".cc", ".cxx", ".h", ".hpp")
@@ -93,7 +91,7 @@ def _mentions(
     words = b"|".join(re.escape(name.encode(errors="surrogatepass")) for name in names)
     quoted = re.compile(rb"[\"'/](%s)[\"']" % words)
     for path in paths:
-        data = _data(path)
+        data = file_content(path)
         if quoted.search(data) and (path in started or not _MAIN.search(data)):
             yield from _mentions_in(path, data.split(b"\n"), quoted)
 
@@ -107,11 +105,3 @@ def _mentions_in(
             for name in set(quoted.findall(line)):
                 place = Evidence(file=str(path), line=number + 1)
                 yield name.decode(errors="surrogatepass"), place
-
-
-def _data(path: Path) -> bytes:
-    """Return a file's content; nothing of one that cannot be read: the scan has a note on it."""
-    try:
-        return read_regular_file(path, MAX_FILE_BYTES)
-    except InputError:
-        return b""

@@ -1,4 +1,4 @@
-"""How the reasons of risks speak of nodes and topics."""
+"""How risks, findings and reports speak of nodes and topics."""
 
 from collections.abc import Sequence
 

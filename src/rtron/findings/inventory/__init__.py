@@ -1,0 +1,103 @@
+"""The inventory of an app: what can move this robot, who commands it, and what else can."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.commands import FIRMWARE_PACKAGES, AppCommands
+from rtron.findings.inventory.doors import doors
+from rtron.findings.inventory.limits import limits
+from rtron.findings.inventory.stopping import stopping
+from rtron.findings.motion.several_publishers import moves
+from rtron.vocabulary.inventory import SWITCHES, Command, Means, Mover, Stops, Thing
+
+__all__ = ["take_inventory"]
+
+MOST_MOVERS = 12
+"""With more lines, those of one thing are one."""
+
+
+def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
+    """Return what can move the robot, in the order of `Thing`; empty where nothing does."""
+    commands = AppCommands(app)
+    groups: dict[tuple[Thing, tuple[str, ...]], list[Command]] = defaultdict(list)
+    for thing, command in commands.last():
+        groups[thing, command.receivers].append(command)
+    merged = _merged(groups)
+    movers = [_mover(app, commands, thing, found) for thing, found in merged]
+    movers += [mover] if (mover := limits(app, commands)) else []
+    movers += _unread(app, movers)
+    order = list(Thing)
+    return tuple(sorted(movers, key=lambda each: order.index(each.thing)))
+
+
+def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
+    """Yield the nodes that were not read, and whose names say that they move something."""
+    listed = {node for mover in movers for node in mover.drivers}
+    packages = {node: app.nodes[node].package for node in app.unread_nodes if node not in listed}
+    unread = [n for n, p in packages.items() if p in FIRMWARE_PACKAGES or moves(n, p)]
+    if unread:
+        yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread))
+
+
+def _merged(
+    groups: dict[tuple[Thing, tuple[str, ...]], list[Command]],
+) -> Iterator[tuple[Thing, list[Command]]]:
+    """Yield what is one line: all of a switch; goals and services with what they move.
+
+    Where that gives too many, one line stands for a thing.
+    """
+    lines: dict[tuple[Thing, tuple[str, ...]], list[Command]] = defaultdict(list)
+    moved = [key for key, found in groups.items() if any(c.means is Means.TOPIC for c in found)]
+    for (thing, receivers), found in groups.items():
+        same = [key for key in moved if key[0] is thing]
+        if thing in SWITCHES:
+            lines[thing, ()] += found
+        elif (thing, receivers) in moved or not same:
+            lines[thing, receivers] += found
+        else:
+            lines[same[0]] += found
+    if len(lines) > MOST_MOVERS:
+        wide = defaultdict[tuple[Thing, tuple[str, ...]], list[Command]](list)
+        for (thing, _), found in lines.items():
+            wide[thing, ()] += found
+        lines = wide
+    for (thing, _), found in lines.items():
+        yield thing, found
+
+
+def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
+    topics = [each for each in last if each.means is Means.TOPIC]
+    behind = list(commands.behind(topics))
+    everything = _distinct([*last, *(command for _, command in behind)])
+    drivers = _nodes(each.receivers for each in (topics or last))
+    opened = commands.devices(drivers)
+    end = stopping(app, drivers) if topics and thing not in SWITCHES else None
+    senders = _nodes(each.senders for each in everything)
+    endpoints = [end for each in topics for end in app.graph.subscribers(each.name)]
+    return Mover(
+        thing=thing,
+        commands=everything,
+        drivers=drivers,
+        hardware=tuple(dict.fromkeys(fact.value for fact in opened)),
+        arbiters=tuple(dict.fromkeys(node for node, _ in behind if commands.decides(node))),
+        doors=doors(app, senders),
+        stops=end.stops if end else Stops.UNKNOWN,
+        stop=end.why if end else "",
+        evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),
+    )
+
+
+def _distinct(commands: Iterable[Command]) -> tuple[Command, ...]:
+    """Return each command once, the shortest way first."""
+    found: dict[tuple[Means, str], Command] = {}
+    for each in sorted(commands, key=lambda command: command.hops):
+        first = found.setdefault((each.means, each.name), each)
+        if each.priority and not first.priority:
+            found[each.means, each.name] = replace(first, priority=each.priority)
+    return tuple(found.values())
+
+
+def _nodes(groups: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(node for group in groups for node in group))

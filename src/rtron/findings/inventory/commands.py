@@ -1,0 +1,269 @@
+"""The commands of an app: what the nodes next to the hardware obey, and what leads there."""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import chain
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.requests import actions, services
+from rtron.findings.inventory.things import thing_of
+from rtron.findings.motion.arbiter import arbiters, priorities
+from rtron.vocabulary import (
+    Direction,
+    Domain,
+    Endpoint,
+    Ros1ActionTopic,
+    WiringFact,
+    WiringFactKind,
+    normalise_type,
+)
+from rtron.vocabulary.inventory import Command, Means, Thing
+
+FIRMWARE_PACKAGES = ("rosserial_python", "rosserial_server", "micro_ros_agent")
+"""Packages whose nodes speak for firmware, which no scan reads."""
+_DRIVER_PACKAGES = (
+    *("diff_drive_controller", "ackermann_steering_controller", "mecanum_drive_controller"),
+    *("tricycle_controller", "omni_wheel_drive_controller", "steering_controllers_library"),
+    *("bicycle_steering_controller", "joint_trajectory_controller", "forward_command_controller"),
+    *("velocity_controllers", "position_controllers", "effort_controllers", "gripper_controllers"),
+    *("gazebo_ros", "gazebo_plugins", "ros_gz_bridge", "ros_ign_bridge", "stage_ros", "turtlesim"),
+    *("kobuki_node", "create_driver", "turtlebot3_node", "mavros"),
+    *FIRMWARE_PACKAGES,
+)
+"""Packages whose nodes stand next to hardware or a simulation, whatever they publish."""
+_OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
+_MEASURED = frozenset({"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"})
+_LISTENERS = re.compile(r"filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot")
+"""Words in the names of nodes that hear commands and obey none."""
+_COMMANDS = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
+_JOY = "sensor_msgs/Joy"
+_MOST_HOPS = 6
+
+
+@dataclass(frozen=True)
+class AppCommands:
+    """The commands of an app, each with the thing that it moves."""
+
+    app: AppFacts
+    _walks: dict[str, frozenset[str]] = field(default_factory=dict, init=False, compare=False)
+
+    def last(self) -> Iterator[tuple[Thing, Command]]:
+        """Yield what is obeyed next to the hardware, or by nodes that are not in the app."""
+        for topic in self._command_topics:
+            thing, command = self._thing_of_topic(topic), self.topic_command(topic)
+            receivers = command.receivers
+            is_vague = thing is Thing.DEVICE and receivers and not any(map(self._drives, receivers))
+            is_passed_on = self._is_forwarded(command) or self._is_measured(command)
+            has_sides = bool(receivers or command.senders)
+            if topic in self._locks or (has_sides and not (is_vague or is_passed_on)):
+                yield self._as_driven(thing, command)
+        for thing, command in chain(services(self.app.graph), actions(self.app.graph)):
+            is_motor = thing is Thing.BASE and command.means is Means.SERVICE
+            if not (is_motor and any(map(self._is_sensor, command.receivers))):
+                yield self._as_driven(thing, command)
+
+    def _as_driven(self, thing: Thing, command: Command) -> tuple[Thing, Command]:
+        """Return what an autopilot moves as one vehicle: it does not tell what hangs on it."""
+        packages = {self._package(node) for node in command.receivers}
+        is_vehicle = thing in _OF_VEHICLES and packages == {"mavros"}
+        return (Thing.VEHICLE if is_vehicle else thing), command
+
+    def _package(self, node: str) -> str:
+        return self.app.nodes[node].package if node in self.app.nodes else ""
+
+    def _is_sensor(self, node: str) -> bool:
+        """Return whether a node measures and obeys no motion: its motor turns a lidar."""
+        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
+        obeyed = (end.topic for end in self.app.graph.subscribed_by(node))
+        return not types.isdisjoint(_MEASURED) and not any(map(self.app.is_motion, obeyed))
+
+    def _obeys(self, node: str) -> bool:
+        """Return whether a node that hears a command may obey it: an estimator only listens."""
+        return node not in self._listeners
+
+    @cached_property
+    def _listeners(self) -> frozenset[str]:
+        """The nodes whose names say that they obey nothing, and that command nothing."""
+        named = {
+            node.name
+            for node in self.app.graph.nodes
+            if _LISTENERS.search(f"{node.name.rpartition('/')[2]} {node.package}")
+        }
+        sends = self.app.graph.published_by
+        commands = (n for n in named if any(self.app.is_motion(e.topic) for e in sends(n)))
+        drivers = (node for node in named if self._drives(node))
+        return frozenset(named.difference(commands, drivers))
+
+    def _is_measured(self, command: Command) -> bool:
+        """Return whether drivers tell by a topic how they move, and nobody obeys it."""
+        senders = command.senders
+        if not senders or command.receivers or not all(map(self._drives, senders)):
+            return False
+        return all(set(self._inputs.get(node, ())) - {command.name} for node in senders)
+
+    def _drives(self, node: str) -> bool:
+        return self._package(node) in _DRIVER_PACKAGES or node in self._device_nodes
+
+    def topic_command(self, topic: str, hops: int = 0) -> Command:
+        """Return the command that a topic is."""
+        facts = self.app.facts.topic(topic)
+        return Command(
+            means=Means.TOPIC,
+            name=topic,
+            type=facts.type,
+            receivers=tuple(node for node in facts.successors if self._obeys(node)),
+            senders=facts.publishers,
+            hops=hops,
+        )
+
+    def behind(self, commands: Iterable[Command]) -> Iterator[tuple[str, Command]]:
+        """Yield each topic behind commands that leads to them, with the node that forwards it."""
+        commands = tuple(commands)
+        seen = {command.name for command in commands}
+        nodes = dict.fromkeys(node for command in commands for node in command.senders)
+        pending, visited = [(node, 1) for node in nodes], set(nodes)
+        while pending:
+            node, hops = pending.pop(0)
+            ranks = self._ranks.get(node, {})
+            for topic in self._inputs.get(node, ()):
+                if topic not in seen:
+                    seen.add(topic)
+                    found = self.topic_command(topic, hops)
+                    yield node, replace(found, priority=ranks.get(topic, ""))
+                    further = [n for n in found.senders if n not in visited and hops < _MOST_HOPS]
+                    visited.update(further)
+                    pending += [(each, hops + 1) for each in further]
+
+    def decides(self, node: str) -> bool:
+        """Return whether a node decides between commands: an arbiter, or one that takes several."""
+        return node in self._ranks or len(self._inputs.get(node, ())) > 1
+
+    def devices(self, nodes: tuple[str, ...]) -> tuple[WiringFact, ...]:
+        """Return what the source of nodes opens."""
+        return tuple(
+            fact
+            for fact in self.app.graph.wiring
+            if fact.kind is WiringFactKind.DEVICE and fact.subject in nodes
+        )
+
+    @cached_property
+    def _ranks(self) -> dict[str, dict[str, str]]:
+        """The priorities of the inputs of each arbiter."""
+        return {node: priorities(self.app, node) for node in arbiters(self.app)}
+
+    @cached_property
+    def _inputs(self) -> dict[str, tuple[str, ...]]:
+        """What each node that commands motion is itself commanded by."""
+        found: dict[str, set[str]] = defaultdict(set)
+        for end in self.app.graph.endpoints:
+            if end.direction is Direction.SUBSCRIBE and self._is_input(end):
+                found[end.node].add(end.topic)
+        return {node: tuple(sorted(topics)) for node, topics in found.items()}
+
+    def _is_input(self, end: Endpoint) -> bool:
+        return normalise_type(end.type) == _JOY or self._may_command(end)
+
+    @cached_property
+    def _things(self) -> dict[str, Thing | None]:
+        """What each topic moves, as far as type and name tell."""
+        return {
+            topic: thing_of(topic, self.app.facts.topic(topic).type, Means.TOPIC)
+            for topic in self.app.explicit_topics
+        }
+
+    @cached_property
+    def _device_nodes(self) -> frozenset[str]:
+        kind = WiringFactKind.DEVICE
+        return frozenset(fact.subject for fact in self.app.graph.wiring if fact.kind is kind)
+
+    @cached_property
+    def _command_topics(self) -> tuple[str, ...]:
+        """The topics that command motion, and what nodes with a device obey."""
+        motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
+        found = (motion | self._locks) - self._action_topics
+        for node in self._device_nodes:
+            found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
+        return tuple(sorted(found))
+
+    @cached_property
+    def _locks(self) -> frozenset[str]:
+        """The topics that lock the inputs of an arbiter."""
+        of_arbiters = (priorities(self.app, node, "locks") for node in arbiters(self.app))
+        return frozenset(topic for topics in of_arbiters for topic in topics)
+
+    @cached_property
+    def _action_topics(self) -> frozenset[str]:
+        """The topics that an action of ROS 1 has: the action stands for them."""
+        parts = [part.value for part in Ros1ActionTopic]
+        return frozenset(f"{each.name}/{part}" for each in self.app.graph.actions for part in parts)
+
+    def _moves(self, topic: str) -> bool:
+        return self._things.get(topic) is not None
+
+    def _may_command(self, end: Endpoint) -> bool:
+        """Return whether what a node sends or hears may move something."""
+        facts = self.app.facts
+        if end.implicit or end.topic in self._action_topics:
+            return False
+        if facts.lists.ignores_topic(end.topic) or facts.lists.ignores_type(end.type):
+            return False
+        return facts.classify(end.topic).domain is not Domain.PERCEPTION and self._moves(end.topic)
+
+    def _thing_of_topic(self, topic: str) -> Thing:
+        if topic in self._locks or self.app.is_stop(topic):
+            return Thing.STOP
+        return self._things.get(topic) or Thing.DEVICE
+
+    def _is_forwarded(self, command: Command) -> bool:
+        """Return whether all that obey a topic hand it on to others."""
+        forwards = (self._forwards(node, command) for node in command.receivers)
+        return bool(command.receivers) and all(forwards)
+
+    def _forwards(self, node: str, command: Command) -> bool:
+        """Return whether a node makes another command of one, not only tells how it moves."""
+        if self._drives(node):
+            return False
+        sent = [
+            end
+            for end in self.app.graph.published_by(node)
+            if end.topic in self._leading_topics and end.topic != command.name
+        ]
+        return any(self._is_handed_on(end, command) for end in sent)
+
+    def _is_handed_on(self, end: Endpoint, command: Command) -> bool:
+        """Return whether what a node sends goes further, and not back to who commands it.
+
+        Where nobody here obeys it, its type or name says so, or that an arbiter sends it.
+        """
+        readers = {node for node in self.app.readers(end.topic) if self._obeys(node)}
+        if readers:
+            return not readers <= self._upstream(command)
+        is_same = normalise_type(end.type) == command.type
+        is_named = _COMMANDS.search(end.topic.rpartition("/")[2]) is not None
+        return is_same or is_named or end.node in self._ranks
+
+    def _upstream(self, command: Command) -> frozenset[str]:
+        """Return the nodes that a command comes from, by themselves or through others."""
+        if command.name not in self._walks:
+            found, pending = set(command.senders), list(command.senders)
+            while pending:
+                for topic in self._inputs.get(pending.pop(), ()):
+                    further = set(self.app.publishers(topic)) - found
+                    found |= further
+                    pending += further
+            self._walks[command.name] = frozenset(found)
+        return self._walks[command.name]
+
+    @cached_property
+    def _leading_topics(self) -> frozenset[str]:
+        """The command topics, and those that nodes make them of."""
+        found, pending = set(self._command_topics), list(self._command_topics)
+        while pending:
+            for node in self.app.publishers(pending.pop()):
+                further = set(self._inputs.get(node, ())) - found
+                found |= further
+                pending += further
+        return frozenset(found)

@@ -1,0 +1,47 @@
+"""The limits of motion that can be changed while the app runs: parameters of what moves it."""
+
+import re
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.commands import AppCommands
+from rtron.findings.inventory.doors import doors
+from rtron.vocabulary.inventory import Command, Means, Mover, Thing
+
+_LIMIT = re.compile(
+    r"max_?(?:vel|speed|lin|ang|rot|acc|rpm|throttle|steer|trans)|(?:vel|velocity|speed)_(?:limit|max)"
+    r"|max_\w{0,40}(?:velocity|speed)|desired_linear_vel|scale_(?:linear|angular)|speed_scaling",
+    re.IGNORECASE,
+)
+_RECONFIGURE = "dynamic_reconfigure/Reconfigure"
+
+
+def limits(app: AppFacts, commands: AppCommands) -> Mover | None:
+    """Return the parameters that bound motion, as one line; None where none can be changed.
+
+    In ROS 2 each parameter can be set unless its node refuses, in ROS 1 those of a node with
+    dynamic_reconfigure.
+    """
+    movers = _movers(commands)
+    settable = movers & _with_reconfigure(app) if app.graph.ros == 1 else movers
+    names = {
+        each.node: f"{each.node}.{each.name}"
+        for each in reversed(app.graph.parameters)
+        if each.node in settable and _LIMIT.search(each.name)
+    }
+    if not names:
+        return None
+    found = tuple(
+        Command(means=Means.PARAMETER, name=name, receivers=(node,)) for node, name in names.items()
+    )
+    return Mover(thing=Thing.LIMITS, commands=found, drivers=tuple(names), doors=doors(app, ()))
+
+
+def _movers(commands: AppCommands) -> frozenset[str]:
+    """Return the nodes that send or obey a command of motion by topic."""
+    last = [command for _, command in commands.last() if command.means is Means.TOPIC]
+    behind = [command for _, command in commands.behind(last)]
+    return frozenset(node for each in (*last, *behind) for node in (*each.senders, *each.receivers))
+
+
+def _with_reconfigure(app: AppFacts) -> frozenset[str]:
+    return frozenset(each.node for each in app.graph.services if each.type == _RECONFIGURE)

@@ -1,0 +1,45 @@
+"""What is asked for one by one: the services and actions of an app that move something."""
+
+from collections.abc import Iterator
+
+from rtron.findings.inventory.things import thing_of
+from rtron.vocabulary import ActionRole, InteractionGraph
+from rtron.vocabulary.inventory import Command, Means, Thing
+
+_COMPUTING = ("ComputePath", "SmoothPath", "LookupTransform", "ComputeRoute", "GetPlan", "GetMap")
+"""Actions that only compute."""
+
+
+def services(graph: InteractionGraph) -> Iterator[tuple[Thing, Command]]:
+    """Yield the services that move something: those that are offered, and those only called."""
+    offered = {(each.name, each.type) for each in graph.services if not each.implicit}
+    names = {name for name, _ in offered}
+    called = {(c.name, c.type) for c in graph.clients if not c.implicit and c.name not in names}
+    for name, type in sorted(offered | called):
+        thing = thing_of(name, type, Means.SERVICE)
+        if thing is not None and "{" not in name:
+            servers = {each.node for each in graph.services if each.name == name}
+            callers = {each.node for each in graph.clients if each.name == name}
+            yield thing, _command(Means.SERVICE, name, type, servers, callers)
+
+
+def actions(graph: InteractionGraph) -> Iterator[tuple[Thing, Command]]:
+    """Yield the actions that move something."""
+    for name, type in sorted({(each.name, each.type) for each in graph.actions}):
+        is_computing = any(word in type for word in _COMPUTING) or "{" in name
+        thing = None if is_computing else thing_of(name, type, Means.ACTION)
+        if thing is not None:
+            sides = [each for each in graph.actions if each.name == name]
+            servers = {side.node for side in sides if side.role is ActionRole.SERVER}
+            clients = {side.node for side in sides if side.role is ActionRole.CLIENT}
+            yield thing, _command(Means.ACTION, name, type, servers, clients)
+
+
+def _command(means: Means, name: str, type: str, receivers: set[str], senders: set[str]) -> Command:
+    return Command(
+        means=means,
+        name=name,
+        type=type,
+        receivers=tuple(sorted(receivers)),
+        senders=tuple(sorted(senders)),
+    )

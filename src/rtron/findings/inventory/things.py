@@ -1,0 +1,109 @@
+"""Which thing a topic, service or action moves, by its type and by the words of its name."""
+
+import re
+
+from rtron.vocabulary import normalise_type
+from rtron.vocabulary.inventory import Means, Thing
+
+_TYPES: tuple[tuple[str, Thing], ...] = (
+    (r"mavros_msgs/CommandBool", Thing.ARMING),
+    (r"mavros_msgs/SetMode|px4_msgs/OffboardControlMode", Thing.MODE),
+    (r"mavros_msgs/|px4_msgs/|geographic_msgs/GeoPose", Thing.VEHICLE),
+    (r"controller_manager_msgs/(?:Switch|Load|Unload|Configure|SetHardware)", Thing.CONTROLLERS),
+    (r"control_msgs/(?:Parallel)?GripperCommand", Thing.GRIPPER),
+    (r"nav2_msgs/SpeedLimit|\w+/SpeedLimit", Thing.LIMITS),
+    (r"kobuki_msgs/MotorPower", Thing.POWER),
+    (r"nav2_msgs/(?:Toggle|ManageLifecycleNodes)", Thing.CONTROLLERS),
+)
+"""What a type can only mean."""
+_USUAL_TYPES: tuple[tuple[str, Thing], ...] = (
+    (r"trajectory_msgs/|control_msgs/|moveit_msgs/", Thing.ARM),
+    (r"geometry_msgs/Wrench", Thing.THRUSTERS),
+    (r"\w+/Twist\w*|ackermann_msgs/|move_base_msgs/|mbf_msgs/|autoware", Thing.BASE),
+    (r"dbw_\w+/|tier4_|nav2_msgs/|nav_2d_msgs/|kobuki_msgs/|create_msgs/", Thing.BASE),
+    (r"\w+/\w*(?:Motor|Wheel|Drive|Ackermann|Steer)\w*", Thing.BASE),
+)
+"""What a type mostly means, where the name says nothing."""
+_WORDS: tuple[tuple[Thing, str], ...] = (
+    (Thing.STOP, "estop stop_button emergency kill killswitch halt freeze stop_robot stop_all"),
+    (Thing.ARMING, "arming disarm unarm motors_on enable_motors"),
+    (Thing.POWER, "power poweroff shutdown reboot relay relays battery_switch"),
+    (Thing.TOOL, "blade mow mower cutter torpedo torpedoes dropper launcher shooter valve pump"),
+    (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet"),
+    (Thing.HORN, "horn buzzer siren beep"),
+    (Thing.GRIPPER, "gripper grippers claw finger fingers hand grasp"),
+    (Thing.HEAD, "head pan tilt ptz gimbal neck mast camera"),
+    (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
+    (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
+    (Thing.CONTROLLERS, "switch_controller"),
+    (Thing.ARM, "arm manipulator joint joints trajectory elbow wrist servo_node leg legs"),
+    (Thing.BASE, "vel velocity drive wheel wheels motor motors steer steering throttle brake"),
+    (Thing.BASE, "speed twist rpm pwm duty curvature ackermann esc gear servo servos navigate"),
+    (Thing.BASE, "dock undock goal follow_path spin backup waypoint waypoints walk gait move"),
+    (Thing.MODE, "mode modes autonomous autonomy manual teleop mission control"),
+    (Thing.DEVICE, "cmd cmds command commands setpoint setpoints desired actuator actuators"),
+)
+"""Words in names, the first that is there; the last parts of a name count before the others."""
+_VAGUE = (None, Thing.DEVICE, Thing.MODE)
+"""What a name may say that a type says better."""
+_COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
+_LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
+_ARMING_SERVICE = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
+_HARMLESS = re.compile(
+    r"_get_|^(?:measured|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|check|read|save|describe|download)(?:_|$)"
+    r"|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
+    r"|image|camera_info|calibrat\w+|parameters?|logger\w*|diagnostics|tf|pose_estimate|status"
+    r"|state|states|feedback|info|marker\w*|initialpose|clicked_point|position_estimate)$"
+)
+"""Last names of what reads, shows or estimates."""
+_SHOWS = re.compile(
+    r"(?:^|[/_])(?:led|leds|light|lights|lcd|oled|display|screen|sound|audio|map)(?:[/_]|$)"
+)
+"""Words, anywhere in a name, of what only shows or sounds."""
+_HARMLESS_TYPES = re.compile(
+    r"(?:nodelet|lifecycle|rcl_interfaces|tf2|tf|diagnostic|map|slam_toolbox|nav|composition"
+    r"_interfaces|composition|sensor_msgs/(?!JointState)\w+|rosapi|roscpp|dynamic_reconfigure|topic_tools|bond|gazebo"
+    r"|visualization|rosgraph|robot_localization|cartographer_ros|rtabmap|octomap|audio_common"
+    r"|sound_play|tts|rtcm|mavros_msgs/Param|mavros_msgs/File|mavros_msgs/RTCM|rosbag2_interfaces"
+    r"|type_description_interfaces|rtcm_msgs|nav2_msgs/(?:Clear|Get|Is|Load|Save|Dump|Reload)"
+    r"|mavros_msgs/(?:StreamRate|MessageInterval|VehicleInfo|Waypoint(?:Pull|Clear)|Log\w+))"
+    r"(?:_msgs)?(?:/|\w*$)"
+)
+
+
+def thing_of(name: str, type: str, means: Means) -> Thing | None:
+    """Return what a command moves; None where neither type nor name says that it does."""
+    type, last = _plain_type(type), name.rstrip("/").rpartition("/")[2].lower()
+    if _HARMLESS.search(last) or _HARMLESS_TYPES.match(type):
+        return None
+    if _SHOWS.search(name.lower()) and not _by_type(type, _USUAL_TYPES):
+        return None
+    if found := _by_type(type, _TYPES):
+        return found
+    if _LIMIT_WORDS.search(last):
+        return Thing.LIMITS
+    if means is Means.SERVICE and _ARMING_SERVICE.search(last):
+        return Thing.ARMING
+    named = _by_words(name)
+    usual = _by_type(type, _USUAL_TYPES) if named in _VAGUE else None
+    return usual or named or (Thing.DEVICE if _COMMAND_TYPE.search(type) else None)
+
+
+def _plain_type(type: str) -> str:
+    """Return a type as `package/Name`, whatever it is of."""
+    return normalise_type(type.replace("/srv/", "/").replace("/action/", "/"))
+
+
+def _by_type(type: str, table: tuple[tuple[str, Thing], ...]) -> Thing | None:
+    return next((thing for pattern, thing in table if re.match(pattern, type)), None)
+
+
+def _by_words(name: str) -> Thing | None:
+    for part in reversed([part for part in name.lower().split("/") if part]):
+        words = {part, *re.split(r"[_\d-]+", part)}
+        if "e_stop" in part or "emergency" in part:
+            return Thing.STOP
+        for thing, known in _WORDS:
+            if not words.isdisjoint(known.split()):
+                return thing
+    return None

@@ -1,0 +1,147 @@
+"""What an inventory says of a thing, in rows of plain words, for each report alike."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+from rtron.vocabulary import StringEnum
+from rtron.vocabulary.inventory import Command, Means, Mover, Stops
+from rtron.wording import conjugate, join_names
+
+_SHOWN = 4
+_NUMBER = re.compile(r"-?[0-9]{1,9}")
+
+
+class Tone(StringEnum):
+    """How a row is meant."""
+
+    PLAIN = "plain"
+    GOOD = "good"
+    WARNING = "warning"
+    UNCERTAIN = "uncertain"
+
+
+class MoverRow(NamedTuple):
+    """A row of words and how it is meant."""
+
+    text: str
+    tone: Tone = Tone.PLAIN
+
+
+_STOP_TONE = {Stops.YES: Tone.GOOD, Stops.NO: Tone.WARNING, Stops.UNKNOWN: Tone.UNCERTAIN}
+
+
+def mover_rows(mover: Mover) -> Iterator[MoverRow]:
+    """Yield what drives a thing, who commands it, what else can, and whether it stops."""
+    last = mover.last_commands
+    if not last:
+        nodes = join_names(mover.drivers)
+        yield MoverRow(
+            f"{nodes} may obey any topic: what is behind it was not read", Tone.UNCERTAIN
+        )
+    for means in Means:
+        commands = [each for each in last if each.means is means]
+        yield from _MEANS_ROWS[means](mover, commands) if commands else ()
+    if spare := _open(mover):
+        text = f"open: nobody in this launch sends {_names(spare)}; whoever does commands it alone"
+        yield MoverRow(text, Tone.WARNING)
+    if mover.doors:
+        yield MoverRow(f"reached from a network through {join_names(mover.doors)}", Tone.WARNING)
+    if mover.stop:
+        yield MoverRow(
+            f"stops when commands end: {mover.stops}; {mover.stop}", _STOP_TONE[mover.stops]
+        )
+
+
+def _open(mover: Mover) -> list[Command]:
+    """Return what no node sends, where its whole name is known; nobody sends parameters."""
+    open_ = (c for c in mover.open_commands if c.means is not Means.PARAMETER)
+    return [command for command in open_ if "{" not in command.name]
+
+
+def _topic_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
+    hardware = f" ({', '.join(mover.hardware)})" if mover.hardware else ""
+    if mover.drivers:
+        verb = conjugate(mover.drivers, "obey")
+        yield MoverRow(f"{join_names(mover.drivers)}{hardware} {verb} {_names(last)}")
+    else:
+        yield MoverRow(f"{_names(last)}, obeyed by nobody in this launch")
+    sources = _senders(each for each in mover.commands if each.means is Means.TOPIC)
+    between = [node for node in mover.arbiters if node in sources]
+    others = [node for node in sources if node not in between]
+    through = f" through {join_names(between)}" if between and others else ""
+    senders = join_names(others or between, "nobody in this launch")
+    yield MoverRow(f"sent by {senders}{through}{_order(mover)}")
+
+
+def _request_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
+    """Yield who serves and calls services, or takes and sends goals."""
+    del mover
+    noun, verb = _REQUESTS[last[0].means]
+    receivers = list(dict.fromkeys(node for each in last for node in each.receivers))
+    obeyed = join_names(receivers, "nobody in this launch")
+    senders = join_names(_senders(last), "nobody in this launch")
+    yield MoverRow(f"{noun} {_names(last)} of {obeyed}, {verb} {senders}")
+
+
+def _parameter_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
+    del mover
+    yield MoverRow(f"any node can set {_names(last)} while the app runs")
+
+
+_REQUESTS = {Means.SERVICE: ("services", "called by"), Means.ACTION: ("goals", "sent by")}
+_MEANS_ROWS = {
+    Means.TOPIC: _topic_rows,
+    Means.SERVICE: _request_rows,
+    Means.ACTION: _request_rows,
+    Means.PARAMETER: _parameter_rows,
+}
+
+
+def _senders(commands: Iterable[Command]) -> list[str]:
+    return list(dict.fromkeys(node for each in commands for node in each.senders))
+
+
+def _order(mover: Mover) -> str:
+    """Return the inputs that an arbiter ranks, the first to win first."""
+    ranked = [each for each in mover.commands if _NUMBER.fullmatch(each.priority)]
+    ranked.sort(key=lambda each: -int(each.priority))
+    shown = ", ".join(f"{each.name} ({each.priority})" for each in ranked)
+    return f"; the first of {shown} wins" if shown else ""
+
+
+def _names(commands: Sequence[Command]) -> str:
+    names = [each.name for each in commands]
+    if len(names) > _SHOWN:
+        names = [*names[: _SHOWN - 1], f"{len(names) - _SHOWN + 1} more"]
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+
+
+def inventory_to_json(movers: Sequence[Mover]) -> list[dict[str, Any]]:
+    """Return an inventory as JSON."""
+    return [
+        {
+            "thing": mover.thing.value,
+            "drivers": list(mover.drivers),
+            "hardware": list(mover.hardware),
+            "commands": [_command(each) for each in mover.commands],
+            "arbiters": list(mover.arbiters),
+            "doors": list(mover.doors),
+            "stops": mover.stops.value,
+            "why": mover.stop,
+            "evidence": [{"file": at.file, "line": at.line} for at in mover.evidence],
+        }
+        for mover in movers
+    ]
+
+
+def _command(command: Command) -> dict[str, Any]:
+    return {
+        "means": command.means.value,
+        "name": command.name,
+        "type": command.type,
+        "receivers": list(command.receivers),
+        "senders": list(command.senders),
+        "hops": command.hops,
+        "priority": command.priority,
+    }

@@ -1,0 +1,133 @@
+"""What the source of a node opens, devices and sockets, and whether it looks at a command's age.
+
+Its text is searched: what stands in a comment does not count, what a function would do at run time
+is not followed.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeAlias
+
+from rtron.sources.static.common.node_sources import CPP, node_sources
+from rtron.sources.workspace import Workspace
+from rtron.vocabulary import Evidence, InteractionGraph, Node, WiringFact, WiringFactKind
+
+_LIBRARIES = {
+    "serial port": r"\bserial\b|cfset[io]?speed|LibSerial|SerialPort|serial_port|serial_driver",
+    "I2C": r"\bsmbus|linux/i2c|wiringPiI2C|\bbusio\b|\badafruit_|Adafruit_|\bqwiic",
+    "SPI": r"\bspidev|linux/spi",
+    "GPIO": r"RPi\.GPIO|Jetson\.GPIO|gpiozero|pigpio|wiringPi\.h|\blgpio|\bgpiod",
+    "CAN": r"(?<=import )can\b|(?<=from )can\b|linux/can|socketcan|canlib|PCANBasic|can_msgs",
+    "EtherCAT": r"ethercat\.h|\becrt\.h|\bsoem",
+    "servo bus": r"dynamixel_sdk|lx16a|scservo|SCServo|feetech|herkulex",
+    "motor controller": r"roboclaw|odrive|vesc_(?:interface|packet)|pyvesc|[Rr]oboteq|phidget22"
+    r"|sabertooth|tmc\d{4}|moteus",
+    "vehicle link": r"pymavlink|mavsdk|dronekit|mavlink/v2\.0|djitellopy|olympe",
+    "vendor SDK": r"unitree_(?:legged_)?sdk|bosdyn|xarm\.wrapper|ugv_sdk|franka/robot|ur_rtde"
+    r"|ur_client_library|kortex|niryo|pymycobot|aubo_sdk",
+}
+"""What stands on a line that imports or includes the library of a device, its messages apart.
+
+A terminal has termios too, and no speed that a program sets.
+"""
+_SOCKETS = {
+    "MQTT": r"paho\.mqtt|<mosquitto|mqtt/async_client|MQTTClient|asyncio_mqtt|aiomqtt",
+    "WebSocket server": r"websockets\.serve|WebSocketServer|websocketpp/server|import tornado"
+    r"|from autobahn|socketio\.(?:Async)?Server|uWS::",
+    "web server": r"from flask|import flask|http\.server|from aiohttp import web|FastAPI\("
+    r"|from bottle|crow\.h|httplib\.h|cherrypy|SimpleHTTPServer|web\.Application\(",
+    "TCP or UDP socket": r"socketserver\.|\.bind\(\s*\(|\bbind\(\s*\w*(?:sock|fd)|tcp::acceptor"
+    r"|udp::endpoint\(\s*udp|QTcpServer",
+    "gRPC server": r"grpc\.server\(|grpc::ServerBuilder",
+}
+_COMMAND = r"(?<![a-z])(?:cmd_?vel|cmd|command|vel|velocity|twist|joy|setpoint|teleop|drive)"
+_AGE = (
+    r"watch_?dog|dead_?man|fail_?safe"
+    rf"|{_COMMAND}(?:_\w{{0,30}})?_?time_?out|time_?out_?(?:\w{{0,30}}_)?{_COMMAND}(?![a-z])"
+    rf"|(?:last|prev|previous)_(?:\w{{0,30}}_)?{_COMMAND}_(?:\w{{0,30}}_)?(?:time|stamp|received|at|t)_?\b"
+    rf"|t_last_(?:\w{{0,30}}_)?{_COMMAND}|time_?since_?(?:\w{{0,30}}_)?{_COMMAND}"
+    r"|(?:cmd|command|twist)_?(?:time|stamp)_?\b[^\n]{0,40}>|lastCommand|lastCmd"
+)
+"""Names that tell of a command's age, or of what ends one."""
+_COMMENTS = {
+    True: re.compile(
+        rb"\"\"\".*?(?:\"\"\"|\Z)|'{3}.*?(?:'{3}|\Z)"
+        rb"|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|#[^\n]*",
+        re.DOTALL,
+    ),
+    False: re.compile(
+        rb"//[^\n]*|/\*.*?(?:\*/|\Z)|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])'", re.DOTALL
+    ),
+}
+"""Comments and strings of Python, or of C++; of a string in three quotes the text is one, too."""
+_KINDS = {
+    WiringFactKind.DEVICE: {
+        word: rf"(?:{names})(?!\w{{0,40}}_msgs)" for word, names in _LIBRARIES.items()
+    },
+    WiringFactKind.SOCKET: _SOCKETS,
+    WiringFactKind.COMMAND_AGE: {"age of a command": f"(?i:{_AGE})"},
+}
+_IMPORTS = re.compile(rb"[ \t]*(?:(?:#[ \t]*include|import|from)\b|cfset[io]?speed)")
+_Places: TypeAlias = dict[tuple[WiringFactKind, str], Evidence]
+"""Where each word of each kind stands first."""
+_PATTERNS = {
+    kind: {word: re.compile(pattern.encode(), re.MULTILINE) for word, pattern in words.items()}
+    for kind, words in _KINDS.items()
+}
+
+
+def with_devices(graph: InteractionGraph, workspace: Workspace) -> InteractionGraph:
+    """Return a graph with a fact for what each node's source opens, with the first place of it."""
+    files: dict[Path, _Places] = {}
+    programs: dict[tuple[str, str], _Places] = {}
+    facts: list[WiringFact] = []
+    for node in graph.nodes:
+        program = (node.package, node.executable)
+        if node.package in workspace.packages and node.executable:
+            if program not in programs:
+                programs[program] = _places_of(node, workspace, files)
+            facts += _facts(node.name, programs[program])
+    return replace(graph, wiring=(*graph.wiring, *facts))
+
+
+def _places_of(node: Node, workspace: Workspace, files: dict[Path, _Places]) -> _Places:
+    """Return the first place in the source of a node's program of what is looked for."""
+    places: _Places = {}
+    for path, data in node_sources(node, workspace).items():
+        if path not in files:
+            files[path] = _places(path, data)
+        places = files[path] | places
+    return places
+
+
+def _facts(node: str, places: _Places) -> Iterator[WiringFact]:
+    for kind, word in sorted(places):
+        evidence = (places[kind, word],)
+        yield WiringFact(kind=kind, subject=node, value=word, evidence=evidence)
+
+
+def _places(path: Path, data: bytes) -> _Places:
+    """Return the first place in a file of what is looked for."""
+    text = _COMMENTS[path.suffix not in CPP].sub(_without_comment, data)
+    lines = dict.fromkeys(_PATTERNS, text) | {WiringFactKind.DEVICE: _imports(text)}
+    places: _Places = {}
+    for kind, words in _PATTERNS.items():
+        for word, pattern in words.items():
+            if match := pattern.search(lines[kind]):
+                line = lines[kind].count(b"\n", 0, match.start()) + 1
+                places[kind, word] = Evidence(file=str(path), line=line)
+    return places
+
+
+def _imports(text: bytes) -> bytes:
+    """Return a text with the lines alone that import or include; the others are empty."""
+    return b"\n".join(line if _IMPORTS.match(line) else b"" for line in text.split(b"\n"))
+
+
+def _without_comment(found: re.Match[bytes]) -> bytes:
+    """Return a short string as it stands, and the lines alone of a comment."""
+    text = found[0]
+    is_string = text[:1] in {b'"', b"'"} and text[:3] not in {b'"""', b"'''"}
+    return text if is_string else b"\n" * text.count(b"\n")

@@ -1,0 +1,289 @@
+"""What an app's inventory says of who can move the robot."""
+
+from dataclasses import replace
+
+import pytest
+from finding_graphs import BASE, FIRMWARE, MUX, TWIST, TWO_DRIVERS, parameters, small_graph
+
+from cpu_time import growth
+from rtron.findings import app_facts, take_inventory
+from rtron.vocabulary import (
+    Evidence,
+    NodeParameter,
+    Service,
+    ServiceClient,
+    WiringFact,
+    WiringFactKind,
+)
+from rtron.vocabulary.inventory import Means, Stops, Thing
+
+LIDAR = "/lidar lidar third_party\n    pub /scan sensor_msgs/msg/LaserScan\n"
+NAV_AND_JOY = f"""
+/nav nav own
+    pub /nav_vel {TWIST}
+/teleop teleop own
+    sub /joy sensor_msgs/msg/Joy
+    pub /joy_vel {TWIST}
+"""
+SERVO = """
+/rover rover own
+    pub /brush std_msgs/msg/Float64
+/servos servos own
+    sub /brush std_msgs/msg/Float64
+    sub /imu sensor_msgs/msg/Imu
+"""
+PLACE = (Evidence(file="driver.py", line=7),)
+
+
+def inventory(text, ros=2, **changes):
+    return take_inventory(app_facts(small_graph(text, ros=ros, **changes)))
+
+
+def the_mover(text, ros=2, **changes):
+    (mover,) = inventory(text, ros, **changes)
+    return mover
+
+
+def fact(kind, node, value):
+    return WiringFact(kind=WiringFactKind(kind), subject=node, value=value, evidence=PLACE)
+
+
+def names(commands):
+    return [each.name for each in commands]
+
+
+def test_what_moves_nothing_has_no_line():
+    assert inventory(LIDAR) == ()
+
+
+def test_a_base_with_its_commanders():
+    mover = the_mover(TWO_DRIVERS + BASE)
+    assert (mover.thing, mover.drivers, mover.arbiters) == (Thing.BASE, ("/base",), ())
+    (command,) = mover.commands
+    assert (command.name, command.senders) == ("/cmd_vel", ("/move_base", "/teleop"))
+    assert mover.open_commands == ()
+
+
+def test_a_base_that_nobody_here_drives_is_open():
+    assert names(the_mover(BASE).open_commands) == ["/cmd_vel"]
+
+
+def test_what_the_driver_of_another_launch_obeys():
+    mover = the_mover(TWO_DRIVERS)
+    assert (mover.drivers, names(mover.commands)) == ((), ["/cmd_vel"])
+    assert (mover.stops, mover.stop) == (Stops.UNKNOWN, "what obeys is not in this launch")
+
+
+def test_inputs_of_an_arbiter_stand_behind_what_it_sends():
+    ranks = (
+        *parameters("topics.nav.topic", twist_mux="nav_vel"),
+        *parameters("topics.nav.priority", twist_mux=10),
+    )
+    mover = the_mover(NAV_AND_JOY + MUX + BASE, parameters=ranks)
+    found = {each.name: (each.hops, each.priority, each.senders) for each in mover.commands}
+    assert found == {
+        "/cmd_vel": (0, "", ("/twist_mux",)),
+        "/nav_vel": (1, "10", ("/nav",)),
+        "/joy_vel": (1, "", ("/teleop",)),
+        "/joy": (2, "", ()),
+    }
+    assert mover.arbiters == ("/twist_mux",)
+    assert names(mover.open_commands) == ["/joy"]
+
+
+def test_nodes_that_forward_to_each_other_end():
+    ring = f"/a a own\n    sub /x_vel {TWIST}\n    pub /y_vel {TWIST}\n"
+    ring += f"/b b own\n    sub /y_vel {TWIST}\n    pub /x_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
+    mover = next(each for each in inventory(ring + BASE) if each.drivers == ("/base",))
+    assert sorted(names(mover.commands)) == ["/cmd_vel", "/x_vel", "/y_vel"]
+
+
+TELLS = "    pub /wheel_speeds x/WheelSpeeds\n    pub /odom_vel geometry_msgs/msg/TwistStamped\n"
+
+
+def test_a_base_that_tells_how_it_moves_still_obeys():
+    mover = the_mover(TWO_DRIVERS + BASE + TELLS)
+    assert (mover.drivers, names(mover.last_commands)) == (("/base",), ["/cmd_vel"])
+
+
+def test_a_filter_of_commands_hands_them_on():
+    text = f"/cmd_vel_filter f own\n    sub /raw_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
+    mover = the_mover(text + TWO_DRIVERS.replace("/cmd_vel", "/raw_vel") + BASE)
+    assert names(mover.commands) == ["/cmd_vel", "/raw_vel"]
+
+
+def test_a_lidar_may_take_goals():
+    action = "    server /go nav2_msgs/action/NavigateToPose\n"
+    assert names(the_mover(LIDAR + action).commands) == ["/go"]
+
+
+def test_a_fact_without_a_place_is_one():
+    placeless = WiringFact(kind=WiringFactKind.COMMAND_AGE, subject="/base")
+    assert the_mover(BASE, wiring=(placeless,)).stop == "/base seems to look at the age of commands"
+
+
+def test_it_takes_time_in_proportion_to_the_graph():
+    """Of so many nodes each hears and sends all topics; one walk is done for each topic."""
+
+    def inventoried(size):
+        all_topics = ",".join(map(str, range(size)))
+        ends = f"    sub /v{{{all_topics}}}_cmd {TWIST}\n    pub /v{{{all_topics}}}_cmd {TWIST}\n"
+        graph = small_graph("".join(f"/n{number} n own\n{ends}" for number in range(size)))
+        return take_inventory(app_facts(graph))
+
+    assert growth(inventoried, 10, 30) < 60
+
+
+EKF = f"/ekf robot_localization third_party\n    sub /cmd_vel {TWIST}\n"
+
+
+def test_who_only_estimates_from_commands_does_not_obey_them():
+    assert the_mover(TWO_DRIVERS + BASE + EKF).drivers == ("/base",)
+    assert the_mover(TWO_DRIVERS + EKF).drivers == ()
+    assert inventory(EKF) == ()
+
+
+def test_what_a_vague_name_commands_counts_beside_a_device_alone():
+    text = "/a a own\n    pub /flaps x/FlapCommand\n/b b own\n    sub /flaps x/FlapCommand\n"
+    assert inventory(text) == ()
+    mover = the_mover(text, wiring=(fact("device", "/b", "CAN"),))
+    assert (mover.thing, mover.drivers) == (Thing.DEVICE, ("/b",))
+
+
+def test_a_lock_of_an_arbiter_is_a_stop():
+    locks = (
+        *parameters("locks.stop.topic", twist_mux="/halted"),
+        *parameters("locks.stop.priority", twist_mux=255),
+    )
+    text = NAV_AND_JOY + MUX + "    sub /halted std_msgs/msg/Bool\n" + BASE
+    movers = {each.thing: each for each in inventory(text, parameters=locks)}
+    assert names(movers[Thing.STOP].commands) == ["/halted"]
+    assert movers[Thing.STOP].drivers == ("/twist_mux",)
+
+
+def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
+    assert inventory(SERVO) == ()
+    mover = the_mover(SERVO, wiring=(fact("device", "/servos", "I2C"),))
+    assert (mover.thing, mover.hardware, mover.evidence) == (Thing.TOOL, ("I2C",), PLACE)
+    assert names(mover.commands) == ["/brush"]
+
+
+@pytest.mark.parametrize(
+    ("wiring", "values", "stops", "why"),
+    [
+        ((), (), Stops.UNKNOWN, "/base does not tell"),
+        ((fact("device", "/base", "CAN"),), (), Stops.NO, "nothing in the source of /base looks"),
+        ((fact("command_age", "/base", "age"),), (), Stops.YES, "/base seems to look at the age"),
+        ((), parameters("cmd_vel_timeout", base=0.5), Stops.YES, "/base: cmd_vel_timeout is 0.5"),
+        ((), parameters("cmd_vel_timeout", base=0.0), Stops.NO, "/base: cmd_vel_timeout is 0.0"),
+        ((), parameters("x.cmd_vel_timeout", base=None), Stops.UNKNOWN, "/base does not tell"),
+    ],
+)
+def test_whether_it_stops(wiring, values, stops, why):
+    mover = the_mover(TWO_DRIVERS + BASE, wiring=wiring, parameters=values)
+    assert (mover.stops, mover.stop[: len(why)]) == (stops, why)
+
+
+def test_the_worst_of_two_drivers_counts():
+    second = BASE.replace("/base", "/second")
+    facts = (fact("device", "/base", "CAN"), fact("command_age", "/base", "age"))
+    assert the_mover(BASE + second, wiring=facts).stops is Stops.UNKNOWN
+    worse = (*facts, fact("device", "/second", "CAN"))
+    assert the_mover(BASE + second, wiring=worse).stops is Stops.NO
+
+
+def test_what_is_documented_of_a_driver():
+    gazebo = f"/plugin gazebo_ros third_party\n    sub /cmd_vel {TWIST}\n"
+    assert the_mover(gazebo).stops is Stops.NO
+
+
+def test_doors():
+    bridge = "/bridge rosbridge_server third_party\n"
+    web = fact("socket", "/teleop", "web server")
+    idle = fact("socket", "/other", "MQTT")
+    mover = the_mover(TWO_DRIVERS + BASE + bridge, wiring=(web, idle))
+    assert mover.doors == ("/bridge (any client)", "/teleop (web server)")
+
+
+def test_services_of_one_switch_are_one_line():
+    services = tuple(
+        Service(node=node, name=f"{node}/arm", type="std_srvs/srv/Trigger")
+        for node in ("/left", "/right")
+    )
+    clients = (ServiceClient(node="/mission", name="/left/arm"),)
+    mover = the_mover(LIDAR, services=services, clients=clients)
+    assert (mover.thing, mover.drivers) == (Thing.ARMING, ("/left", "/right"))
+    assert {each.name: each.senders for each in mover.commands} == {
+        "/left/arm": ("/mission",),
+        "/right/arm": (),
+    }
+
+
+def test_a_service_that_nobody_here_offers_stands_for_what_is_called():
+    clients = (ServiceClient(node="/mission", name="/e_stop", type="x/srv/EStop"),)
+    (command,) = the_mover(LIDAR, clients=clients).commands
+    assert (command.means, command.receivers, command.senders) == (
+        Means.SERVICE,
+        (),
+        ("/mission",),
+    )
+
+
+def test_the_motor_of_a_lidar_moves_no_robot():
+    services = (Service(node="/lidar", name="/start_motor", type="std_srvs/srv/Empty"),)
+    assert inventory(LIDAR, services=services) == ()
+
+
+def test_goals_stand_with_what_they_move():
+    action = "    server /navigate_to_pose nav2_msgs/action/NavigateToPose\n"
+    mover = the_mover(f"/nav nav own\n    pub /cmd_vel {TWIST}\n{action}" + BASE)
+    assert names(mover.last_commands) == ["/cmd_vel", "/navigate_to_pose"]
+    assert names(mover.open_commands) == ["/navigate_to_pose"]
+
+
+def test_actions_that_compute_move_nothing():
+    assert inventory("/p p own\n    server /plan nav2_msgs/action/ComputePathToPose\n") == ()
+
+
+def test_an_autopilot_is_one_vehicle():
+    topics = f"    sub /mavros/cmd_vel {TWIST}\n    pub /mavros/vel {TWIST}\n"
+    mover = the_mover(f"/mavros mavros third_party\n{topics}")
+    assert (mover.thing, names(mover.commands)) == (Thing.VEHICLE, ["/mavros/cmd_vel"])
+
+
+def test_what_was_not_read_is_told():
+    mover = the_mover(FIRMWARE, unread=("/firmware",))
+    assert (mover.thing, mover.drivers, mover.commands) == (Thing.DEVICE, ("/firmware",), ())
+
+
+LIMITS = (
+    NodeParameter(node="/base", name="max_velocity", value=1.0),
+    NodeParameter(node="/base", name="wheel_radius", value=0.1),
+    NodeParameter(node="/lidar", name="max_speed", value=1.0),
+)
+
+
+def test_parameters_that_bound_motion_can_be_set_in_ros2():
+    movers = {each.thing: each for each in inventory(LIDAR + BASE, parameters=LIMITS)}
+    (command,) = movers[Thing.LIMITS].commands
+    assert (command.means, command.name) == (Means.PARAMETER, "/base.max_velocity")
+
+
+@pytest.mark.parametrize("is_tunable", [False, True])
+def test_in_ros1_dynamic_reconfigure_sets_them(is_tunable):
+    type = "dynamic_reconfigure/Reconfigure" if is_tunable else "x/Y"
+    services = (Service(node="/base", name="/base/set_parameters", type=type),)
+    found = inventory(BASE, ros=1, parameters=LIMITS, services=services)
+    assert (Thing.LIMITS in {each.thing for each in found}) == is_tunable
+
+
+def test_many_are_merged_by_thing():
+    text = "".join(f"/base{n} driver own\n    sub /cmd_vel{n} {TWIST}\n" for n in range(20))
+    mover = the_mover(text)
+    assert len(mover.drivers) == 20
+
+
+def test_the_order_of_the_graph_changes_nothing():
+    graph = small_graph(NAV_AND_JOY + MUX + BASE + FIRMWARE, unread=("/firmware",))
+    turned = replace(graph, endpoints=graph.endpoints[::-1])
+    assert take_inventory(app_facts(graph)) == take_inventory(app_facts(turned))

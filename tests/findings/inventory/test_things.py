@@ -1,0 +1,82 @@
+"""What a topic, service or action moves, by type and name."""
+
+import pytest
+
+from rtron.findings.inventory.things import thing_of
+from rtron.vocabulary.inventory import Means, Thing
+
+TWIST, FLOAT, BOOL = "geometry_msgs/msg/Twist", "std_msgs/msg/Float64", "std_msgs/msg/Bool"
+TRIGGER = "std_srvs/srv/Trigger"
+TOPIC, SERVICE, ACTION, _ = Means
+
+
+@pytest.mark.parametrize(
+    ("name", "type", "means", "thing"),
+    [
+        ("/cmd_vel", TWIST, TOPIC, Thing.BASE),
+        ("/x/twist", "geometry_msgs/Twist", TOPIC, Thing.BASE),
+        ("/mux/input/teleop", "ackermann_msgs/AckermannDriveStamped", TOPIC, Thing.BASE),
+        ("/vesc/commands/motor/speed", FLOAT, TOPIC, Thing.BASE),
+        ("/car_cmd", "duckietown_msgs/Twist2DStamped", TOPIC, Thing.BASE),
+        ("/cmd_drive", "osr_interfaces/msg/CommandDrive", TOPIC, Thing.BASE),
+        ("/out", "robot_msgs/msg/WheelSpeeds", TOPIC, Thing.BASE),
+        ("/cmd_corner", "osr_interfaces/msg/CommandCorner", TOPIC, Thing.DEVICE),
+        ("/a", "robot_msgs/msg/FlapCommand", TOPIC, Thing.DEVICE),
+        ("/arm_controller/joint_trajectory", "trajectory_msgs/JointTrajectory", TOPIC, Thing.ARM),
+        ("/x", "control_msgs/action/FollowJointTrajectory", ACTION, Thing.ARM),
+        ("/x", "control_msgs/action/GripperCommand", ACTION, Thing.GRIPPER),
+        ("/claw/open", TRIGGER, SERVICE, Thing.GRIPPER),
+        ("/ptz/cmd_vel", TWIST, TOPIC, Thing.BASE),
+        ("/wrench", "geometry_msgs/Wrench", TOPIC, Thing.THRUSTERS),
+        ("/thrusters/thrust", "sub_msgs/Thrust", TOPIC, Thing.THRUSTERS),
+        ("/hardware_bridge/mower_control", "x/srv/MowerControl", SERVICE, Thing.TOOL),
+        ("/set_valve", "x/SetValve", SERVICE, Thing.TOOL),
+        ("/torpedo/fire", TRIGGER, SERVICE, Thing.TOOL),
+        ("/horn", BOOL, TOPIC, Thing.HORN),
+        ("/estop", BOOL, TOPIC, Thing.STOP),
+        ("/my_emergency_thing", BOOL, TOPIC, Thing.STOP),
+        ("/set_mobo_kill", TRIGGER, SERVICE, Thing.STOP),
+        ("/x/arm", TRIGGER, SERVICE, Thing.ARMING),
+        ("/x/arm", FLOAT, TOPIC, Thing.ARM),
+        ("/enable_motors", TRIGGER, SERVICE, Thing.ARMING),
+        ("/mavros/cmd/arming", "mavros_msgs/srv/CommandBool", SERVICE, Thing.ARMING),
+        ("/mavros/set_mode", "mavros_msgs/SetMode", SERVICE, Thing.MODE),
+        ("/fsm/mode", "x/SetMode", SERVICE, Thing.MODE),
+        ("/system/reboot", TRIGGER, SERVICE, Thing.POWER),
+        ("/cm/switch", "controller_manager_msgs/srv/SwitchController", SERVICE, Thing.CONTROLLERS),
+        ("/monitor/toggle", "nav2_msgs/srv/Toggle", SERVICE, Thing.CONTROLLERS),
+        ("/speed_limit", "nav2_msgs/msg/SpeedLimit", TOPIC, Thing.LIMITS),
+        ("/max_vel", FLOAT, TOPIC, Thing.LIMITS),
+        ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", ACTION, Thing.BASE),
+        ("/dock", "irobot_create_msgs/action/Dock", ACTION, Thing.BASE),
+    ],
+)
+def test_what_moves(name, type, means, thing):
+    assert thing_of(name, type, means) is thing
+
+
+@pytest.mark.parametrize(
+    ("name", "type"),
+    [
+        ("/odom", "nav_msgs/Odometry"),
+        ("/hmi/led/motors", "std_msgs/UInt8"),
+        ("/lights/drive", BOOL),
+        ("/motor/status", "x/Status"),
+        ("/arm/joint_state", "x/State"),
+        ("/cm/list_controllers", "controller_manager_msgs/srv/ListControllers"),
+        ("/driver/get_speed", TRIGGER),
+        ("/node/change_state", "lifecycle_msgs/srv/ChangeState"),
+        ("/node/set_parameters", "rcl_interfaces/srv/SetParameters"),
+        ("/nav/reload", "nav2_msgs/srv/ReloadDockDatabase"),
+        ("/manager/unload_nodelet", "nodelet/NodeletUnload"),
+        ("/rtcm", "rtcm_msgs/Message"),
+        ("/drive/measured_twist", TWIST),
+        ("/nav/planner_get_progress", TRIGGER),
+        ("/mower_map_service/add_area", TRIGGER),
+        ("/chatter", "std_msgs/String"),
+        ("/", ""),
+    ],
+)
+@pytest.mark.parametrize("means", [Means.TOPIC, Means.SERVICE])
+def test_what_moves_nothing(name, type, means):
+    assert thing_of(name, type, means) is None

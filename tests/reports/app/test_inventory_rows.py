@@ -1,0 +1,143 @@
+"""The words of an inventory, as text and as JSON."""
+
+import json
+
+import pytest
+
+from rtron.reports.app.inventory_rows import inventory_to_json, mover_rows
+from rtron.reports.app.scan_text import inventory_list
+from rtron.reports.text_layout import Report
+from rtron.vocabulary import Evidence
+from rtron.vocabulary.inventory import Command, Means, Mover, Stops, Thing
+
+CMD_VEL = Command(
+    means=Means.TOPIC,
+    name="/cmd_vel",
+    type="geometry_msgs/Twist",
+    receivers=("/base",),
+    senders=("/mux",),
+)
+NAV = Command(
+    means=Means.TOPIC, name="/nav_vel", receivers=("/mux",), senders=("/nav",), hops=1, priority="1"
+)
+JOY = Command(means=Means.TOPIC, name="/joy_vel", receivers=("/mux",), hops=1, priority="20")
+BASE = Mover(
+    thing=Thing.BASE,
+    commands=(CMD_VEL, NAV, JOY),
+    drivers=("/base",),
+    hardware=("serial port",),
+    arbiters=("/mux",),
+    doors=("/bridge (any client)",),
+    stops=Stops.NO,
+    stop="nothing in it looks",
+    evidence=(Evidence(file="base.py", line=3),),
+)
+TEXT = """\
+
+What can move this robot
+  base            /base (serial port) obeys /cmd_vel
+                  sent by /nav through /mux; the first of /joy_vel (20),
+                  /nav_vel (1) wins
+                  open: nobody in this launch sends /joy_vel; whoever does
+                  commands it alone
+                  reached from a network through /bridge (any client)
+                  stops when commands end: no; nothing in it looks
+"""
+
+
+@pytest.fixture
+def text(printed):
+    """Return an inventory as text."""
+
+    def show(movers, *, is_whole=True):
+        return printed(Report(lambda page: inventory_list(movers, page, is_whole=is_whole)))
+
+    return show
+
+
+def rows(**parts):
+    return [row.text for row in mover_rows(Mover(**parts))]
+
+
+def service(name, *, receivers=(), senders=()):
+    return Command(means=Means.SERVICE, name=name, receivers=receivers, senders=senders)
+
+
+def test_a_base_as_text(text):
+    assert text([BASE]) == TEXT
+
+
+@pytest.mark.parametrize(
+    ("is_whole", "words"), [(True, "nothing"), (False, "nothing in what could be read, see below")]
+)
+def test_where_nothing_moves_it_says_so(text, is_whole, words):
+    assert text([], is_whole=is_whole) == f"\nWhat can move this robot\n  {words}\n"
+
+
+def test_what_was_not_read():
+    assert rows(thing=Thing.DEVICE, commands=(), drivers=("/agent",)) == [
+        "/agent may obey any topic: what is behind it was not read"
+    ]
+
+
+def test_a_topic_that_nobody_here_obeys_or_sends():
+    command = Command(means=Means.TOPIC, name="/cmd_vel")
+    assert rows(thing=Thing.BASE, commands=(command,)) == [
+        "/cmd_vel, obeyed by nobody in this launch",
+        "sent by nobody in this launch",
+        "open: nobody in this launch sends /cmd_vel; whoever does commands it alone",
+    ]
+
+
+def test_a_node_that_is_commanded_itself_may_be_the_only_sender():
+    command = Command(means=Means.TOPIC, name="/cmd_vel", receivers=("/base",), senders=("/nav",))
+    found = rows(thing=Thing.BASE, commands=(command,), drivers=("/base",), arbiters=("/nav",))
+    assert found == ["/base obeys /cmd_vel", "sent by /nav"]
+
+
+def test_services_and_goals():
+    arm = service("/arm", receivers=("/driver",), senders=("/mission",))
+    goal = Command(means=Means.ACTION, name="/go", receivers=("/nav",))
+    assert rows(thing=Thing.BASE, commands=(arm, goal), drivers=("/driver",)) == [
+        "services /arm of /driver, called by /mission",
+        "goals /go of /nav, sent by nobody in this launch",
+        "open: nobody in this launch sends /go; whoever does commands it alone",
+    ]
+
+
+def test_many_names_are_counted_and_names_known_in_part_are_not_open():
+    found = tuple(service(f"/s{number}") for number in range(6))
+    assert rows(thing=Thing.MODE, commands=found)[0].startswith("services /s0, /s1, /s2 and 3 more")
+    part = Command(means=Means.TOPIC, name="/{robot}/cmd_vel")
+    assert not any("open" in row for row in rows(thing=Thing.BASE, commands=(part,)))
+
+
+def test_parameters():
+    limit = Command(means=Means.PARAMETER, name="/nav.max_vel", receivers=("/nav",))
+    assert rows(thing=Thing.LIMITS, commands=(limit,), drivers=("/nav",)) == [
+        "any node can set /nav.max_vel while the app runs"
+    ]
+
+
+def test_as_json():
+    (base,) = json.loads(json.dumps(inventory_to_json([BASE])))
+    assert base | {"commands": []} == {
+        "thing": "base",
+        "drivers": ["/base"],
+        "hardware": ["serial port"],
+        "commands": [],
+        "arbiters": ["/mux"],
+        "doors": ["/bridge (any client)"],
+        "stops": "no",
+        "why": "nothing in it looks",
+        "evidence": [{"file": "base.py", "line": 3}],
+    }
+    assert base["commands"][1] == {
+        "means": "topic",
+        "name": "/nav_vel",
+        "type": "",
+        "receivers": ["/mux"],
+        "senders": ["/nav"],
+        "hops": 1,
+        "priority": "1",
+    }

@@ -1,0 +1,88 @@
+"""What moves the robot and stands in no coordination node is told; the rest is guarded."""
+
+from dataclasses import replace
+
+import pytest
+from notation import graph_of
+
+from rtron.vocabulary import Mode, NodeParameter, Service
+from rtron.workflows.plan import propose
+from rtron.workflows.scan import scan_graph
+from rtron.workflows.unguarded import last_command_topics, unguarded_commands
+
+TWIST = "geometry_msgs/Twist"
+NAV = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
+BASE = f"/base driver own\n    sub /cmd_vel {TWIST}\n"
+ARM = "/arm arm own\n    server /arm/follow control_msgs/FollowJointTrajectory\n"
+PICK = "/pick pick own\n    client /arm/follow control_msgs/FollowJointTrajectory\n"
+KILL = Service(node="/base", name="/base/kill", type="std_srvs/Trigger")
+
+
+def scan(text, **changes):
+    return scan_graph(replace(graph_of("app", text), **changes))
+
+
+def enforced(plan):
+    return [grcn.topic for grcn in plan.grcn if grcn.mode is Mode.ENFORCE]
+
+
+@pytest.mark.parametrize(
+    ("text", "topics"),
+    [
+        (NAV + BASE, ["/cmd_vel"]),
+        (NAV.replace(TWIST, "x/DriveCmd") + BASE.replace(TWIST, "x/DriveCmd"), ["/cmd_vel"]),
+        (NAV.replace("/cmd_vel", "/estop") + BASE.replace("/cmd_vel", "/estop"), []),
+        (NAV + NAV.replace("/nav ", "/joy ") + BASE, ["/cmd_vel"]),
+        (NAV, []),
+        (BASE, []),
+        (NAV.replace("/cmd_vel", "/odom") + BASE, []),
+    ],
+)
+def test_the_last_command_is_guarded_whoever_sends_it(text, topics):
+    found = scan(text)
+    assert sorted(last_command_topics(found.inventory)) == topics
+    assert enforced(propose(found).plan) == topics
+
+
+def told(found, plan):
+    return [(each.location, each.message) for each in unguarded_commands(plan, found.inventory)]
+
+
+def test_what_a_plan_cannot_guard_is_left_out_with_the_reason():
+    found = scan(NAV + BASE, services=(KILL,))
+    proposed = propose(found)
+    assert [each.location for each in proposed.omitted] == ["emergency stop"]
+    assert told(found, proposed.plan) == [
+        (
+            "emergency stop",
+            "/base/kill: a plan cannot guard services: whoever reaches it can call it",
+        )
+    ]
+
+
+def test_a_topic_that_a_plan_only_observes_is_told():
+    found = scan(NAV + BASE)
+    plan = propose(found).plan
+    grcn = tuple(replace(each, mode=Mode.OBSERVE) for each in plan.grcn)
+    observing = replace(plan, grcn=grcn, msrcn=None)
+    assert told(found, plan) == []
+    assert told(found, observing) == [
+        ("base", "/cmd_vel: no coordination node enforces who commands it")
+    ]
+
+
+def test_an_action_is_guarded_by_its_goals():
+    found = scan(ARM + PICK + PICK.replace("/pick ", "/other "))
+    plan = propose(found).plan
+    assert enforced(plan) == ["/arm/follow/goal"]
+    assert told(found, plan) == []
+    assert told(found, replace(plan, grcn=(), msrcn=None)) == [
+        ("arm", "/arm/follow: no coordination node enforces who sends its goals")
+    ]
+
+
+def test_parameters_are_no_commands_of_a_plan():
+    limit = NodeParameter(node="/base", name="max_vel", value=1.0)
+    found = scan_graph(replace(graph_of("app", NAV + BASE, ros=2), parameters=(limit,)))
+    assert len(found.inventory) == 2
+    assert told(found, propose(found).plan) == []
