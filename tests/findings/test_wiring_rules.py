@@ -376,6 +376,7 @@ class TestSimTime:
             {"laser": True, "slam": 0},
             {"laser": True, "slam": "false"},
             {"laser": True, "rviz": False},
+            {"laser": True, "_ros2cli_7": False},
         ],
     )
     def test_one_value_unknown_values_and_viewers_are_no_finding(self, values):

@@ -76,7 +76,8 @@ class Mover:
 
     `drivers` are the nodes next to the hardware, none if they are not in the app. `hardware` says
     what their source opens. `arbiters` stand in the way of commands, the last one first. `doors`
-    let others than ROS nodes in. `stop` says why it stops or does not.
+    let others than ROS nodes in. `stop` says why it stops or does not. `unread` are the nodes that
+    were not read, one of which may obey what no driver does.
     """
 
     thing: Thing
@@ -85,6 +86,7 @@ class Mover:
     hardware: tuple[str, ...] = ()
     arbiters: tuple[str, ...] = ()
     doors: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
     stops: Stops = Stops.UNKNOWN
     stop: str = ""
     evidence: tuple[Evidence, ...] = ()

@@ -287,3 +287,84 @@ def test_the_order_of_the_graph_changes_nothing():
     graph = small_graph(NAV_AND_JOY + MUX + BASE + FIRMWARE, unread=("/firmware",))
     turned = replace(graph, endpoints=graph.endpoints[::-1])
     assert take_inventory(app_facts(graph)) == take_inventory(app_facts(turned))
+
+
+RELAY = f"/relay relay own\n    sub /cmd_vel {TWIST}\n    pub /base/cmd_vel {TWIST}\n"
+MONITOR = f"/monitor monitor own\n    sub /cmd_vel {TWIST}\n    pub /speed std_msgs/msg/Float64\n"
+ODOMETRY = "    pub /odom nav_msgs/msg/Odometry\n"
+
+
+def test_who_listens_beside_one_that_hands_a_command_on_does_not_obey_it():
+    mover = the_mover(TWO_DRIVERS + RELAY + MONITOR)
+    assert names(mover.last_commands) == ["/base/cmd_vel"]
+    driving = MONITOR + ODOMETRY
+    assert {
+        name
+        for each in inventory(TWO_DRIVERS + RELAY + driving)
+        for name in names(each.last_commands)
+    } == {"/base/cmd_vel", "/cmd_vel"}
+
+
+def test_what_a_driver_hears_beside_velocities_stands_with_them():
+    trim = "    sub /trim_event std_msgs/msg/Float32\n    sub /light_mode std_msgs/msg/Int8\n"
+    mover = the_mover(BASE + trim, wiring=(fact("device", "/base", "CAN"),))
+    assert names(mover.last_commands) == ["/cmd_vel", "/trim_event"]
+
+
+def test_topics_that_end_the_robot_are_a_line():
+    text = "/system system own\n    sub /system/shutdown std_msgs/msg/Empty\n"
+    assert the_mover(text).thing is Thing.POWER
+    assert inventory(text.replace("Empty", "Float32")) == ()
+
+
+@pytest.mark.parametrize(("link", "stops"), [("vehicle link", Stops.UNKNOWN), ("CAN", Stops.NO)])
+def test_an_autopilot_may_stop_by_itself(link, stops):
+    mover = the_mover(BASE, wiring=(fact("device", "/base", link),))
+    assert mover.stops is stops
+    assert (mover.thing is Thing.VEHICLE) == (link == "vehicle link")
+
+
+def test_a_node_in_which_controllers_run_drives():
+    host = Service(node="/hw", name="/switch", type="controller_manager_msgs/SwitchController")
+    text = f"/hw hw own\n    sub /c/cmd_vel {TWIST}\n    pub /left/cmd std_msgs/Float64\n"
+    values = (NodeParameter(node="/c", name="cmd_vel_timeout", value=0.5),)
+    movers = {each.thing: each for each in inventory(text, 1, services=(host,), parameters=values)}
+    assert names(movers[Thing.BASE].commands) == ["/c/cmd_vel"]
+    assert movers[Thing.BASE].stop == "/c: cmd_vel_timeout is 0.5"
+    assert movers.keys() == {Thing.BASE, Thing.CONTROLLERS}
+
+
+def test_where_nobody_that_was_read_obeys_the_others_may():
+    unread = "/one one third_party\n"
+    assert the_mover(TWO_DRIVERS + unread, unread=("/one",)).unread == ("/one",)
+    assert the_mover(unread, unread=("/one",)).drivers == ("/one",)
+    assert the_mover(TWO_DRIVERS + BASE + unread, unread=("/one",)).unread == ()
+
+
+def test_a_bridge_that_was_not_read_obeys_nothing():
+    bridge = "/bridge rosbridge_server third_party\n"
+    mover = the_mover(TWO_DRIVERS + bridge, unread=("/bridge",))
+    assert (mover.unread, mover.doors) == ((), ("/bridge (any client)",))
+
+
+PLANNERS = tuple(
+    NodeParameter(node="/base", name=name, value=value)
+    for name, value in [
+        ("base_local_planner", "dwa_local_planner/DWAPlannerROS"),
+        ("DWAPlannerROS.max_vel_x", 1.0),
+        ("TrajectoryPlannerROS.max_vel_x", 2.0),
+    ]
+)
+
+
+def test_limits_of_a_planner_that_is_not_loaded_bound_nothing():
+    services = (Service(node="/base", name="/s", type="dynamic_reconfigure/Reconfigure"),)
+    movers = inventory(BASE, ros=1, parameters=PLANNERS, services=services)
+    (command,) = next(each.commands for each in movers if each.thing is Thing.LIMITS)
+    assert command.name == "/base.DWAPlannerROS.max_vel_x"
+
+
+def test_controllers_read_their_limits_once():
+    text = BASE.replace(" driver ", " diff_drive_controller ")
+    (mover,) = inventory(text, parameters=LIMITS)
+    assert mover.thing is Thing.BASE

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.findings.inventory.things import thing_of
+from rtron.findings.inventory.things import may_be_command, thing_of
 from rtron.vocabulary.inventory import Means, Thing
 
 TWIST, FLOAT, BOOL = "geometry_msgs/msg/Twist", "std_msgs/msg/Float64", "std_msgs/msg/Bool"
@@ -35,6 +35,16 @@ TOPIC, SERVICE, ACTION, _ = Means
         ("/horn", BOOL, TOPIC, Thing.HORN),
         ("/estop", BOOL, TOPIC, Thing.STOP),
         ("/my_emergency_thing", BOOL, TOPIC, Thing.STOP),
+        ("/runStop", "x/RunStop", TOPIC, Thing.STOP),
+        ("/joystick/chassisCommand", "x/chassisCommand", TOPIC, Thing.BASE),
+        ("/sub/arm", BOOL, TOPIC, Thing.ARMING),
+        ("/servo_node/pause_servo", "std_srvs/srv/SetBool", SERVICE, Thing.ARM),
+        (
+            "/cm/set_hardware_component_state",
+            "controller_manager_msgs/srv/SetHardwareComponentState",
+            SERVICE,
+            Thing.CONTROLLERS,
+        ),
         ("/set_mobo_kill", TRIGGER, SERVICE, Thing.STOP),
         ("/x/arm", TRIGGER, SERVICE, Thing.ARMING),
         ("/x/arm", FLOAT, TOPIC, Thing.ARM),
@@ -71,6 +81,7 @@ def test_what_moves(name, type, means, thing):
         ("/manager/unload_nodelet", "nodelet/NodeletUnload"),
         ("/rtcm", "rtcm_msgs/Message"),
         ("/drive/measured_twist", TWIST),
+        ("/mavros/local_position/velocity_local", "geometry_msgs/TwistStamped"),
         ("/nav/planner_get_progress", TRIGGER),
         ("/mower_map_service/add_area", TRIGGER),
         ("/chatter", "std_msgs/String"),
@@ -80,3 +91,24 @@ def test_what_moves(name, type, means, thing):
 @pytest.mark.parametrize("means", [Means.TOPIC, Means.SERVICE])
 def test_what_moves_nothing(name, type, means):
     assert thing_of(name, type, means) is None
+
+
+def test_a_service_of_nav2_moves_nothing_but_its_goals_do():
+    assert thing_of("/scan/add_zone", "nav2_msgs/srv/AddExclusionZone", SERVICE) is None
+    assert thing_of("/x", "nav2_msgs/action/Spin", ACTION) is Thing.BASE
+
+
+@pytest.mark.parametrize(
+    ("name", "type", "may_be"),
+    [
+        ("/trim_event", FLOAT, True),
+        ("/flaps", "own/Flaps", True),
+        ("/robot_info/request", BOOL, False),
+        ("/set_led_color", "std_msgs/String", False),
+        ("/light_control", "own/Light", False),
+        ("/imu/calibrate", BOOL, False),
+        ("/status", "std_msgs/String", False),
+    ],
+)
+def test_what_a_driver_hears_may_be_a_command(name, type, may_be):
+    assert may_be_command(name, type) is may_be

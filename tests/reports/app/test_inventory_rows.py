@@ -38,8 +38,7 @@ What can move this robot
   base            /base (serial port) obeys /cmd_vel
                   sent by /nav through /mux; the first of /joy_vel (20),
                   /nav_vel (1) wins
-                  open: nobody in this launch sends /joy_vel; whoever does
-                  commands it alone
+                  open: nobody in this launch sends /joy_vel; any node can
                   reached from a network through /bridge (any client)
                   stops when commands end: no; nothing in it looks
 """
@@ -85,7 +84,7 @@ def test_a_topic_that_nobody_here_obeys_or_sends():
     assert rows(thing=Thing.BASE, commands=(command,)) == [
         "/cmd_vel, obeyed by nobody in this launch",
         "sent by nobody in this launch",
-        "open: nobody in this launch sends /cmd_vel; whoever does commands it alone",
+        "open: nobody in this launch sends /cmd_vel; any node can",
     ]
 
 
@@ -95,13 +94,28 @@ def test_a_node_that_is_commanded_itself_may_be_the_only_sender():
     assert found == ["/base obeys /cmd_vel", "sent by /nav"]
 
 
+def test_a_topic_that_a_node_may_obey_which_was_not_read():
+    command = Command(means=Means.TOPIC, name="/cmd_vel", senders=("/nav",))
+    found = rows(thing=Thing.BASE, commands=(command,), unread=("/one", "/two"))
+    assert found[0] == "/cmd_vel, obeyed by nobody that was read; /one and /two may"
+
+
+def test_who_tells_a_sender_without_an_arbiter():
+    command = Command(means=Means.TOPIC, name="/cmd_vel", receivers=("/b",), senders=("/teleop",))
+    joy = Command(
+        means=Means.TOPIC, name="/joy", receivers=("/teleop",), senders=("/joy_node",), hops=1
+    )
+    found = rows(thing=Thing.BASE, commands=(command, joy), drivers=("/b",))
+    assert found == ["/b obeys /cmd_vel", "sent by /teleop, told by /joy_node"]
+
+
 def test_services_and_goals():
     arm = service("/arm", receivers=("/driver",), senders=("/mission",))
     goal = Command(means=Means.ACTION, name="/go", receivers=("/nav",))
     assert rows(thing=Thing.BASE, commands=(arm, goal), drivers=("/driver",)) == [
         "services /arm of /driver, called by /mission",
         "goals /go of /nav, sent by nobody in this launch",
-        "open: nobody in this launch sends /go; whoever does commands it alone",
+        "open: nobody in this launch sends /go; any node can",
     ]
 
 

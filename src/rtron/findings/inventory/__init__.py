@@ -9,6 +9,7 @@ from rtron.findings.inventory.commands import FIRMWARE_PACKAGES, AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
 from rtron.findings.inventory.stopping import stopping
+from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary.inventory import SWITCHES, Command, Means, Mover, Stops, Thing
 
@@ -33,12 +34,17 @@ def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
 
 
 def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
-    """Yield the nodes that were not read, and whose names say that they move something."""
+    """Yield the nodes that were not read, and whose names say that they move something.
+
+    Where nobody that was read moves anything, each of them may.
+    """
     listed = {node for mover in movers for node in mover.drivers}
+    listed |= {*bridges(app)}
     packages = {node: app.nodes[node].package for node in app.unread_nodes if node not in listed}
-    unread = [n for n, p in packages.items() if p in FIRMWARE_PACKAGES or moves(n, p)]
-    if unread:
-        yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread))
+    named = [n for n, p in packages.items() if p in FIRMWARE_PACKAGES or moves(n, p)]
+    is_told = any(mover.drivers or mover.unread for mover in movers)
+    if unread := named or (() if is_told else tuple(packages)):
+        yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread), doors=doors(app, ()))
 
 
 def _merged(
@@ -52,8 +58,11 @@ def _merged(
     moved = [key for key, found in groups.items() if any(c.means is Means.TOPIC for c in found)]
     for (thing, receivers), found in groups.items():
         same = [key for key in moved if key[0] is thing]
+        beside = [key for key in moved if key[1] == receivers and key[0] not in _APART]
         if thing in SWITCHES:
             lines[thing, ()] += found
+        elif thing is Thing.DEVICE and beside:
+            lines[beside[0]] += found
         elif (thing, receivers) in moved or not same:
             lines[thing, receivers] += found
         else:
@@ -67,13 +76,20 @@ def _merged(
         yield thing, found
 
 
+_APART = {*SWITCHES, Thing.DEVICE}
+
+
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
     topics = [each for each in last if each.means is Means.TOPIC]
     behind = list(commands.behind(topics))
     everything = _distinct([*last, *(command for _, command in behind)])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.devices(drivers)
-    end = stopping(app, drivers) if topics and thing not in SWITCHES else None
+    end = (
+        stopping(app, drivers, [c.name for c in topics])
+        if topics and thing not in SWITCHES
+        else None
+    )
     senders = _nodes(each.senders for each in everything)
     endpoints = [end for each in topics for end in app.graph.subscribers(each.name)]
     return Mover(
@@ -83,6 +99,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         hardware=tuple(dict.fromkeys(fact.value for fact in opened)),
         arbiters=tuple(dict.fromkeys(node for node, _ in behind if commands.decides(node))),
         doors=doors(app, senders),
+        unread=() if drivers else tuple(n for n in app.unread_nodes if n not in bridges(app)),
         stops=end.stops if end else Stops.UNKNOWN,
         stop=end.why if end else "",
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),

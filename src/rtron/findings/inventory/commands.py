@@ -9,7 +9,7 @@ from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.requests import actions, services
-from rtron.findings.inventory.things import thing_of
+from rtron.findings.inventory.things import may_be_command, thing_of
 from rtron.findings.motion.arbiter import arbiters, priorities
 from rtron.vocabulary import (
     Direction,
@@ -34,11 +34,16 @@ _DRIVER_PACKAGES = (
     *FIRMWARE_PACKAGES,
 )
 """Packages whose nodes stand next to hardware or a simulation, whatever they publish."""
+_SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
+_SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
 _MEASURED = frozenset({"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"})
 _LISTENERS = re.compile(r"filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot")
 """Words in the names of nodes that hear commands and obey none."""
 _COMMANDS = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
+_MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
+_MAVROS = "/mavros/"
+_SIGNALS = frozenset({"std_msgs/Bool", "std_msgs/Empty", "std_msgs/String"})
 _JOY = "sensor_msgs/Joy"
 _MOST_HOPS = 6
 
@@ -67,12 +72,19 @@ class AppCommands:
 
     def _as_driven(self, thing: Thing, command: Command) -> tuple[Thing, Command]:
         """Return what an autopilot moves as one vehicle: it does not tell what hangs on it."""
-        packages = {self._package(node) for node in command.receivers}
-        is_vehicle = thing in _OF_VEHICLES and packages == {"mavros"}
+        receivers = command.receivers
+        is_autopilot = (
+            all(map(self._is_autopilot, receivers)) if receivers else _MAVROS in command.name
+        )
+        is_vehicle = thing in _OF_VEHICLES and is_autopilot
         return (Thing.VEHICLE if is_vehicle else thing), command
 
     def _package(self, node: str) -> str:
         return self.app.nodes[node].package if node in self.app.nodes else ""
+
+    def _is_autopilot(self, node: str) -> bool:
+        links = (fact.value for fact in self.devices((node,)))
+        return self._package(node) == "mavros" or "vehicle link" in links
 
     def _is_sensor(self, node: str) -> bool:
         """Return whether a node measures and obeys no motion: its motor turns a lidar."""
@@ -105,7 +117,14 @@ class AppCommands:
         return all(set(self._inputs.get(node, ())) - {command.name} for node in senders)
 
     def _drives(self, node: str) -> bool:
-        return self._package(node) in _DRIVER_PACKAGES or node in self._device_nodes
+        is_driver = self._package(node) in _DRIVER_PACKAGES or node in self._device_nodes
+        return is_driver or node in self._controller_hosts
+
+    def _may_drive(self, node: str) -> bool:
+        """Return whether a node drives, or tells where something moved to, or was not read."""
+        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
+        is_unread = node in self.app.unread_nodes
+        return self._drives(node) or is_unread or not types.isdisjoint(_MOVED)
 
     def topic_command(self, topic: str, hops: int = 0) -> Command:
         """Return the command that a topic is."""
@@ -185,8 +204,28 @@ class AppCommands:
         motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
         found = (motion | self._locks) - self._action_topics
         for node in self._device_nodes:
-            found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
-        return tuple(sorted(found))
+            ends = self.app.graph.subscribed_by(node)
+            obeyed = {end.topic for end in ends if self._may_command(end)}
+            found |= obeyed | {e.topic for e in ends if obeyed and self._is_unnamed_command(e)}
+        return tuple(sorted(found | set(filter(self._switches, self._things))))
+
+    def _switches(self, topic: str) -> bool:
+        """Return whether a topic that somebody obeys stops, arms or ends the robot."""
+        is_signal = self.app.facts.topic(topic).type in _SIGNALS
+        is_switch = self._things[topic] in (_SURE_SWITCHES if not is_signal else _SIGNAL_SWITCHES)
+        return is_switch and bool(self.app.readers(topic))
+
+    def _is_unnamed_command(self, end: Endpoint) -> bool:
+        """Return whether a driver may obey a topic though neither its name nor its type tells."""
+        is_plain = end.type.startswith(("std_msgs/", f"{self._package(end.node)}/"))
+        is_explicit = not end.implicit and end.topic not in self._action_topics
+        return is_plain and is_explicit and may_be_command(end.topic, end.type)
+
+    @cached_property
+    def _controller_hosts(self) -> frozenset[str]:
+        """The nodes in which controllers run, next to the hardware."""
+        services = self.app.graph.services
+        return frozenset(e.node for e in services if e.type.endswith("/SwitchController"))
 
     @cached_property
     def _locks(self) -> frozenset[str]:
@@ -218,9 +257,9 @@ class AppCommands:
         return self._things.get(topic) or Thing.DEVICE
 
     def _is_forwarded(self, command: Command) -> bool:
-        """Return whether all that obey a topic hand it on to others."""
-        forwards = (self._forwards(node, command) for node in command.receivers)
-        return bool(command.receivers) and all(forwards)
+        """Return whether those that obey a topic hand it on to others; the rest only listens."""
+        rest = [node for node in command.receivers if not self._forwards(node, command)]
+        return len(rest) < len(command.receivers) and not any(map(self._may_drive, rest))
 
     def _forwards(self, node: str, command: Command) -> bool:
         """Return whether a node makes another command of one, not only tells how it moves."""
@@ -242,7 +281,7 @@ class AppCommands:
         if readers:
             return not readers <= self._upstream(command)
         is_same = normalise_type(end.type) == command.type
-        is_named = _COMMANDS.search(end.topic.rpartition("/")[2]) is not None
+        is_named = _COMMANDS.search("/".join(end.topic.split("/")[-2:])) is not None
         return is_same or is_named or end.node in self._ranks
 
     def _upstream(self, command: Command) -> frozenset[str]:

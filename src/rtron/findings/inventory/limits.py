@@ -1,15 +1,17 @@
 """The limits of motion that can be changed while the app runs: parameters of what moves it."""
 
 import re
+from collections.abc import Mapping
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
+from rtron.vocabulary import NodeParameter
 from rtron.vocabulary.inventory import Command, Means, Mover, Thing
 
 _LIMIT = re.compile(
     r"max_?(?:vel|speed|lin|ang|rot|acc|rpm|throttle|steer|trans)|(?:vel|velocity|speed)_(?:limit|max)"
-    r"|max_\w{0,40}(?:velocity|speed)|desired_linear_vel|scale_(?:linear|angular)|speed_scaling",
+    r"|max_\w{0,40}(?:velocity|speed)|^(?:[\w.]+\.)?(?:v[xy]|wz|v_linear|v_angular)_max|desired_linear_vel|scale_(?:linear|angular)|speed_scaling",
     re.IGNORECASE,
 )
 _RECONFIGURE = "dynamic_reconfigure/Reconfigure"
@@ -22,11 +24,12 @@ def limits(app: AppFacts, commands: AppCommands) -> Mover | None:
     dynamic_reconfigure.
     """
     movers = _movers(commands)
-    settable = movers & _with_reconfigure(app) if app.graph.ros == 1 else movers
+    settable = _with_reconfigure(app) if app.graph.ros == 1 else movers - _once_configured(app)
+    loaded = _loaded_planners(app)
     names = {
         each.node: f"{each.node}.{each.name}"
         for each in reversed(app.graph.parameters)
-        if each.node in settable and _LIMIT.search(each.name)
+        if each.node in movers & settable and _LIMIT.search(each.name) and _is_used(each, loaded)
     }
     if not names:
         return None
@@ -41,6 +44,27 @@ def _movers(commands: AppCommands) -> frozenset[str]:
     last = [command for _, command in commands.last() if command.means is Means.TOPIC]
     behind = [command for _, command in commands.behind(last)]
     return frozenset(node for each in (*last, *behind) for node in (*each.senders, *each.receivers))
+
+
+def _once_configured(app: AppFacts) -> frozenset[str]:
+    """Return the controllers of ros2_control: most read their limits when they are configured."""
+    return frozenset(
+        node.name
+        for node in app.graph.nodes
+        if node.package.endswith(("_controller", "_controllers"))
+    )
+
+
+def _loaded_planners(app: AppFacts) -> dict[str, str]:
+    """Return the local planner that each node loads (ROS wiki: move_base)."""
+    parameters = (each for each in app.graph.parameters if each.name == "base_local_planner")
+    return {each.node: str(each.value).rpartition("/")[2] for each in parameters}
+
+
+def _is_used(parameter: NodeParameter, loaded: Mapping[str, str]) -> bool:
+    """Return whether a parameter is not of a planner that is not loaded."""
+    planner = parameter.name.partition(".")[0]
+    return not planner.endswith("PlannerROS") or loaded.get(parameter.node, planner) == planner
 
 
 def _with_reconfigure(app: AppFacts) -> frozenset[str]:

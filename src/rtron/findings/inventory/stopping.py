@@ -1,10 +1,10 @@
 """Whether what drivers move stops by itself when commands end, as far as it can be told."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.command_timeout import TIMEOUT_NAMES, is_off
+from rtron.findings.motion.command_timeout import CLEVER_DEVICES, TIMEOUT_NAMES, is_off
 from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Stops
 
@@ -33,28 +33,35 @@ class Stopping(NamedTuple):
     why: str
 
 
-def stopping(app: AppFacts, drivers: tuple[str, ...]) -> Stopping:
-    """Return the worst that is known of the drivers."""
+def stopping(app: AppFacts, drivers: tuple[str, ...], topics: Iterable[str]) -> Stopping:
+    """Return the worst that is known of the drivers.
+
+    A controller of ROS 1 is no node: its topics and its parameters are below its name.
+    """
     if not drivers:
         return Stopping(Stops.UNKNOWN, "what obeys is not in this launch")
-    found = [_of_driver(app, node) for node in drivers]
+    controllers = {topic.rpartition("/")[0] for topic in topics} - app.nodes.keys()
+    found = [_of_driver(app, node, controllers) for node in drivers]
     order = (Stops.NO, Stops.UNKNOWN, Stops.YES)
     return min(found, key=lambda each: order.index(each.stops))
 
 
-def _of_driver(app: AppFacts, node: str) -> Stopping:
+def _of_driver(app: AppFacts, node: str, controllers: Collection[str]) -> Stopping:
     for parameter in app.graph.parameters:
         is_timeout = parameter.name.rpartition(".")[2] in TIMEOUT_NAMES
         is_number = isinstance(parameter.value, (int, float))
-        if parameter.node == node and is_timeout and is_number:
+        if parameter.node in {node, *controllers} and is_timeout and is_number:
             is_endless = is_off(parameter.value)
             stops = Stops.NO if is_endless else Stops.YES
-            return Stopping(stops, f"{node}: {parameter.name} is {parameter.value}")
+            return Stopping(stops, f"{parameter.node}: {parameter.name} is {parameter.value}")
     if fact := next(_facts(app, node, WiringFactKind.COMMAND_AGE), None):
         place = "".join(f", {at.file}:{at.line}" for at in fact.evidence[:1])
         return Stopping(Stops.YES, f"{node} seems to look at the age of commands{place}")
-    if next(_facts(app, node, WiringFactKind.DEVICE), None):
-        return Stopping(Stops.NO, f"nothing in the source of {node} looks at the age of a command")
+    if devices := [fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)]:
+        why = f"nothing in the source of {node} looks at the age of a command"
+        if CLEVER_DEVICES.isdisjoint(devices):
+            return Stopping(Stops.NO, why)
+        return Stopping(Stops.UNKNOWN, f"{why}; what it talks to may")
     package = app.nodes[node].package if node in app.nodes else ""
     if package in _KNOWN:
         return Stopping(*_KNOWN[package])

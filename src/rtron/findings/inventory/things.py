@@ -25,7 +25,10 @@ _USUAL_TYPES: tuple[tuple[str, Thing], ...] = (
 )
 """What a type mostly means, where the name says nothing."""
 _WORDS: tuple[tuple[Thing, str], ...] = (
-    (Thing.STOP, "estop stop_button emergency kill killswitch halt freeze stop_robot stop_all"),
+    (
+        Thing.STOP,
+        "estop runstop stop_button emergency kill killswitch halt freeze stop_robot stop_all",
+    ),
     (Thing.ARMING, "arming disarm unarm motors_on enable_motors"),
     (Thing.POWER, "power poweroff shutdown reboot relay relays battery_switch"),
     (Thing.TOOL, "blade mow mower cutter torpedo torpedoes dropper launcher shooter valve pump"),
@@ -36,26 +39,37 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
     (Thing.CONTROLLERS, "switch_controller"),
-    (Thing.ARM, "arm manipulator joint joints trajectory elbow wrist servo_node leg legs"),
-    (Thing.BASE, "vel velocity drive wheel wheels motor motors steer steering throttle brake"),
+    (Thing.ARM, "arm manipulator joint joints trajectory elbow wrist leg legs"),
+    (
+        Thing.BASE,
+        "vel velocity drive chassis wheel wheels motor motors steer steering throttle brake",
+    ),
     (Thing.BASE, "speed twist rpm pwm duty curvature ackermann esc gear servo servos navigate"),
     (Thing.BASE, "dock undock goal follow_path spin backup waypoint waypoints walk gait move"),
     (Thing.MODE, "mode modes autonomous autonomy manual teleop mission control"),
     (Thing.DEVICE, "cmd cmds command commands setpoint setpoints desired actuator actuators"),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
+_STOP_PARTS = ("e_stop", "emergency", "run_stop")
 _VAGUE = (None, Thing.DEVICE, Thing.MODE)
 """What a name may say that a type says better."""
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
-_ARMING_SERVICE = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
+_ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _HARMLESS = re.compile(
     r"_get_|^(?:measured|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|check|read|save|describe|download)(?:_|$)"
     r"|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
     r"|image|camera_info|calibrat\w+|parameters?|logger\w*|diagnostics|tf|pose_estimate|status"
-    r"|state|states|feedback|info|marker\w*|initialpose|clicked_point|position_estimate)$"
+    r"|(?<!component_)state|states|feedback|info|marker\w*|initialpose|clicked_point|position_estimate)$"
 )
 """Last names of what reads, shows or estimates."""
+_ESTIMATES = re.compile(r"/(?:local_position|global_position|odometry|odom|feedback|measured)/")
+"""Namespaces of what is measured."""
+_SIGNALS = ("std_msgs/Bool", "std_msgs/Empty")
+_ON_REQUEST = re.compile(
+    r"(?:^|_)(?:request|reset|led|leds|light\w*|config\w*|name|mode_request|info|text|sound)(?:_|$)"
+)
+"""Words in the names of what a driver hears that is no command."""
 _SHOWS = re.compile(
     r"(?:^|[/_])(?:led|leds|light|lights|lcd|oled|display|screen|sound|audio|map)(?:[/_]|$)"
 )
@@ -73,8 +87,8 @@ _HARMLESS_TYPES = re.compile(
 
 def thing_of(name: str, type: str, means: Means) -> Thing | None:
     """Return what a command moves; None where neither type nor name says that it does."""
-    type, last = _plain_type(type), name.rstrip("/").rpartition("/")[2].lower()
-    if _HARMLESS.search(last) or _HARMLESS_TYPES.match(type):
+    type, last = _plain_type(type), _last_part(name)
+    if is_harmless(name, type) or (means is Means.SERVICE and _is_of_nav2(type)):
         return None
     if _SHOWS.search(name.lower()) and not _by_type(type, _USUAL_TYPES):
         return None
@@ -82,11 +96,37 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
         return found
     if _LIMIT_WORDS.search(last):
         return Thing.LIMITS
-    if means is Means.SERVICE and _ARMING_SERVICE.search(last):
+    if (means is Means.SERVICE or type in _SIGNALS) and _ARMING.search(last):
         return Thing.ARMING
     named = _by_words(name)
     usual = _by_type(type, _USUAL_TYPES) if named in _VAGUE else None
     return usual or named or (Thing.DEVICE if _COMMAND_TYPE.search(type) else None)
+
+
+def is_harmless(name: str, type: str) -> bool:
+    """Return whether a name or a type says that something is read, shown or estimated."""
+    is_named = _HARMLESS.search(_last_part(name)) or _ESTIMATES.search(name)
+    return bool(is_named or _HARMLESS_TYPES.match(_plain_type(type)))
+
+
+def may_be_command(name: str, type: str) -> bool:
+    """Return whether what a driver hears may be a command, whatever neither name nor type says."""
+    is_asked = _ON_REQUEST.search(_last_part(name)) or _SHOWS.search(name.lower())
+    return not (is_asked or is_harmless(name, type))
+
+
+def _is_of_nav2(type: str) -> bool:
+    """Return whether a type is one of Nav2's that moves nothing: its goals do."""
+    return type.startswith("nav2_msgs/") and not _by_type(type, _TYPES)
+
+
+def _last_part(name: str) -> str:
+    return _snake(name.rstrip("/").rpartition("/")[2])
+
+
+def _snake(name: str) -> str:
+    """Return a name with its words apart: `chassisCommand` as `chassis_command`."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 def _plain_type(type: str) -> str:
@@ -99,9 +139,12 @@ def _by_type(type: str, table: tuple[tuple[str, Thing], ...]) -> Thing | None:
 
 
 def _by_words(name: str) -> Thing | None:
-    for part in reversed([part for part in name.lower().split("/") if part]):
+    parts = [part for part in _snake(name).split("/") if part]
+    if "servo_node" in parts:  # MoveIt Servo
+        return Thing.ARM
+    for part in reversed(parts):
         words = {part, *re.split(r"[_\d-]+", part)}
-        if "e_stop" in part or "emergency" in part:
+        if any(word in part for word in _STOP_PARTS):
             return Thing.STOP
         for thing, known in _WORDS:
             if not words.isdisjoint(known.split()):

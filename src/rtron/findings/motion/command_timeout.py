@@ -6,7 +6,7 @@ A node whose parameter for the timeout of its commands (`cmd_vel_timeout` and it
 which turns the timeout off. The parameters are those of the launch; a running app tells its own.
 And a node that obeys velocities, whose source opens hardware, and in whose source nothing looks at
 how old a command is: no watchdog, no timeout, no time of the last command. Then only the hardware
-could stop; whether it does, no scan sees.
+could stop; whether it does, no scan sees. An autopilot or a vendor's base mostly does: no finding.
 
 ## Why it matters
 
@@ -49,6 +49,8 @@ TIMEOUT_NAMES = (
     "timeout_cmd",
 )
 """Parameters that say how long a command counts."""
+CLEVER_DEVICES = frozenset({"vehicle link", "vendor SDK"})
+"""Devices that mostly stop by themselves: an autopilot, a base with a controller of its own."""
 _MEASURED = re.compile("gps|odom|imu|measured|actual|current|estimat")
 _VELOCITIES = ("geometry_msgs/Twist", "ackermann_msgs/")
 
@@ -71,9 +73,12 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
     """Yield the nodes that obey velocities by a device, and whose source knows no age of them."""
     kinds = (WiringFactKind.DEVICE, WiringFactKind.COMMAND_AGE)
     devices, aged = ({f.subject: f for f in app.graph.wiring if f.kind is kind} for kind in kinds)
+    opened: dict[str, set[str]] = defaultdict(set)
+    for fact in app.graph.wiring:
+        opened[fact.subject].add(fact.value)
     for node in sorted(devices.keys() - aged.keys()):
         endpoints = app.graph.subscribed_by(node)
-        if any(map(_is_velocity, endpoints)):
+        if any(map(_is_velocity, endpoints)) and opened[node].isdisjoint(CLEVER_DEVICES):
             yield node, devices[node]
 
 

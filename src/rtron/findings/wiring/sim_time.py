@@ -29,6 +29,8 @@ from rtron.vocabulary import Certainty, Consequence, Finding, Node
 from rtron.wording import conjugate, join_names
 
 _SIMULATORS = ("gazebo_", "ros_gz", "ros_ign")
+_TOOL = "_ros2cli"
+"""How the nodes of the command line tools begin, which end at once."""
 _NAV2_HELPER = re.compile(r".*_rclcpp_node|(?:/.*)?/(\w+)/\1")
 """A server's node for its behaviour tree, and a costmap, which lies in a namespace of its name."""
 
@@ -63,7 +65,8 @@ def _keeps_time(app: AppFacts, node: str) -> bool:
     known = app.nodes.get(node, Node(name=node))
     is_simulator = known.package.startswith(_SIMULATORS)
     is_helper = known.package.startswith("nav2_") and bool(_NAV2_HELPER.fullmatch(node))
-    return not (is_simulator or is_helper or node in app.facts.viewers)
+    is_tool = node.rpartition("/")[2].startswith(_TOOL)
+    return not (is_simulator or is_helper or is_tool or node in app.facts.viewers)
 
 
 RULE = FindingRule(

@@ -42,9 +42,10 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
     for means in Means:
         commands = [each for each in last if each.means is means]
         yield from _MEANS_ROWS[means](mover, commands) if commands else ()
-    if spare := _open(mover):
-        text = f"open: nobody in this launch sends {_names(spare)}; whoever does commands it alone"
-        yield MoverRow(text, Tone.WARNING)
+    for verb, sent in _OPEN.items():
+        if spare := [each for each in _open(mover) if each.means in sent]:
+            text = f"open: nobody in this launch {verb} {_names(spare)}; any node can"
+            yield MoverRow(text, Tone.WARNING)
     if mover.doors:
         yield MoverRow(f"reached from a network through {join_names(mover.doors)}", Tone.WARNING)
     if mover.stop:
@@ -59,19 +60,34 @@ def _open(mover: Mover) -> list[Command]:
     return [command for command in open_ if "{" not in command.name]
 
 
+def _nobody(mover: Mover) -> str:
+    """Return who obeys a command that nobody obeys: perhaps a node that was not read."""
+    if not mover.unread:
+        return "nobody in this launch"
+    return f"nobody that was read; {join_names(mover.unread)} may"
+
+
 def _topic_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
     hardware = f" ({', '.join(mover.hardware)})" if mover.hardware else ""
     if mover.drivers:
         verb = conjugate(mover.drivers, "obey")
         yield MoverRow(f"{join_names(mover.drivers)}{hardware} {verb} {_names(last)}")
     else:
-        yield MoverRow(f"{_names(last)}, obeyed by nobody in this launch")
+        yield MoverRow(f"{_names(last)}, obeyed by {_nobody(mover)}")
+    yield MoverRow(f"sent by {_sources(mover, last)}{_order(mover)}")
+
+
+def _sources(mover: Mover, last: Sequence[Command]) -> str:
+    """Return who sends commands, and who is behind them: through arbiters, or as their input."""
+    direct = _senders(last)
     sources = _senders(each for each in mover.commands if each.means is Means.TOPIC)
     between = [node for node in mover.arbiters if node in sources]
     others = [node for node in sources if node not in between]
-    through = f" through {join_names(between)}" if between and others else ""
-    senders = join_names(others or between, "nobody in this launch")
-    yield MoverRow(f"sent by {senders}{through}{_order(mover)}")
+    if between and others:
+        return f"{join_names(others)} through {join_names(between)}"
+    behind = [node for node in sources if node not in direct]
+    by = f", told by {join_names(behind)}" if behind else ""
+    return f"{join_names(direct, 'nobody in this launch')}{by}"
 
 
 def _request_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
@@ -89,6 +105,7 @@ def _parameter_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]
     yield MoverRow(f"any node can set {_names(last)} while the app runs")
 
 
+_OPEN = {"sends": (Means.TOPIC, Means.ACTION), "calls": (Means.SERVICE,)}
 _REQUESTS = {Means.SERVICE: ("services", "called by"), Means.ACTION: ("goals", "sent by")}
 _MEANS_ROWS = {
     Means.TOPIC: _topic_rows,
@@ -127,6 +144,7 @@ def inventory_to_json(movers: Sequence[Mover]) -> list[dict[str, Any]]:
             "commands": [_command(each) for each in mover.commands],
             "arbiters": list(mover.arbiters),
             "doors": list(mover.doors),
+            "unread": list(mover.unread),
             "stops": mover.stops.value,
             "why": mover.stop,
             "evidence": [{"file": at.file, "line": at.line} for at in mover.evidence],

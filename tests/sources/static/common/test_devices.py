@@ -128,6 +128,8 @@ def test_sockets(facts, line, how):
     [
         "if now - self.last_cmd_time > 0.5:",
         "self.cmd_vel_timeout = 0.5",
+        "if elapsed > CONTROL_LOOP_TIMEOUT_MS:",
+        "status.cmd_ts = now",
         "self.watchdog = Timer()",
         "if self.lastCommandTime < now:",
         "declare_parameter('velocity_timeout', 2.0)",

@@ -113,3 +113,10 @@ def test_the_timeout_of_a_controller_is_in_the_graph(scanned):
     graph = scanned(f"</node>{outside}<node pkg='robot' type='other.py' name='third'>")
     values = [(p.node, p.name, p.value) for p in graph.parameters]
     assert values == [("/drive", "cmd_vel_timeout", 0.0)]
+
+
+def test_maps_in_a_list_are_parameters_of_the_node(scanned):
+    given = "<rosparam>topics: [{name: a, topic: a_vel}, {topic: b_vel, priority: 2}]</rosparam>"
+    found = {each.name: each.value for each in scanned(given).parameters}
+    assert found["topics.0.topic"] == "a_vel"
+    assert (found["topics.1.topic"], found["topics.1.priority"]) == ("b_vel", 2)

@@ -112,6 +112,7 @@ def test_a_controller_is_read_from_its_source(launched):
 def test_a_controller_of_which_there_is_no_source_is_noted(launched):
     graph = launched("missing")
     assert [note.why for note in graph.unresolved] == ["no model of own/None"]
+    assert [node.name for node in graph.nodes if node.unread] == ["/missing"]
 
 
 @pytest.mark.parametrize("options", ["", "-c /controller_manager --set-state active"])

@@ -122,3 +122,11 @@ def test_a_kept_result_is_of_its_own_description(launched, tmp_path_factory):
         for told in ("first", "second")
     ]
     assert topics == [{f"/{told}", "/more", "/my_arm/read"} for told in ("first", "second")]
+
+
+def test_a_component_without_a_node_of_its_own_is_none(launched, tmp_path):
+    silent = ARM[: ARM.index("  CallbackReturn on_init")] + "};\n}\n"
+    (tmp_path / "arm.cpp").write_text(silent)
+    graph = launched(OWN)
+    assert [node.name for node in graph.nodes] == ["/controller_manager"]
+    assert graph.unresolved == ()

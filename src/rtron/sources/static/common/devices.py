@@ -47,7 +47,8 @@ _AGE = (
     r"watch_?dog|dead_?man|fail_?safe"
     rf"|{_COMMAND}(?:_\w{{0,30}})?_?time_?out|time_?out_?(?:\w{{0,30}}_)?{_COMMAND}(?![a-z])"
     rf"|(?:last|prev|previous)_(?:\w{{0,30}}_)?{_COMMAND}_(?:\w{{0,30}}_)?(?:time|stamp|received|at|t)_?\b"
-    rf"|t_last_(?:\w{{0,30}}_)?{_COMMAND}|time_?since_?(?:\w{{0,30}}_)?{_COMMAND}"
+    r"|(?:control|ctrl)_(?:loop_)?time_?out"
+    rf"|\b{_COMMAND}_ts\b|t_last_(?:\w{{0,30}}_)?{_COMMAND}|time_?since_?(?:\w{{0,30}}_)?{_COMMAND}"
     r"|(?:cmd|command|twist)_?(?:time|stamp)_?\b[^\n]{0,40}>|lastCommand|lastCmd"
 )
 """Names that tell of a command's age, or of what ends one."""

@@ -29,6 +29,15 @@ def node_parameters(parameters: ParameterTree, nodes: Collection[str]) -> Iterat
         if owner:
             name = full_name.removeprefix(f"{owner}/").replace("/", ".")
             yield NodeParameter(node=owner, name=name, value=_plain(leaf.value))
+            for key, value in _items(leaf.value):
+                yield NodeParameter(node=owner, name=f"{name}.{key}", value=_plain(value))
+
+
+def _items(value: ParameterValue) -> Iterator[tuple[str, ParameterValue]]:
+    """Yield what stands in the maps of a list, as `NUMBER.KEY`: the inputs of a twist_mux."""
+    for number, item in enumerate(value if isinstance(value, list) else ()):
+        for key, inner in item.items() if isinstance(item, dict) else ():
+            yield f"{number}.{key}", inner
 
 
 def _namespaces(name: str) -> Iterator[str]:

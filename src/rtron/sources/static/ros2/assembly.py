@@ -13,6 +13,7 @@ from rtron.sources.static.common.app_node import AppNode, may_both_start
 from rtron.sources.static.common.frames import TRANSFORMS, FrameBroadcasters, node_name
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.common.task import TaskKind
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
 from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
@@ -141,10 +142,16 @@ def _activated_nodes(name: str, part: NodePart) -> Iterator[str]:
 def _programs_without_nodes(part: NodePart) -> Iterator[UnresolvedItem]:
     """Yield a note on a program whose source is here and makes no node: code elsewhere may."""
     node, interface = part.node, part.interface
-    if part.task is not None and not (interface.declarations or interface.nodes):
+    is_program = part.task is not None and not _is_hardware(part)
+    if is_program and not (interface.declarations or interface.nodes):
         what = f"node {node.name} ({node.package}/{node.type})"
         why = "its source is here, and no node is seen that it makes"
         yield UnresolvedItem(what=what, why=why, evidence=(node.evidence,))
+
+
+def _is_hardware(part: NodePart) -> bool:
+    """Return whether a part is hardware of ros2_control, which needs no node of its own."""
+    return part.task is not None and part.task.kind is TaskKind.HARDWARE
 
 
 def _created_nodes(part: NodePart) -> Iterator[CreatedNode]:
@@ -152,7 +159,8 @@ def _created_nodes(part: NodePart) -> Iterator[CreatedNode]:
     names = {created.name for created in part.interface.nodes}
     yield from part.interface.nodes
     others = dict.fromkeys(d.node or part.node.name for d in part.interface.declarations)
-    for name in others if names else (others or {part.node.name: None}):
+    is_named = names or _is_hardware(part)
+    for name in others if is_named else (others or {part.node.name: None}):
         if name not in names:
             yield CreatedNode(name=name)
 

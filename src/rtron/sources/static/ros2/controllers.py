@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
-from rtron.sources.declaration import NodeInterface, NodeSite
+from rtron.sources.declaration import CreatedNode, NodeInterface, NodeSite
 from rtron.sources.models import ModelCatalog, node_interface
 from rtron.sources.models.common.arguments import option, positional
 from rtron.sources.models.common.schema import NodeRole
@@ -67,9 +67,7 @@ class ControllerParts:
         args = spawner.node.site.args
         controller_type = option(args, _TYPE) or parameter_value(site, manager, f"{name}.type")
         if not isinstance(controller_type, str):
-            return _missing_controller(
-                spawner, site.name, _missing_reason(controller_type, manager, manager_node)
-            )
+            return _missing_controller(spawner, site.name, _missing_reason(manager, manager_node))
         rules = (*_rules(args), *(manager_node.process_remap_rules if manager_node else ()))
         node = replace(spawner.node, site=site, type=controller_type, process_remap_rules=rules)
         node = replace(node, package=controller_type.partition("/")[0])
@@ -77,9 +75,7 @@ class ControllerParts:
         if task is not None:
             return NodePart(node=node, owner=site.name, task=task)
         if model is None:
-            return _missing_controller(
-                spawner, site.name, _missing_reason(controller_type, manager, manager_node)
-            )
+            return _unread_controller(node)
         model_interface = node_interface(model, replace(site, remaps=rules), models=self.models)
         model_interface = model_interface.with_location(node.evidence)
         return NodePart(node=node, owner=site.name, model=model, interface=model_interface)
@@ -140,8 +136,14 @@ def _missing_controller(spawner: NodePart, name: str, why: str) -> NodePart:
     return replace(spawner, interface=NodeInterface(nodes=nodes, unresolved=(note,)))
 
 
-def _missing_reason(type: object, manager: str, manager_node: AppNode | None) -> str:
-    if isinstance(type, str):
-        return f"no model of {type[:80]}"
+def _unread_controller(node: AppNode) -> NodePart:
+    """Return a controller of which nothing but its name and type is known: a node not read."""
+    why = f"no model of {node.type[:80]}"
+    note = UnresolvedItem(what=f"controller {node.name}", why=why, evidence=(node.evidence,))
+    interface = NodeInterface(nodes=(CreatedNode(name=node.name),), unresolved=(note,))
+    return NodePart(node=node, owner=node.name, interface=interface)
+
+
+def _missing_reason(manager: str, manager_node: AppNode | None) -> str:
     hint = "" if manager_node else f", and nothing here starts {manager}"
     return f"its parameter type is not known{hint}"
