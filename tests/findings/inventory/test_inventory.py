@@ -12,6 +12,7 @@ from rtron.vocabulary import (
     NodeParameter,
     Service,
     ServiceClient,
+    UnresolvedItem,
     WiringFact,
     WiringFactKind,
 )
@@ -368,3 +369,22 @@ def test_controllers_read_their_limits_once():
     text = BASE.replace(" driver ", " diff_drive_controller ")
     (mover,) = inventory(text, parameters=LIMITS)
     assert mover.thing is Thing.BASE
+
+
+def test_what_a_driver_by_its_odometry_hears_stands_with_its_velocities():
+    more = "    sub /flip std_msgs/msg/UInt8\n    sub /record std_msgs/msg/Bool\n"
+    assert names(the_mover(BASE + more).last_commands) == ["/cmd_vel"]
+    assert names(the_mover(BASE + more + ODOMETRY).last_commands) == ["/cmd_vel", "/flip"]
+
+
+def test_a_launch_file_that_was_not_read_may_start_who_obeys():
+    note = UnresolvedItem(what="include $(find smoother)/smoother.launch", why="not here")
+    assert the_mover(TWO_DRIVERS, unresolved=(note,)).unread == (note.what,)
+    shape = UnresolvedItem(what="include $(find arm)/urdf/arm.urdf.xacro", why="not here")
+    assert the_mover(TWO_DRIVERS, unresolved=(shape,)).unread == ()
+
+
+def test_all_parameters_of_what_can_be_tuned_count_where_no_name_tells():
+    services = (Service(node="/base", name="/s", type="dynamic_reconfigure/Reconfigure"),)
+    movers = {each.thing: each for each in inventory(BASE, ros=1, services=services)}
+    assert names(movers[Thing.LIMITS].commands) == ["/base/set_parameters"]

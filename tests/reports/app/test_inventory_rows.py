@@ -142,6 +142,7 @@ def test_as_json():
         "commands": [],
         "arbiters": ["/mux"],
         "doors": ["/bridge (any client)"],
+        "unread": [],
         "stops": "no",
         "why": "nothing in it looks",
         "evidence": [{"file": "base.py", "line": 3}],

@@ -5,9 +5,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.commands import FIRMWARE_PACKAGES, AppCommands
+from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
+from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles
 from rtron.findings.inventory.stopping import stopping
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
@@ -21,7 +22,7 @@ MOST_MOVERS = 12
 
 def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
     """Return what can move the robot, in the order of `Thing`; empty where nothing does."""
-    commands = AppCommands(app)
+    commands = AppCommands(app, NodeRoles(app))
     groups: dict[tuple[Thing, tuple[str, ...]], list[Command]] = defaultdict(list)
     for thing, command in commands.last():
         groups[thing, command.receivers].append(command)
@@ -42,8 +43,8 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
     listed |= {*bridges(app)}
     packages = {node: app.nodes[node].package for node in app.unread_nodes if node not in listed}
     named = [n for n, p in packages.items() if p in FIRMWARE_PACKAGES or moves(n, p)]
-    is_told = any(mover.drivers or mover.unread for mover in movers)
-    if unread := named or (() if is_told else tuple(packages)):
+    has_driver = any(mover.drivers or mover.unread for mover in movers)
+    if unread := named or (() if has_driver else tuple(packages)):
         yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread), doors=doors(app, ()))
 
 
@@ -56,7 +57,7 @@ def _merged(
     """
     lines: dict[tuple[Thing, tuple[str, ...]], list[Command]] = defaultdict(list)
     moved = [key for key, found in groups.items() if any(c.means is Means.TOPIC for c in found)]
-    for (thing, receivers), found in groups.items():
+    for (thing, receivers), found in sorted(groups.items(), key=lambda g: g[0][0] is Thing.DEVICE):
         same = [key for key in moved if key[0] is thing]
         beside = [key for key in moved if key[1] == receivers and key[0] not in _APART]
         if thing in SWITCHES:
@@ -76,6 +77,12 @@ def _merged(
         yield thing, found
 
 
+def _unread_parts(app: AppFacts) -> tuple[str, ...]:
+    """Return the nodes that were not read, else the first launch file that starts more."""
+    nodes = tuple(node for node in app.unread_nodes if node not in bridges(app))
+    return nodes or tuple(name for name in app.unread_files if ".launch" in name)[:1]
+
+
 _APART = {*SWITCHES, Thing.DEVICE}
 
 
@@ -84,7 +91,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     behind = list(commands.behind(topics))
     everything = _distinct([*last, *(command for _, command in behind)])
     drivers = _nodes(each.receivers for each in (topics or last))
-    opened = commands.devices(drivers)
+    opened = commands.roles.devices(drivers)
     end = (
         stopping(app, drivers, [c.name for c in topics])
         if topics and thing not in SWITCHES
@@ -99,7 +106,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         hardware=tuple(dict.fromkeys(fact.value for fact in opened)),
         arbiters=tuple(dict.fromkeys(node for node, _ in behind if commands.decides(node))),
         doors=doors(app, senders),
-        unread=() if drivers else tuple(n for n in app.unread_nodes if n not in bridges(app)),
+        unread=() if drivers else _unread_parts(app),
         stops=end.stops if end else Stops.UNKNOWN,
         stop=end.why if end else "",
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),

@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.requests import actions, services
 from rtron.findings.inventory.things import may_be_command, thing_of
 from rtron.findings.motion.arbiter import arbiters, priorities
@@ -16,32 +17,14 @@ from rtron.vocabulary import (
     Domain,
     Endpoint,
     Ros1ActionTopic,
-    WiringFact,
-    WiringFactKind,
     normalise_type,
 )
 from rtron.vocabulary.inventory import Command, Means, Thing
 
-FIRMWARE_PACKAGES = ("rosserial_python", "rosserial_server", "micro_ros_agent")
-"""Packages whose nodes speak for firmware, which no scan reads."""
-_DRIVER_PACKAGES = (
-    *("diff_drive_controller", "ackermann_steering_controller", "mecanum_drive_controller"),
-    *("tricycle_controller", "omni_wheel_drive_controller", "steering_controllers_library"),
-    *("bicycle_steering_controller", "joint_trajectory_controller", "forward_command_controller"),
-    *("velocity_controllers", "position_controllers", "effort_controllers", "gripper_controllers"),
-    *("gazebo_ros", "gazebo_plugins", "ros_gz_bridge", "ros_ign_bridge", "stage_ros", "turtlesim"),
-    *("kobuki_node", "create_driver", "turtlebot3_node", "mavros"),
-    *FIRMWARE_PACKAGES,
-)
-"""Packages whose nodes stand next to hardware or a simulation, whatever they publish."""
 _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
-_MEASURED = frozenset({"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"})
-_LISTENERS = re.compile(r"filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot")
-"""Words in the names of nodes that hear commands and obey none."""
 _COMMANDS = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
-_MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
 _MAVROS = "/mavros/"
 _SIGNALS = frozenset({"std_msgs/Bool", "std_msgs/Empty", "std_msgs/String"})
 _JOY = "sensor_msgs/Joy"
@@ -53,6 +36,7 @@ class AppCommands:
     """The commands of an app, each with the thing that it moves."""
 
     app: AppFacts
+    roles: NodeRoles
     _walks: dict[str, frozenset[str]] = field(default_factory=dict, init=False, compare=False)
 
     def last(self) -> Iterator[tuple[Thing, Command]]:
@@ -60,71 +44,34 @@ class AppCommands:
         for topic in self._command_topics:
             thing, command = self._thing_of_topic(topic), self.topic_command(topic)
             receivers = command.receivers
-            is_vague = thing is Thing.DEVICE and receivers and not any(map(self._drives, receivers))
+            is_vague = thing is Thing.DEVICE and receivers and not self._any_drives(receivers)
             is_passed_on = self._is_forwarded(command) or self._is_measured(command)
             has_sides = bool(receivers or command.senders)
             if topic in self._locks or (has_sides and not (is_vague or is_passed_on)):
                 yield self._as_driven(thing, command)
         for thing, command in chain(services(self.app.graph), actions(self.app.graph)):
             is_motor = thing is Thing.BASE and command.means is Means.SERVICE
-            if not (is_motor and any(map(self._is_sensor, command.receivers))):
+            if not (is_motor and any(map(self.roles.is_sensor, command.receivers))):
                 yield self._as_driven(thing, command)
+
+    def _any_drives(self, nodes: Iterable[str]) -> bool:
+        return any(map(self.roles.may_drive, nodes))
 
     def _as_driven(self, thing: Thing, command: Command) -> tuple[Thing, Command]:
         """Return what an autopilot moves as one vehicle: it does not tell what hangs on it."""
         receivers = command.receivers
         is_autopilot = (
-            all(map(self._is_autopilot, receivers)) if receivers else _MAVROS in command.name
+            all(map(self.roles.is_autopilot, receivers)) if receivers else _MAVROS in command.name
         )
         is_vehicle = thing in _OF_VEHICLES and is_autopilot
         return (Thing.VEHICLE if is_vehicle else thing), command
 
-    def _package(self, node: str) -> str:
-        return self.app.nodes[node].package if node in self.app.nodes else ""
-
-    def _is_autopilot(self, node: str) -> bool:
-        links = (fact.value for fact in self.devices((node,)))
-        return self._package(node) == "mavros" or "vehicle link" in links
-
-    def _is_sensor(self, node: str) -> bool:
-        """Return whether a node measures and obeys no motion: its motor turns a lidar."""
-        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
-        obeyed = (end.topic for end in self.app.graph.subscribed_by(node))
-        return not types.isdisjoint(_MEASURED) and not any(map(self.app.is_motion, obeyed))
-
-    def _obeys(self, node: str) -> bool:
-        """Return whether a node that hears a command may obey it: an estimator only listens."""
-        return node not in self._listeners
-
-    @cached_property
-    def _listeners(self) -> frozenset[str]:
-        """The nodes whose names say that they obey nothing, and that command nothing."""
-        named = {
-            node.name
-            for node in self.app.graph.nodes
-            if _LISTENERS.search(f"{node.name.rpartition('/')[2]} {node.package}")
-        }
-        sends = self.app.graph.published_by
-        commands = (n for n in named if any(self.app.is_motion(e.topic) for e in sends(n)))
-        drivers = (node for node in named if self._drives(node))
-        return frozenset(named.difference(commands, drivers))
-
     def _is_measured(self, command: Command) -> bool:
         """Return whether drivers tell by a topic how they move, and nobody obeys it."""
         senders = command.senders
-        if not senders or command.receivers or not all(map(self._drives, senders)):
+        if not senders or command.receivers or not all(map(self.roles.drives, senders)):
             return False
         return all(set(self._inputs.get(node, ())) - {command.name} for node in senders)
-
-    def _drives(self, node: str) -> bool:
-        is_driver = self._package(node) in _DRIVER_PACKAGES or node in self._device_nodes
-        return is_driver or node in self._controller_hosts
-
-    def _may_drive(self, node: str) -> bool:
-        """Return whether a node drives, or tells where something moved to, or was not read."""
-        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
-        is_unread = node in self.app.unread_nodes
-        return self._drives(node) or is_unread or not types.isdisjoint(_MOVED)
 
     def topic_command(self, topic: str, hops: int = 0) -> Command:
         """Return the command that a topic is."""
@@ -133,7 +80,7 @@ class AppCommands:
             means=Means.TOPIC,
             name=topic,
             type=facts.type,
-            receivers=tuple(node for node in facts.successors if self._obeys(node)),
+            receivers=tuple(node for node in facts.successors if self.roles.obeys(node)),
             senders=facts.publishers,
             hops=hops,
         )
@@ -159,14 +106,6 @@ class AppCommands:
     def decides(self, node: str) -> bool:
         """Return whether a node decides between commands: an arbiter, or one that takes several."""
         return node in self._ranks or len(self._inputs.get(node, ())) > 1
-
-    def devices(self, nodes: tuple[str, ...]) -> tuple[WiringFact, ...]:
-        """Return what the source of nodes opens."""
-        return tuple(
-            fact
-            for fact in self.app.graph.wiring
-            if fact.kind is WiringFactKind.DEVICE and fact.subject in nodes
-        )
 
     @cached_property
     def _ranks(self) -> dict[str, dict[str, str]]:
@@ -194,20 +133,21 @@ class AppCommands:
         }
 
     @cached_property
-    def _device_nodes(self) -> frozenset[str]:
-        kind = WiringFactKind.DEVICE
-        return frozenset(fact.subject for fact in self.app.graph.wiring if fact.kind is kind)
-
-    @cached_property
-    def _command_topics(self) -> tuple[str, ...]:
+    def _named_topics(self) -> frozenset[str]:
         """The topics that command motion, and what nodes with a device obey."""
         motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
         found = (motion | self._locks) - self._action_topics
-        for node in self._device_nodes:
-            ends = self.app.graph.subscribed_by(node)
-            obeyed = {end.topic for end in ends if self._may_command(end)}
-            found |= obeyed | {e.topic for e in ends if obeyed and self._is_unnamed_command(e)}
-        return tuple(sorted(found | set(filter(self._switches, self._things))))
+        for node in self.roles.with_device:
+            found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
+        return frozenset(found | set(filter(self._switches, self._things)))
+
+    @cached_property
+    def _command_topics(self) -> tuple[str, ...]:
+        """The topics that command motion, and what else those hear that obey them."""
+        obedient = {node for topic in self._named_topics for node in self.app.readers(topic)}
+        endpoints = map(self.app.graph.subscribed_by, filter(self.roles.may_drive, obedient))
+        unnamed = filter(self._is_unnamed_command, chain.from_iterable(endpoints))
+        return tuple(sorted(self._named_topics.union(each.topic for each in unnamed)))
 
     def _switches(self, topic: str) -> bool:
         """Return whether a topic that somebody obeys stops, arms or ends the robot."""
@@ -217,15 +157,9 @@ class AppCommands:
 
     def _is_unnamed_command(self, end: Endpoint) -> bool:
         """Return whether a driver may obey a topic though neither its name nor its type tells."""
-        is_plain = end.type.startswith(("std_msgs/", f"{self._package(end.node)}/"))
+        is_plain = end.type.startswith(("std_msgs/", f"{self.roles.package(end.node)}/"))
         is_explicit = not end.implicit and end.topic not in self._action_topics
         return is_plain and is_explicit and may_be_command(end.topic, end.type)
-
-    @cached_property
-    def _controller_hosts(self) -> frozenset[str]:
-        """The nodes in which controllers run, next to the hardware."""
-        services = self.app.graph.services
-        return frozenset(e.node for e in services if e.type.endswith("/SwitchController"))
 
     @cached_property
     def _locks(self) -> frozenset[str]:
@@ -259,11 +193,11 @@ class AppCommands:
     def _is_forwarded(self, command: Command) -> bool:
         """Return whether those that obey a topic hand it on to others; the rest only listens."""
         rest = [node for node in command.receivers if not self._forwards(node, command)]
-        return len(rest) < len(command.receivers) and not any(map(self._may_drive, rest))
+        return len(rest) < len(command.receivers) and not self._any_drives(rest)
 
     def _forwards(self, node: str, command: Command) -> bool:
         """Return whether a node makes another command of one, not only tells how it moves."""
-        if self._drives(node):
+        if self.roles.drives(node):
             return False
         sent = [
             end
@@ -277,7 +211,7 @@ class AppCommands:
 
         Where nobody here obeys it, its type or name says so, or that an arbiter sends it.
         """
-        readers = {node for node in self.app.readers(end.topic) if self._obeys(node)}
+        readers = {node for node in self.app.readers(end.topic) if self.roles.obeys(node)}
         if readers:
             return not readers <= self._upstream(command)
         is_same = normalise_type(end.type) == command.type
@@ -299,7 +233,7 @@ class AppCommands:
     @cached_property
     def _leading_topics(self) -> frozenset[str]:
         """The command topics, and those that nodes make them of."""
-        found, pending = set(self._command_topics), list(self._command_topics)
+        found, pending = set(self._named_topics), list(self._named_topics)
         while pending:
             for node in self.app.publishers(pending.pop()):
                 further = set(self._inputs.get(node, ())) - found

@@ -31,6 +31,9 @@ def limits(app: AppFacts, commands: AppCommands) -> Mover | None:
         for each in reversed(app.graph.parameters)
         if each.node in movers & settable and _LIMIT.search(each.name) and _is_used(each, loaded)
     }
+    names = {
+        node: f"{node}/set_parameters" for node in sorted(_with_reconfigure(app) & movers)
+    } | names
     if not names:
         return None
     found = tuple(

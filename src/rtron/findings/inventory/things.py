@@ -17,6 +17,7 @@ _TYPES: tuple[tuple[str, Thing], ...] = (
 )
 """What a type can only mean."""
 _USUAL_TYPES: tuple[tuple[str, Thing], ...] = (
+    (r"trajectory_msgs/MultiDOF", Thing.VEHICLE),
     (r"trajectory_msgs/|control_msgs/|moveit_msgs/", Thing.ARM),
     (r"geometry_msgs/Wrench", Thing.THRUSTERS),
     (r"\w+/Twist\w*|ackermann_msgs/|move_base_msgs/|mbf_msgs/|autoware", Thing.BASE),
@@ -39,15 +40,21 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
     (Thing.CONTROLLERS, "switch_controller"),
-    (Thing.ARM, "arm manipulator joint joints trajectory elbow wrist leg legs"),
+    (Thing.ARM, "arm manipulator joint joints elbow wrist leg legs"),
     (
         Thing.BASE,
         "vel velocity drive chassis wheel wheels motor motors steer steering throttle brake",
     ),
     (Thing.BASE, "speed twist rpm pwm duty curvature ackermann esc gear servo servos navigate"),
-    (Thing.BASE, "dock undock goal follow_path spin backup waypoint waypoints walk gait move"),
+    (
+        Thing.BASE,
+        "dock undock goal follow_path spin backup waypoint waypoints walk gait move path go goto",
+    ),
     (Thing.MODE, "mode modes autonomous autonomy manual teleop mission control"),
-    (Thing.DEVICE, "cmd cmds command commands setpoint setpoints desired actuator actuators"),
+    (
+        Thing.DEVICE,
+        "cmd cmds command commands setpoint setpoints trajectory desired actuator actuators",
+    ),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
 _STOP_PARTS = ("e_stop", "emergency", "run_stop")
@@ -57,7 +64,7 @@ _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _HARMLESS = re.compile(
-    r"_get_|^(?:measured|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|check|read|save|describe|download)(?:_|$)"
+    r"_get_|^(?:measured|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|clear|check|read|save|describe|download)(?:_|$)"
     r"|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
     r"|image|camera_info|calibrat\w+|parameters?|logger\w*|diagnostics|tf|pose_estimate|status"
     r"|(?<!component_)state|states|feedback|info|marker\w*|initialpose|clicked_point|position_estimate)$"
@@ -67,7 +74,8 @@ _ESTIMATES = re.compile(r"/(?:local_position|global_position|odometry|odom|feedb
 """Namespaces of what is measured."""
 _SIGNALS = ("std_msgs/Bool", "std_msgs/Empty")
 _ON_REQUEST = re.compile(
-    r"(?:^|_)(?:request|reset|led|leds|light\w*|config\w*|name|mode_request|info|text|sound)(?:_|$)"
+    r"(?:^|_)(?:request|led|leds|light\w*|config\w*|name|mode_request|info|text|sound|gps"
+    r"|record\w*|snapshot|photo|video|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
 )
 """Words in the names of what a driver hears that is no command."""
 _SHOWS = re.compile(
@@ -111,8 +119,8 @@ def is_harmless(name: str, type: str) -> bool:
 
 def may_be_command(name: str, type: str) -> bool:
     """Return whether what a driver hears may be a command, whatever neither name nor type says."""
-    is_asked = _ON_REQUEST.search(_last_part(name)) or _SHOWS.search(name.lower())
-    return not (is_asked or is_harmless(name, type))
+    is_other = _ON_REQUEST.search(_last_part(name)) or _SHOWS.search(name.lower())
+    return not (is_other or is_harmless(name, type))
 
 
 def _is_of_nav2(type: str) -> bool:
@@ -142,11 +150,12 @@ def _by_words(name: str) -> Thing | None:
     parts = [part for part in _snake(name).split("/") if part]
     if "servo_node" in parts:  # MoveIt Servo
         return Thing.ARM
+    found = None
     for part in reversed(parts):
         words = {part, *re.split(r"[_\d-]+", part)}
         if any(word in part for word in _STOP_PARTS):
             return Thing.STOP
-        for thing, known in _WORDS:
-            if not words.isdisjoint(known.split()):
-                return thing
-    return None
+        found = next((t for t, known in _WORDS if not words.isdisjoint(known.split())), found)
+        if found not in {None, Thing.DEVICE}:
+            return found
+    return found

@@ -40,6 +40,8 @@ _ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
 _MOVERS = frozenset(
     {"base", "driver", "motor", "motors", "wheel", "wheels", "chassis", "controller", "drive"}
     | {"serial", "rosserial", "firmware", "mcu", "vesc", "roboclaw", "arduino", "teensy"}
+    | {"kinematics", "differential", "sdk", "servo", "servos", "hardware", "relayboard"}
+    | {"arm", "gripper", "manipulator", "autopilot", "drone"}
 )
 """Words in the names of nodes and packages that move a robot."""
 _REQUESTS = ("px4_msgs/VehicleCommand",)

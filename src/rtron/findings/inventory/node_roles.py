@@ -1,0 +1,95 @@
+"""What the nodes of an app are in the inventory: next to hardware, sensors, or listeners only."""
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+
+from rtron.findings.app_facts import AppFacts
+from rtron.vocabulary import WiringFact, WiringFactKind, normalise_type
+
+FIRMWARE_PACKAGES = ("rosserial_python", "rosserial_server", "micro_ros_agent")
+"""Packages whose nodes speak for firmware, which no scan reads."""
+_DRIVER_PACKAGES = (
+    *("diff_drive_controller", "ackermann_steering_controller", "mecanum_drive_controller"),
+    *("tricycle_controller", "omni_wheel_drive_controller", "steering_controllers_library"),
+    *("bicycle_steering_controller", "joint_trajectory_controller", "forward_command_controller"),
+    *("velocity_controllers", "position_controllers", "effort_controllers", "gripper_controllers"),
+    *("gazebo_ros", "gazebo_plugins", "ros_gz_bridge", "ros_ign_bridge", "stage_ros", "turtlesim"),
+    *("kobuki_node", "create_driver", "turtlebot3_node", "mavros"),
+    *FIRMWARE_PACKAGES,
+)
+"""Packages whose nodes stand next to hardware or a simulation, whatever they publish."""
+_MEASURED = frozenset({"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"})
+_LISTENERS = re.compile(r"filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot")
+"""Words in the names of nodes that hear commands and obey none."""
+_MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
+
+
+@dataclass(frozen=True)
+class NodeRoles:
+    """Tells of each node of an app what it is, by its package, its source and its topics."""
+
+    app: AppFacts
+
+    def devices(self, nodes: tuple[str, ...]) -> tuple[WiringFact, ...]:
+        """Return what the source of nodes opens."""
+        return tuple(
+            fact
+            for fact in self.app.graph.wiring
+            if fact.kind is WiringFactKind.DEVICE and fact.subject in nodes
+        )
+
+    @cached_property
+    def with_device(self) -> frozenset[str]:
+        """The nodes whose source opens hardware."""
+        kind = WiringFactKind.DEVICE
+        return frozenset(fact.subject for fact in self.app.graph.wiring if fact.kind is kind)
+
+    @cached_property
+    def _controller_hosts(self) -> frozenset[str]:
+        """The nodes in which controllers run, next to the hardware."""
+        services = self.app.graph.services
+        return frozenset(e.node for e in services if e.type.endswith("/SwitchController"))
+
+    def package(self, node: str) -> str:
+        """Return a node's package, empty if it is not known."""
+        return self.app.nodes[node].package if node in self.app.nodes else ""
+
+    def is_autopilot(self, node: str) -> bool:
+        """Return whether a node is an autopilot, or talks to one."""
+        links = (fact.value for fact in self.devices((node,)))
+        return self.package(node) == "mavros" or "vehicle link" in links
+
+    def is_sensor(self, node: str) -> bool:
+        """Return whether a node measures and obeys no motion: its motor turns a lidar."""
+        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
+        obeyed = (end.topic for end in self.app.graph.subscribed_by(node))
+        return not types.isdisjoint(_MEASURED) and not any(map(self.app.is_motion, obeyed))
+
+    def obeys(self, node: str) -> bool:
+        """Return whether a node that hears a command may obey it: an estimator only listens."""
+        return node not in self._listeners
+
+    @cached_property
+    def _listeners(self) -> frozenset[str]:
+        """The nodes whose names say that they obey nothing, and that command nothing."""
+        named = {
+            node.name
+            for node in self.app.graph.nodes
+            if _LISTENERS.search(f"{node.name.rpartition('/')[2]} {node.package}")
+        }
+        sends = self.app.graph.published_by
+        commands = (n for n in named if any(self.app.is_motion(e.topic) for e in sends(n)))
+        drivers = (node for node in named if self.drives(node))
+        return frozenset(named.difference(commands, drivers))
+
+    def drives(self, node: str) -> bool:
+        """Return whether a node stands next to hardware or a simulation."""
+        is_driver = self.package(node) in _DRIVER_PACKAGES or node in self.with_device
+        return is_driver or node in self._controller_hosts
+
+    def may_drive(self, node: str) -> bool:
+        """Return whether a node drives, or tells where something moved to, or was not read."""
+        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
+        is_unread = node in self.app.unread_nodes
+        return self.drives(node) or is_unread or not types.isdisjoint(_MOVED)
