@@ -86,3 +86,18 @@ def test_parameters_are_no_commands_of_a_plan():
     found = scan_graph(replace(graph_of("app", NAV + BASE, ros=2), parameters=(limit,)))
     assert len(found.inventory) == 2
     assert told(found, propose(found).plan) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (NAV, "what obeys it is not in this launch: give its launch file too"),
+        (
+            BASE,
+            "nobody in this launch sends it, but any node can: give the launch file of who should",
+        ),
+    ],
+)
+def test_a_command_with_one_end_alone_tells_what_to_give(text, why):
+    found = scan(text)
+    assert told(found, propose(found).plan) == [("base", f"/cmd_vel: {why}")]

@@ -1,5 +1,6 @@
 """What could move the robot and is in no coordination node of a plan, and why."""
 
+from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from rtron.planning.problem import PlanProblem, ProblemLevel
@@ -42,19 +43,31 @@ def unguarded_commands(
     return tuple(
         PlanProblem(ProblemLevel.WARNING, str(mover.thing), f"{join_names(names)}: {why}")
         for mover in movers
-        for means, why in _WHY_UNGUARDED.items()
-        if means in kinds
-        if (names := [c.name for c in _left(mover.last_commands, means, guarded)])
+        for why, names in _left(mover.last_commands, kinds, guarded).items()
     )
 
 
-def _left(commands: Iterable[Command], means: Means, guarded: Collection[str]) -> Iterator[Command]:
-    """Yield the commands of one kind that are not guarded; an action is by its goals."""
+def _left(
+    commands: Iterable[Command], kinds: Collection[Means], guarded: Collection[str]
+) -> dict[str, list[str]]:
+    """Return the names of commands that are not guarded, by why; an action is by its goals."""
+    names: dict[str, list[str]] = defaultdict(list)
     for each in commands:
-        goals = f"{each.name}/goal" if means is Means.ACTION else each.name
-        is_guarded = means is not Means.SERVICE and not {each.name, goals}.isdisjoint(guarded)
-        if each.means is means and not is_guarded:
-            yield each
+        goals = f"{each.name}/goal" if each.means is Means.ACTION else each.name
+        is_guarded = each.means is not Means.SERVICE and not {each.name, goals}.isdisjoint(guarded)
+        if each.means in kinds and each.means in _WHY_UNGUARDED and not is_guarded:
+            names[_why(each)].append(each.name)
+    return names
+
+
+def _why(command: Command) -> str:
+    if command.means is Means.TOPIC and not command.receivers:
+        return "what obeys it is not in this launch: give its launch file too"
+    if command.means is Means.TOPIC and not command.senders:
+        return (
+            "nobody in this launch sends it, but any node can: give the launch file of who should"
+        )
+    return _WHY_UNGUARDED[command.means]
 
 
 _WHY_UNGUARDED = {
@@ -85,9 +98,9 @@ def _unguarded(topic: str, publishers: Sequence[str], readers: Sequence[str]) ->
     if "{" in topic:
         why = "cannot be guarded: its name is not known"
     elif not publishers:
-        why = "no node is known to publish it"
+        why = "no node is known to publish it: give the launch file of who should"
     elif not readers:
-        why = "no node is known to subscribe it"
+        why = "no node is known to subscribe it: give the launch file of what obeys it"
     elif len(publishers) == 1:
         why = f"only {publishers[0]} publishes it: `mode: enforce` keeps every other node out"
     return PlanProblem(ProblemLevel.WARNING, topic, why)
