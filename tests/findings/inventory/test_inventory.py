@@ -371,10 +371,34 @@ def test_controllers_read_their_limits_once():
     assert mover.thing is Thing.BASE
 
 
-def test_what_a_driver_by_its_odometry_hears_stands_with_its_velocities():
-    more = "    sub /flip std_msgs/msg/UInt8\n    sub /record std_msgs/msg/Bool\n"
-    assert names(the_mover(BASE + more).last_commands) == ["/cmd_vel"]
-    assert names(the_mover(BASE + more + ODOMETRY).last_commands) == ["/cmd_vel", "/flip"]
+FLIP = "    sub /flip std_msgs/msg/UInt8\n    sub /record std_msgs/msg/Bool\n"
+
+
+def test_what_a_driver_hears_and_offers_whatever_its_name_stands_with_its_velocities():
+    services = tuple(
+        Service(node="/base", name=name, type="std_srvs/Trigger")
+        for name in ("/go_home", "/roll", "/get_x", "/set_light")
+    )
+    mover = the_mover(BASE + FLIP, services=services)
+    assert names(mover.last_commands) == ["/cmd_vel", "/go_home", "/flip", "/roll"]
+
+
+def all_last(text):
+    return {name for mover in inventory(text) for name in names(mover.last_commands)}
+
+
+def test_of_two_that_hear_velocities_the_one_with_odometry_drives():
+    listener = BASE.replace("/base", "/listener") + FLIP
+    assert {"/flip"} - all_last(BASE + ODOMETRY + listener) == {"/flip"}
+    assert {"/flip"} - all_last(BASE + listener + ODOMETRY) == set()
+
+
+def test_what_a_driver_tells_is_no_command_behind_another():
+    text = f"/watch watch own\n    sub /base/drive_events x/Drive\n    pub /other_vel {TWIST}\n"
+    base = BASE + "    pub /base/drive_events x/Drive\n    sub /commands/drive x/Drive\n"
+    movers = inventory(text + base, wiring=(fact("device", "/base", "CAN"),))
+    other = next(each for each in movers if "/other_vel" in names(each.commands))
+    assert names(other.commands) == ["/other_vel"]
 
 
 def test_a_launch_file_that_was_not_read_may_start_who_obeys():
@@ -388,3 +412,23 @@ def test_all_parameters_of_what_can_be_tuned_count_where_no_name_tells():
     services = (Service(node="/base", name="/s", type="dynamic_reconfigure/Reconfigure"),)
     movers = {each.thing: each for each in inventory(BASE, ros=1, services=services)}
     assert names(movers[Thing.LIMITS].commands) == ["/base/set_parameters"]
+
+
+def test_a_name_that_tells_little_is_of_what_its_nodes_are_called_after():
+    text = "/pan_tilt own own\n    pub /a_controller/command std_msgs/Float64\n"
+    (mover,) = inventory(text, wiring=(fact("device", "/servos", "CAN"),))
+    assert (mover.thing, names(mover.commands)) == (Thing.HEAD, ["/a_controller/command"])
+
+
+def test_a_command_may_have_the_type_of_a_joystick():
+    sent = "/fly own own\n    sub /joy sensor_msgs/Joy\n    pub /dji/setpoint sensor_msgs/Joy\n"
+    mover = the_mover(sent)
+    assert [(each.name, each.hops) for each in mover.commands] == [
+        ("/dji/setpoint", 0),
+        ("/joy", 1),
+    ]
+
+
+def test_a_stop_that_nobody_here_obeys_is_no_line():
+    sent = "/base_driver own own\n    pub /e_stop std_msgs/msg/Bool\n"
+    assert inventory(sent) == ()

@@ -59,13 +59,17 @@ def _merged(
     moved = [key for key, found in groups.items() if any(c.means is Means.TOPIC for c in found)]
     for (thing, receivers), found in sorted(groups.items(), key=lambda g: g[0][0] is Thing.DEVICE):
         same = [key for key in moved if key[0] is thing]
-        beside = [key for key in moved if key[1] == receivers and key[0] not in _APART]
+        beside = [
+            key for key in moved if key[1] == receivers and key[0] not in _APART and receivers
+        ]
         if thing in SWITCHES:
             lines[thing, ()] += found
         elif thing is Thing.DEVICE and beside:
             lines[beside[0]] += found
-        elif (thing, receivers) in moved or not same:
+        elif (thing, receivers) in moved:
             lines[thing, receivers] += found
+        elif not same:
+            lines[thing, ()] += found
         else:
             lines[same[0]] += found
     if len(lines) > MOST_MOVERS:

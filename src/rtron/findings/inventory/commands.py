@@ -10,7 +10,7 @@ from itertools import chain
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.requests import actions, services
-from rtron.findings.inventory.things import may_be_command, thing_of
+from rtron.findings.inventory.things import may_be_command, thing_of, thing_of_node
 from rtron.findings.motion.arbiter import arbiters, priorities
 from rtron.vocabulary import (
     Direction,
@@ -19,10 +19,11 @@ from rtron.vocabulary import (
     Ros1ActionTopic,
     normalise_type,
 )
-from rtron.vocabulary.inventory import Command, Means, Thing
+from rtron.vocabulary.inventory import SWITCHES, Command, Means, Thing
 
 _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
+_NO_MOTION = SWITCHES | {Thing.LIMITS}
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
 _COMMANDS = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
 _MAVROS = "/mavros/"
@@ -44,12 +45,13 @@ class AppCommands:
         for topic in self._command_topics:
             thing, command = self._thing_of_topic(topic), self.topic_command(topic)
             receivers = command.receivers
-            is_vague = thing is Thing.DEVICE and receivers and not self._any_drives(receivers)
+            is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
             is_passed_on = self._is_forwarded(command) or self._is_measured(command)
-            has_sides = bool(receivers or command.senders)
+            has_sides = bool(receivers or (command.senders and thing not in SWITCHES))
             if topic in self._locks or (has_sides and not (is_vague or is_passed_on)):
                 yield self._as_driven(thing, command)
-        for thing, command in chain(services(self.app.graph), actions(self.app.graph)):
+        graph = self.app.graph
+        for thing, command in chain(services(graph, self._drivers), actions(graph)):
             is_motor = thing is Thing.BASE and command.means is Means.SERVICE
             if not (is_motor and any(map(self.roles.is_sensor, command.receivers))):
                 yield self._as_driven(thing, command)
@@ -94,14 +96,19 @@ class AppCommands:
         while pending:
             node, hops = pending.pop(0)
             ranks = self._ranks.get(node, {})
-            for topic in self._inputs.get(node, ()):
-                if topic not in seen:
+            for topic in () if self.roles.drives(node) else self._inputs.get(node, ()):
+                if topic not in seen and not self._is_feedback(topic):
                     seen.add(topic)
                     found = self.topic_command(topic, hops)
                     yield node, replace(found, priority=ranks.get(topic, ""))
                     further = [n for n in found.senders if n not in visited and hops < _MOST_HOPS]
                     visited.update(further)
                     pending += [(each, hops + 1) for each in further]
+
+    def _is_feedback(self, topic: str) -> bool:
+        """Return whether drivers alone send a topic."""
+        senders = self.app.publishers(topic)
+        return bool(senders) and all(map(self.roles.drives, senders))
 
     def decides(self, node: str) -> bool:
         """Return whether a node decides between commands: an arbiter, or one that takes several."""
@@ -136,6 +143,7 @@ class AppCommands:
     def _named_topics(self) -> frozenset[str]:
         """The topics that command motion, and what nodes with a device obey."""
         motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
+        motion |= set(filter(self._is_joy_command, self._things))
         found = (motion | self._locks) - self._action_topics
         for node in self.roles.with_device:
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
@@ -144,10 +152,28 @@ class AppCommands:
     @cached_property
     def _command_topics(self) -> tuple[str, ...]:
         """The topics that command motion, and what else those hear that obey them."""
-        obedient = {node for topic in self._named_topics for node in self.app.readers(topic)}
-        endpoints = map(self.app.graph.subscribed_by, filter(self.roles.may_drive, obedient))
-        unnamed = filter(self._is_unnamed_command, chain.from_iterable(endpoints))
+        endpoints = chain.from_iterable(map(self.app.graph.subscribed_by, self._drivers))
+        unnamed = filter(self._is_unnamed_command, endpoints)
         return tuple(sorted(self._named_topics.union(each.topic for each in unnamed)))
+
+    @cached_property
+    def _drivers(self) -> frozenset[str]:
+        """The nodes that obey commands of motion and hand none of them on."""
+        found = set[str]()
+        for topic in self._named_topics:
+            command = self.topic_command(topic)
+            last = [node for node in command.receivers if not self._forwards(node, command)]
+            thing = self._thing_of_topic(topic)
+            if thing is Thing.DEVICE:
+                found.update(filter(self.roles.drives, last))
+            elif thing not in _NO_MOTION and len(last) == len(command.receivers):
+                found.update(filter(self.roles.may_drive, last) if last[1:] else last)
+        return frozenset(found)
+
+    def _is_joy_command(self, topic: str) -> bool:
+        """Return whether a message of a joystick's type is a command by its name, as DJI's are."""
+        is_named = _COMMANDS.search(topic.rpartition("/")[2]) is not None
+        return is_named and self.app.facts.topic(topic).type == _JOY and self._moves(topic)
 
     def _switches(self, topic: str) -> bool:
         """Return whether a topic that somebody obeys stops, arms or ends the robot."""
@@ -157,9 +183,8 @@ class AppCommands:
 
     def _is_unnamed_command(self, end: Endpoint) -> bool:
         """Return whether a driver may obey a topic though neither its name nor its type tells."""
-        is_plain = end.type.startswith(("std_msgs/", f"{self.roles.package(end.node)}/"))
         is_explicit = not end.implicit and end.topic not in self._action_topics
-        return is_plain and is_explicit and may_be_command(end.topic, end.type)
+        return is_explicit and may_be_command(end.topic, end.type)
 
     @cached_property
     def _locks(self) -> frozenset[str]:
@@ -188,7 +213,10 @@ class AppCommands:
     def _thing_of_topic(self, topic: str) -> Thing:
         if topic in self._locks or self.app.is_stop(topic):
             return Thing.STOP
-        return self._things.get(topic) or Thing.DEVICE
+        thing = self._things.get(topic) or Thing.DEVICE
+        nodes = (*self.app.publishers(topic), *self.app.readers(topic))
+        named = filter(None, map(thing_of_node, nodes)) if thing is Thing.DEVICE else ()
+        return next(iter(named), thing)
 
     def _is_forwarded(self, command: Command) -> bool:
         """Return whether those that obey a topic hand it on to others; the rest only listens."""

@@ -20,7 +20,9 @@ _DRIVER_PACKAGES = (
 )
 """Packages whose nodes stand next to hardware or a simulation, whatever they publish."""
 _MEASURED = frozenset({"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"})
-_LISTENERS = re.compile(r"filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot")
+_LISTENERS = re.compile(
+    r"filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot|light|lcd|sound|speech"
+)
 """Words in the names of nodes that hear commands and obey none."""
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
 

@@ -1,8 +1,8 @@
 """What is asked for one by one: the services and actions of an app that move something."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
-from rtron.findings.inventory.things import thing_of
+from rtron.findings.inventory.things import may_be_command, thing_of
 from rtron.vocabulary import ActionRole, InteractionGraph
 from rtron.vocabulary.inventory import Command, Means, Thing
 
@@ -10,15 +10,20 @@ _COMPUTING = ("ComputePath", "SmoothPath", "LookupTransform", "ComputeRoute", "G
 """Actions that only compute."""
 
 
-def services(graph: InteractionGraph) -> Iterator[tuple[Thing, Command]]:
-    """Yield the services that move something: those that are offered, and those only called."""
+def services(graph: InteractionGraph, drivers: Collection[str]) -> Iterator[tuple[Thing, Command]]:
+    """Yield the services that move something: those that are offered, and those only called.
+
+    What drivers offer may move something, whatever it is called.
+    """
     offered = {(each.name, each.type) for each in graph.services if not each.implicit}
     names = {name for name, _ in offered}
     called = {(c.name, c.type) for c in graph.clients if not c.implicit and c.name not in names}
     for name, type in sorted(offered | called):
+        servers = {each.node for each in graph.services if each.name == name}
         thing = thing_of(name, type, Means.SERVICE)
+        if thing is None and not servers.isdisjoint(drivers) and may_be_command(name, type):
+            thing = Thing.DEVICE
         if thing is not None and "{" not in name:
-            servers = {each.node for each in graph.services if each.name == name}
             callers = {each.node for each in graph.clients if each.name == name}
             yield thing, _command(Means.SERVICE, name, type, servers, callers)
 

@@ -31,7 +31,7 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
         "estop runstop stop_button emergency kill killswitch halt freeze stop_robot stop_all",
     ),
     (Thing.ARMING, "arming disarm unarm motors_on enable_motors"),
-    (Thing.POWER, "power poweroff shutdown reboot relay relays battery_switch"),
+    (Thing.POWER, "power charger poweroff shutdown reboot relay relays battery_switch"),
     (Thing.TOOL, "blade mow mower cutter torpedo torpedoes dropper launcher shooter valve pump"),
     (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet"),
     (Thing.HORN, "horn buzzer siren beep"),
@@ -40,7 +40,7 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
     (Thing.CONTROLLERS, "switch_controller"),
-    (Thing.ARM, "arm manipulator joint joints elbow wrist leg legs"),
+    (Thing.ARM, "arm moveit cartesian manipulator joint joints elbow wrist leg legs"),
     (
         Thing.BASE,
         "vel velocity drive chassis wheel wheels motor motors steer steering throttle brake",
@@ -58,6 +58,7 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
 _STOP_PARTS = ("e_stop", "emergency", "run_stop")
+_PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
 _VAGUE = (None, Thing.DEVICE, Thing.MODE)
 """What a name may say that a type says better."""
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
@@ -74,7 +75,7 @@ _ESTIMATES = re.compile(r"/(?:local_position|global_position|odometry|odom|feedb
 """Namespaces of what is measured."""
 _SIGNALS = ("std_msgs/Bool", "std_msgs/Empty")
 _ON_REQUEST = re.compile(
-    r"(?:^|_)(?:request|led|leds|light\w*|config\w*|name|mode_request|info|text|sound|gps"
+    r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps"
     r"|record\w*|snapshot|photo|video|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
 )
 """Words in the names of what a driver hears that is no command."""
@@ -84,9 +85,9 @@ _SHOWS = re.compile(
 """Words, anywhere in a name, of what only shows or sounds."""
 _HARMLESS_TYPES = re.compile(
     r"(?:nodelet|lifecycle|rcl_interfaces|tf2|tf|diagnostic|map|slam_toolbox|nav|composition"
-    r"_interfaces|composition|sensor_msgs/(?!JointState)\w+|rosapi|roscpp|dynamic_reconfigure|topic_tools|bond|gazebo"
+    r"_interfaces|composition|sensor_msgs/(?!JointState|Joy)\w+|rosapi|roscpp|dynamic_reconfigure|topic_tools|bond|gazebo"
     r"|visualization|rosgraph|robot_localization|cartographer_ros|rtabmap|octomap|audio_common"
-    r"|sound_play|tts|rtcm|mavros_msgs/Param|mavros_msgs/File|mavros_msgs/RTCM|rosbag2_interfaces"
+    r"|sound_play|tts|rtcm|mavros_msgs/Param|mavros_msgs/(?:RCIn|\w*State)\b|mavros_msgs/File|mavros_msgs/RTCM|rosbag2_interfaces"
     r"|type_description_interfaces|rtcm_msgs|nav2_msgs/(?:Clear|Get|Is|Load|Save|Dump|Reload)"
     r"|mavros_msgs/(?:StreamRate|MessageInterval|VehicleInfo|Waypoint(?:Pull|Clear)|Log\w+))"
     r"(?:_msgs)?(?:/|\w*$)"
@@ -109,6 +110,12 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
     named = _by_words(name)
     usual = _by_type(type, _USUAL_TYPES) if named in _VAGUE else None
     return usual or named or (Thing.DEVICE if _COMMAND_TYPE.search(type) else None)
+
+
+def thing_of_node(name: str) -> Thing | None:
+    """Return what a node moves, as far as its name tells more than that it moves something."""
+    found = _by_words(name.rpartition("/")[2])
+    return found if found in _PARTS else None
 
 
 def is_harmless(name: str, type: str) -> bool:
