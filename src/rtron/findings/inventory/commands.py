@@ -26,7 +26,8 @@ _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
 _NO_MOTION = SWITCHES | {Thing.LIMITS}
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
 _COMMANDS = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
-_MAVROS = "/mavros/"
+_AUTOPILOTS = ("/mavros/", "/dji_sdk/", "/fmu/in/")
+"""Names of autopilots' topics and services: MAVROS, DJI's Onboard SDK, PX4 by uXRCE-DDS."""
 _SIGNALS = frozenset({"std_msgs/Bool", "std_msgs/Empty", "std_msgs/String"})
 _JOY = "sensor_msgs/Joy"
 _MOST_HOPS = 6
@@ -63,7 +64,9 @@ class AppCommands:
         """Return what an autopilot moves as one vehicle: it does not tell what hangs on it."""
         receivers = command.receivers
         is_autopilot = (
-            all(map(self.roles.is_autopilot, receivers)) if receivers else _MAVROS in command.name
+            all(map(self.roles.is_autopilot, receivers))
+            if receivers
+            else any(name in command.name for name in _AUTOPILOTS)
         )
         is_vehicle = thing in _OF_VEHICLES and is_autopilot
         return (Thing.VEHICLE if is_vehicle else thing), command

@@ -50,11 +50,9 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
         Thing.BASE,
         "dock undock goal follow_path spin backup waypoint waypoints walk gait move path go goto",
     ),
-    (Thing.MODE, "mode modes autonomous autonomy manual teleop mission control"),
-    (
-        Thing.DEVICE,
-        "cmd cmds command commands setpoint setpoints trajectory desired actuator actuators",
-    ),
+    (Thing.MODE, "mode modes autonomous autonomy manual teleop mission authority"),
+    (Thing.DEVICE, "cmd cmds command commands control setpoint setpoints trajectory desired"),
+    (Thing.DEVICE, "actuator actuators"),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
 _STOP_PARTS = ("e_stop", "emergency", "run_stop")
