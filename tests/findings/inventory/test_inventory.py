@@ -29,7 +29,7 @@ NAV_AND_JOY = f"""
 SERVO = """
 /rover rover own
     pub /brush std_msgs/msg/Float64
-/servos servos own
+/tools tools own
     sub /brush std_msgs/msg/Float64
     sub /imu sensor_msgs/msg/Imu
 """
@@ -164,7 +164,7 @@ def test_a_lock_of_an_arbiter_is_a_stop():
 
 def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
     assert inventory(SERVO) == ()
-    mover = the_mover(SERVO, wiring=(fact("device", "/servos", "I2C"),))
+    mover = the_mover(SERVO, wiring=(fact("device", "/tools", "I2C"),))
     assert (mover.thing, mover.hardware, mover.evidence) == (Thing.TOOL, ("I2C",), PLACE)
     assert names(mover.commands) == ["/brush"]
 
@@ -432,3 +432,32 @@ def test_a_command_may_have_the_type_of_a_joystick():
 def test_a_stop_that_nobody_here_obeys_is_no_line():
     sent = "/base_driver own own\n    pub /e_stop std_msgs/msg/Bool\n"
     assert inventory(sent) == ()
+
+
+def test_a_node_that_is_called_a_driver_obeys_what_is_called_a_command():
+    text = "/motor_controller own own\n    sub /motors own/Pair\n"
+    assert names(the_mover(text).commands) == ["/motors"]
+    assert inventory(text.replace("motor_controller", "listener")) == ()
+
+
+def test_what_a_controller_tells_is_no_command():
+    text = "/state own control/Plugin own\n    pub /robot_mode own/Mode\n"
+    text += "/helper driver own\n    sub /robot_mode own/Mode\n"
+    graph = small_graph(text.replace(" control/Plugin", ""))
+    assert names(take_inventory(app_facts(graph))[0].commands) == ["/robot_mode"]
+    nodes = tuple(
+        replace(each, executable="control/Plugin") if each.name == "/state" else each
+        for each in graph.nodes
+    )
+    assert take_inventory(app_facts(replace(graph, nodes=nodes))) == ()
+
+
+def test_a_viewers_button_for_what_is_not_there_is_no_line():
+    goal = "    client /navigate_to_pose nav2_msgs/action/NavigateToPose\n"
+    assert inventory("/rviz rviz2 third_party\n" + goal) == ()
+    assert inventory("/mission own own\n" + goal) != ()
+
+
+def test_what_no_autopilot_here_obeys_is_a_line_all_the_same():
+    sent = "/fly own own\n    pub /fmu/in/offboard_control_mode px4_msgs/msg/OffboardControlMode\n"
+    assert the_mover(sent).thing is Thing.MODE

@@ -48,11 +48,14 @@ class AppCommands:
             receivers = command.receivers
             is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
             is_passed_on = self._is_forwarded(command) or self._is_measured(command)
-            has_sides = bool(receivers or (command.senders and thing not in SWITCHES))
+            is_sent = command.senders and (thing not in SWITCHES or _is_of_autopilot(topic))
+            has_sides = bool(receivers or is_sent) and not self._is_feedback(topic)
             if topic in self._locks or (has_sides and not (is_vague or is_passed_on)):
                 yield self._as_driven(thing, command)
         graph = self.app.graph
-        for thing, command in chain(services(graph, self._drivers), actions(graph)):
+        for thing, command in chain(
+            services(graph, self._drivers), actions(graph, self.app.facts.viewers)
+        ):
             is_motor = thing is Thing.BASE and command.means is Means.SERVICE
             if not (is_motor and any(map(self.roles.is_sensor, command.receivers))):
                 yield self._as_driven(thing, command)
@@ -66,7 +69,7 @@ class AppCommands:
         is_autopilot = (
             all(map(self.roles.is_autopilot, receivers))
             if receivers
-            else any(name in command.name for name in _AUTOPILOTS)
+            else _is_of_autopilot(command.name)
         )
         is_vehicle = thing in _OF_VEHICLES and is_autopilot
         return (Thing.VEHICLE if is_vehicle else thing), command
@@ -148,7 +151,7 @@ class AppCommands:
         motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
         motion |= set(filter(self._is_joy_command, self._things))
         found = (motion | self._locks) - self._action_topics
-        for node in self.roles.with_device:
+        for node in filter(self.roles.is_called_driver, self.app.nodes):
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
         return frozenset(found | set(filter(self._switches, self._things)))
 
@@ -271,3 +274,7 @@ class AppCommands:
                 found |= further
                 pending += further
         return frozenset(found)
+
+
+def _is_of_autopilot(name: str) -> bool:
+    return any(each in name for each in _AUTOPILOTS)

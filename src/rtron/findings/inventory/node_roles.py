@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary import WiringFact, WiringFactKind, normalise_type
 
 FIRMWARE_PACKAGES = ("rosserial_python", "rosserial_server", "micro_ros_agent")
@@ -21,7 +22,7 @@ _DRIVER_PACKAGES = (
 """Packages whose nodes stand next to hardware or a simulation, whatever they publish."""
 _MEASURED = frozenset({"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"})
 _LISTENERS = re.compile(
-    r"filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot|light|lcd|sound|speech"
+    r"filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot|light|lcd|sound|speech|gui\b|marker"
 )
 """Words in the names of nodes that hear commands and obey none."""
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
@@ -88,7 +89,15 @@ class NodeRoles:
     def drives(self, node: str) -> bool:
         """Return whether a node stands next to hardware or a simulation."""
         is_driver = self.package(node) in _DRIVER_PACKAGES or node in self.with_device
-        return is_driver or node in self._controller_hosts
+        return is_driver or node in self._controller_hosts or self._is_controller(node)
+
+    def _is_controller(self, node: str) -> bool:
+        """Return whether a node is a controller of ros2_control, whose program is a plugin."""
+        return node in self.app.nodes and "/" in self.app.nodes[node].executable
+
+    def is_called_driver(self, node: str) -> bool:
+        """Return whether a node opens hardware, or is called like what does."""
+        return node in self.with_device or moves(node, self.package(node))
 
     def may_drive(self, node: str) -> bool:
         """Return whether a node drives, or tells where something moved to, or was not read."""

@@ -28,15 +28,15 @@ def services(graph: InteractionGraph, drivers: Collection[str]) -> Iterator[tupl
             yield thing, _command(Means.SERVICE, name, type, servers, callers)
 
 
-def actions(graph: InteractionGraph) -> Iterator[tuple[Thing, Command]]:
-    """Yield the actions that move something."""
+def actions(graph: InteractionGraph, viewers: Collection[str]) -> Iterator[tuple[Thing, Command]]:
+    """Yield the actions that move something; a viewer's button for what is not there does not."""
     for name, type in sorted({(each.name, each.type) for each in graph.actions}):
         is_computing = any(word in type for word in _COMPUTING) or "{" in name
         thing = None if is_computing else thing_of(name, type, Means.ACTION)
-        if thing is not None:
-            sides = [each for each in graph.actions if each.name == name]
-            servers = {side.node for side in sides if side.role is ActionRole.SERVER}
-            clients = {side.node for side in sides if side.role is ActionRole.CLIENT}
+        sides = [each for each in graph.actions if each.name == name]
+        servers = {side.node for side in sides if side.role is ActionRole.SERVER}
+        clients = {side.node for side in sides if side.role is ActionRole.CLIENT}
+        if thing is not None and (servers or clients.difference(viewers)):
             yield thing, _command(Means.ACTION, name, type, servers, clients)
 
 

@@ -13,6 +13,7 @@ _TYPES: tuple[tuple[str, Thing], ...] = (
     (r"control_msgs/(?:Parallel)?GripperCommand", Thing.GRIPPER),
     (r"nav2_msgs/SpeedLimit|\w+/SpeedLimit", Thing.LIMITS),
     (r"kobuki_msgs/MotorPower", Thing.POWER),
+    (r"dynamixel_controllers/(?:Start|Stop|Restart)", Thing.CONTROLLERS),
     (r"nav2_msgs/(?:Toggle|ManageLifecycleNodes)", Thing.CONTROLLERS),
 )
 """What a type can only mean."""
@@ -31,11 +32,11 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
         "estop runstop stop_button emergency kill killswitch halt freeze stop_robot stop_all",
     ),
     (Thing.ARMING, "arming disarm unarm motors_on enable_motors"),
-    (Thing.POWER, "power charger poweroff shutdown reboot relay relays battery_switch"),
+    (Thing.POWER, "power breaker charger poweroff shutdown reboot relay relays battery_switch"),
     (Thing.TOOL, "blade mow mower cutter torpedo torpedoes dropper launcher shooter valve pump"),
     (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet"),
     (Thing.HORN, "horn buzzer siren beep"),
-    (Thing.GRIPPER, "gripper grippers claw finger fingers hand grasp"),
+    (Thing.GRIPPER, "gripper grippers claw finger fingers hands grasp"),
     (Thing.HEAD, "head pan tilt ptz gimbal neck mast camera"),
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
@@ -69,8 +70,11 @@ _HARMLESS = re.compile(
     r"|(?<!component_)state|states|feedback|info|marker\w*|initialpose|clicked_point|position_estimate)$"
 )
 """Last names of what reads, shows or estimates."""
-_ESTIMATES = re.compile(r"/(?:local_position|global_position|odometry|odom|feedback|measured)/")
-"""Namespaces of what is measured."""
+_ESTIMATES = re.compile(
+    r"/(?:local_position|global_position|odometry|odom|feedback|measured)/"
+    r"|(?:^|[/_])(?:image|compressed|points|depth)(?:[/_]|$)"
+)
+"""Namespaces of what is measured, and words of what is seen."""
 _SIGNALS = ("std_msgs/Bool", "std_msgs/Empty")
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps"
@@ -155,6 +159,8 @@ def _by_words(name: str) -> Thing | None:
     parts = [part for part in _snake(name).split("/") if part]
     if "servo_node" in parts:  # MoveIt Servo
         return Thing.ARM
+    if parts[-1:] == ["stop"]:
+        return Thing.STOP
     found = None
     for part in reversed(parts):
         words = {part, *re.split(r"[_\d-]+", part)}
