@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from evaluation.common import demos, findings, functions, graph_truths
+from evaluation.common import demos, findings, functions, graph_truths, movers
 from evaluation.common.datasets import (
     Datasets,
     MissingDatasetError,
@@ -37,6 +37,7 @@ PARTS: dict[str, Part] = {
     "functions": functions.figures,
     "findings": findings.judged,
     "bugs": findings.bugs,
+    "movers": movers.figures,
     "demos": demos.figures,
 }
 OUTPUT = Path(__file__).parents[1] / "build" / "eval.json"

@@ -91,6 +91,12 @@ def naming(buggy: Findings, fixed: Findings, *, names: Collection[str]) -> list[
 
 def scan(folder: Path, arguments: Sequence[str]) -> Findings:
     """Return the findings of a scan at every level; raise MissingDatasetError if it fails."""
+    found: Findings = scan_report(folder, arguments)["findings"]
+    return found
+
+
+def scan_report(folder: Path, arguments: Sequence[str]) -> Mapping[str, Any]:
+    """Return the JSON of a scan; raise MissingDatasetError if it fails."""
     command = [sys.executable, "-m", "rtron", "scan", *arguments, "--format", "json"]
     environ = {**os.environ, "ROS_PACKAGE_PATH": str(folder / "src")}
     done = subprocess.run(  # noqa: S603 - our own command
@@ -98,5 +104,5 @@ def scan(folder: Path, arguments: Sequence[str]) -> Findings:
     )
     if done.returncode not in (0, 1):
         raise MissingDatasetError(f"{folder.name}: {done.stderr.decode(errors='replace')[-300:]}")
-    found: Findings = json.loads(done.stdout)["findings"]
-    return found
+    report: Mapping[str, Any] = json.loads(done.stdout)
+    return report
