@@ -30,6 +30,11 @@ class ForkedService:
         self._process.start()
         self.pid = self._process.pid
 
+    @property
+    def returncode(self):
+        """Its exit code, None while it runs."""
+        return self._process.exitcode
+
     def poll(self):
         """Return its exit code, None while it runs."""
         return self._process.exitcode
