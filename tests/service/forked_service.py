@@ -23,7 +23,8 @@ class ForkedService:
     """A process of `rtron serve`, with the methods of `subprocess.Popen` that tests use."""
 
     def __init__(self, arguments, folder, log):
-        """Start it in a folder; what it says goes to the end of a file."""
+        """Start it in a folder; what it says goes to the end of a file, which is there at once."""
+        log.touch()
         given = ["rtron", "serve", *map(str, arguments)]
         parts = (given, str(folder), str(log), dict(os.environ))
         self._process = _forkserver.Process(target=_serve, args=parts)
