@@ -4,6 +4,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import authlib.deprecate  # noqa: F401 - it shows its warnings always, unless pytest's filters come later
 import httpx
 import pytest
 from argon2 import PasswordHasher

@@ -15,6 +15,9 @@ from rtron.service.store.database import Database
 
 _PROGRAMS = Path("/usr/lib/postgresql")
 _START_S = _STOP_S = 60
+_MEMORY = Path("/dev/shm")
+_ROOM = 4 << 30
+"""Bytes; a database takes 8 MB."""
 _QUIET = {"fsync": "off", "listen_addresses": "127.0.0.1"}
 
 
@@ -24,12 +27,18 @@ def programs():
     return found[-1].parent if found else None
 
 
+def _new_folder():
+    """Make a folder in memory, if there is room: to copy a database takes a tenth there."""
+    is_roomy = _MEMORY.is_dir() and shutil.disk_usage(_MEMORY).free > _ROOM
+    return Path(mkdtemp(prefix="rtron-pg-", dir=_MEMORY if is_roomy else None))
+
+
 class PostgreSQL:
     """The server, until `stop`; the superuser `postgres` needs no password."""
 
     def __init__(self, *options):
         """`options` are those of `initdb`."""
-        self._folder = Path(mkdtemp(prefix="rtron-pg-"))
+        self._folder = _new_folder()
         self._numbers, self._migrated = count(), ""
         self._port = free_port()
         self._user = "postgres" if os.geteuid() == 0 else None
@@ -92,7 +101,9 @@ class PostgreSQL:
         return {"user": self._user, "group": self._user, "extra_groups": groups}
 
     def _connection(self):
-        return pg8000.dbapi.connect("postgres", "127.0.0.1", "postgres", self._port)
+        return pg8000.dbapi.connect(
+            "postgres", "127.0.0.1", "postgres", self._port, ssl_context=False
+        )
 
     def _pg_ctl(self, what, limit_s, *args):
         self._run("pg_ctl", what, "-w", "-t", str(limit_s), "-D", "data", *args)

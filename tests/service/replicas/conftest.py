@@ -3,12 +3,14 @@
 What is of a module lasts as long as its tests; who kills replicas has `own_replicas`.
 """
 
-from contextlib import contextmanager
+import time
+from contextlib import closing, contextmanager
 from itertools import count
 
 import pytest
 from replica_processes import Person, ReplicaProcess, SimulatedGuard, create_secret
 
+from rtron.service.server.database_setup import add_first_admin
 from rtron.service.store.database import Database
 
 _numbers = count(1)
@@ -52,7 +54,11 @@ def replicas(postgresql, tmp_path_factory):
 
 @pytest.fixture
 def own_replicas(postgresql, tmp_path):
-    with running(postgresql.new_database(), tmp_path) as started:
+    """Run replicas that have a user already: to add the first one takes them longest."""
+    url = postgresql.new_database()
+    with closing(Database(url)) as database:
+        add_first_admin(database, time.time_ns())
+    with running(url, tmp_path) as started:
         yield started
 
 

@@ -1,13 +1,12 @@
 """Two `rtron serve` on one PostgreSQL database, and guards that talk to either."""
 
 import json
-import subprocess
-import sys
 import time
 from contextlib import ExitStack, contextmanager, suppress
 
 import httpx
 from controller_setup import hello, plan
+from forked_service import ForkedService
 from harness import LIMIT_S, free_port, wait_for
 from service_app import TLS
 from websockets.exceptions import ConnectionClosed
@@ -40,14 +39,8 @@ class ReplicaProcess:
     def start(self):
         """Start it, once more after it was killed."""
         self._starts += 1
-        command = [sys.executable, "-m", "rtron", "serve", "--port", str(self.port)]
-        with self.log.open("a") as log:
-            self.process = subprocess.Popen(
-                [*command, "--database", self._database, *self._options],
-                cwd=self._folder,
-                stdout=log,
-                stderr=log,
-            )
+        arguments = ["--port", self.port, "--database", self._database, *self._options]
+        self.process = ForkedService(arguments, self._folder, self.log)
 
     def wait_ready(self):
         """Wait until it serves."""

@@ -10,6 +10,7 @@ import time
 
 import httpx
 import pytest
+from forked_service import ForkedService
 from harness import free_port, wait_for
 from service_app import TLS
 from systemd_socket import SystemdSocket
@@ -58,9 +59,11 @@ class ServeProcess:
         self.port = free_port()
         self.url = f"http://127.0.0.1:{self.port}"
         self.said = folder / "said.txt"
-        command = [sys.executable, "-m", "rtron", "serve", "--port", str(self.port), *arguments]
-        with self.said.open("w") as said:
-            self.process = subprocess.Popen(command, cwd=folder, stderr=said, stdout=said)
+        self.said.write_text("")
+        self.process = self._start(folder, ["--port", str(self.port), *arguments])
+
+    def _start(self, folder, arguments):
+        return ForkedService(arguments, folder, self.said)
 
     def __enter__(self):
         try:
@@ -89,8 +92,17 @@ class ServeProcess:
         return httpx.post(f"{self.url}/api/v1/login", json=login, timeout=120).status_code
 
 
+class TypedServeProcess(ServeProcess):
+    """The same, started by its command."""
+
+    def _start(self, folder, arguments):
+        command = [sys.executable, "-m", "rtron", "serve", *arguments]
+        with self.said.open("w") as said:
+            return subprocess.Popen(command, cwd=folder, stderr=said, stdout=said)
+
+
 def test_the_first_start_tells_the_password_once(tmp_path, here):
-    with ServeProcess(tmp_path) as serving:
+    with TypedServeProcess(tmp_path) as serving:
         wait_for(lambda: "change it in the console" in serving.said.read_text())
         said = serving.said.read_text()
         (password,) = re.findall(r"password (\S+)\n", said)
@@ -100,7 +112,7 @@ def test_the_first_start_tells_the_password_once(tmp_path, here):
         serving.process.send_signal(signal.SIGTERM)
         assert serving.process.wait(120) == 0
     assert stat.S_IMODE((tmp_path / "rtron" / "rtron.db").stat().st_mode) == 0o600
-    with ServeProcess(tmp_path, "--log-level", "debug") as serving:
+    with TypedServeProcess(tmp_path, "--log-level", "debug") as serving:
         assert serving.login(password) == 200
         code, out, err = here("user", "password", "admin")
         assert (code, err) == (0, "")
@@ -329,7 +341,7 @@ def test_systemd_hears_of_the_start_the_loop_and_the_end(tmp_path, monkeypatch):
     with SystemdSocket(tmp_path) as systemd:
         for name, value in systemd.environment.items():
             monkeypatch.setenv(name, value)
-        with ServeProcess(tmp_path) as serving:
+        with TypedServeProcess(tmp_path) as serving:
             wait_for(lambda: systemd.lines().count("WATCHDOG=1") > 3)
             assert systemd.lines()[:3] == ["STATUS=serving", "READY=1", "WATCHDOG=1"]
             serving.process.send_signal(signal.SIGTERM)

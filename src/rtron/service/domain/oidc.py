@@ -1,5 +1,6 @@
 """Sign-in at an OpenID provider: what its configuration may say, and which roles a claim gives."""
 
+import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -14,6 +15,8 @@ from rtron.service.domain.schemas import Name
 
 CALLBACK_PATH = "/api/v1/login/oidc/callback"
 _MAX_NAME = 100
+_SECRET_LENGTH = 43
+"""256 bits in the letters of base 64."""
 
 
 def _check_url(url: str) -> str:
@@ -113,6 +116,35 @@ class SignInError(Exception):
     def __init__(self, problem: SignInProblem, detail: str = "") -> None:
         super().__init__(f"{problem.value}: {detail}" if detail else problem.value)
         self.problem = problem
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PendingSignIn:
+    """What binds the provider's answer to the browser that asked; it is in its cookie."""
+
+    state: str
+    nonce: str
+    verifier: str
+
+    @classmethod
+    def begin(cls) -> "PendingSignIn":
+        """Return a new one, of 256 random bits each."""
+        return cls(**{name: secrets.token_urlsafe(32) for name in ("state", "nonce", "verifier")})
+
+    @classmethod
+    def parse(cls, cookie: str) -> "PendingSignIn":
+        """Return what a cookie says; SignInError if that is nothing that we have begun.
+
+        Who writes the cookie could leave the nonce out, which then would not be compared.
+        """
+        parts = cookie.split(".")
+        if list(map(len, parts)) != [_SECRET_LENGTH] * 3:
+            raise SignInError(SignInProblem.EXPIRED, "no sign-in has begun in this browser")
+        return cls(state=parts[0], nonce=parts[1], verifier=parts[2])
+
+    def __str__(self) -> str:
+        """Return what `parse` reads."""
+        return f"{self.state}.{self.nonce}.{self.verifier}"
 
 
 def _claim(claims: Mapping[str, Any], path: str) -> object:

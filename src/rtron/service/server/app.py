@@ -13,7 +13,6 @@ from starlette.routing import BaseRoute
 from rtron import __version__
 from rtron.service.alerts.dispatcher import AlertDispatcher
 from rtron.service.api.auth.login_queue import LoginQueue
-from rtron.service.api.auth.oidc_client import OidcClient
 from rtron.service.api.context import ServiceContext
 from rtron.service.api.error_responses import ERROR_RESPONSES, install_error_handlers
 from rtron.service.api.middleware.request_body import RequestBodyLimit
@@ -174,6 +173,8 @@ def _with_known_logins(service: ServiceContext, shared: LoginThrottle | None) ->
 def _oidc_sign_in(config: ServiceConfig) -> OidcSignIn | None:
     if config.oidc is None:
         return None
+    from rtron.service.api.auth.oidc_client import OidcClient  # noqa: PLC0415 - few need Authlib
+
     return OidcSignIn(config.oidc, OidcClient(config.oidc, read_client_secret(config.oidc)))
 
 

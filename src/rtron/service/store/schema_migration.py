@@ -2,11 +2,8 @@
 
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from alembic.config import Config
-from alembic.runtime.environment import EnvironmentContext
-from alembic.runtime.migration import MigrationContext
-from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine, inspect
 from sqlalchemy.exc import DBAPIError
 
@@ -14,7 +11,11 @@ from rtron.errors import InputError, SourceError
 from rtron.service.store.fleet.rollout_tables import RolloutRobotRow
 from rtron.service.store.incidents import IncidentRow
 
+if TYPE_CHECKING:
+    from alembic.script import ScriptDirectory
+
 _SCRIPT_FOLDER = Path(__file__).with_name("migrations")
+_SCRIPT_NAMES = "versions/r[0-9]*_*.py"
 MIN_POSTGRESQL = (14,)
 """The oldest version of PostgreSQL that drops partitions while others write."""
 _ADVISORY_LOCK_KEY = 0x7274726F6E
@@ -30,7 +31,10 @@ def migrate(engine: Engine) -> None:
     name = _display_name(engine)
     try:
         with engine.connect() as connection, connection.begin():
-            _begin(connection)
+            _check_version(connection)
+            if _is_current(connection):
+                return
+            _lock(connection)
             _check_schema(connection, name)
             _upgrade(connection)
     except DBAPIError as error:
@@ -39,32 +43,44 @@ def migrate(engine: Engine) -> None:
 
 def head_revision() -> str:
     """Return the newest revision of the schema."""
-    return _scripts().get_current_head() or ""
+    newest = max(_SCRIPT_FOLDER.glob(_SCRIPT_NAMES))
+    return newest.stem.partition("_")[0].removeprefix("r")
 
 
 @cache
-def _scripts() -> ScriptDirectory:
+def _scripts() -> "ScriptDirectory":
     """Return the migrations, which are modules: they are loaded once."""
+    from alembic.script import ScriptDirectory  # noqa: PLC0415 - only an old schema needs it
+
     return ScriptDirectory(_SCRIPT_FOLDER)
-
-
-def _begin(connection: Connection) -> None:
-    """Lock: Python's sqlite3 would run each statement that makes a table by itself."""
-    if connection.dialect.name == "sqlite":
-        connection.exec_driver_sql("BEGIN IMMEDIATE")
-    else:
-        _check_version(connection)
-        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_ADVISORY_LOCK_KEY})")
 
 
 def _check_version(connection: Connection) -> None:
     version = connection.dialect.server_version_info or MIN_POSTGRESQL
-    if version < MIN_POSTGRESQL:
+    if connection.dialect.name != "sqlite" and version < MIN_POSTGRESQL:
         message = f"PostgreSQL {version[0]} is too old"
         raise InputError(message, help=f"use PostgreSQL {MIN_POSTGRESQL[0]}, or newer")
 
 
+def _is_current(connection: Connection) -> bool:
+    """Tell whether the schema is the newest, without Alembic: it takes long to load."""
+    if not inspect(connection).has_table("alembic_version"):
+        return False
+    versions = connection.exec_driver_sql("SELECT version_num FROM alembic_version")
+    return versions.scalars().all() == [head_revision()]
+
+
+def _lock(connection: Connection) -> None:
+    """Lock: Python's sqlite3 would run each statement that makes a table by itself."""
+    if connection.dialect.name == "sqlite":
+        connection.exec_driver_sql("BEGIN IMMEDIATE")
+    else:
+        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_ADVISORY_LOCK_KEY})")
+
+
 def _check_schema(connection: Connection, name: str) -> None:
+    from alembic.runtime.migration import MigrationContext  # noqa: PLC0415 - likewise
+
     heads = MigrationContext.configure(connection).get_current_heads()
     known_revisions = {script.revision for script in _scripts().walk_revisions()}
     if unknown := set(heads) - known_revisions:
@@ -81,6 +97,9 @@ def _check_schema(connection: Connection, name: str) -> None:
 
 
 def _upgrade(connection: Connection) -> None:
+    from alembic.config import Config  # noqa: PLC0415 - likewise
+    from alembic.runtime.environment import EnvironmentContext  # noqa: PLC0415 - likewise
+
     scripts = _scripts()
     with EnvironmentContext(
         Config(),

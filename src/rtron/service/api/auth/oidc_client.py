@@ -6,9 +6,7 @@ httpx carries it.
 
 import hmac
 import json
-import secrets
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 from urllib.parse import quote_plus
 
@@ -21,43 +19,18 @@ from joserfc import jwt
 from joserfc.errors import JoseError
 from joserfc.jwk import KeySet
 
-from rtron.service.domain.oidc import OidcConfig, ProviderUser, SignInError, SignInProblem
+from rtron.service.domain.oidc import (
+    OidcConfig,
+    PendingSignIn,
+    ProviderUser,
+    SignInError,
+    SignInProblem,
+)
 
 _TIMEOUT_S = 10.0
 _LEEWAY_S = 60
-_SECRET_LENGTH = 43
-"""256 bits in the letters of base 64."""
 _ALGORITHMS = ["RS256", "PS256", "ES256"]
 """Signatures with a key pair: what a client's secret signs, or nothing, proves nothing here."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PendingSignIn:
-    """What binds the provider's answer to the browser that asked; it is in its cookie."""
-
-    state: str
-    nonce: str
-    verifier: str
-
-    @classmethod
-    def begin(cls) -> "PendingSignIn":
-        """Return a new one, of 256 random bits each."""
-        return cls(**{name: secrets.token_urlsafe(32) for name in ("state", "nonce", "verifier")})
-
-    @classmethod
-    def parse(cls, cookie: str) -> "PendingSignIn":
-        """Return what a cookie says; SignInError if that is nothing that we have begun.
-
-        Who writes the cookie could leave the nonce out, which then would not be compared.
-        """
-        parts = cookie.split(".")
-        if list(map(len, parts)) != [_SECRET_LENGTH] * 3:
-            raise SignInError(SignInProblem.EXPIRED, "no sign-in has begun in this browser")
-        return cls(state=parts[0], nonce=parts[1], verifier=parts[2])
-
-    def __str__(self) -> str:
-        """Return what `parse` reads."""
-        return f"{self.state}.{self.nonce}.{self.verifier}"
 
 
 class OidcClient:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from threading import BoundedSemaphore
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Depends, Request
 from pydantic import TypeAdapter, ValidationError
@@ -19,12 +19,17 @@ from rtron.service.api.auth.browser_sessions import (
     is_known_browser,
     next_stage,
 )
-from rtron.service.api.auth.oidc_client import OidcClient, PendingSignIn
 from rtron.service.api.context import ServiceContext, ServiceDependency
 from rtron.service.api.schemas import LoginMethods
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import NotFoundError
-from rtron.service.domain.oidc import OidcConfig, ProviderUser, SignInError, SignInProblem
+from rtron.service.domain.oidc import (
+    OidcConfig,
+    PendingSignIn,
+    ProviderUser,
+    SignInError,
+    SignInProblem,
+)
 from rtron.service.domain.roles import SessionStage
 from rtron.service.domain.schemas import Name
 from rtron.service.store.accounts.last_use import WarningThrottle
@@ -33,6 +38,9 @@ from rtron.service.store.accounts.secrets import new_password
 from rtron.service.store.accounts.users import sign_in, withdraw_roles
 from rtron.service.store.audit import record_event
 from rtron.vocabulary import SECOND
+
+if TYPE_CHECKING:
+    from rtron.service.api.auth.oidc_client import OidcClient
 
 log = logging.getLogger(__name__)
 
@@ -50,7 +58,7 @@ _warnings = WarningThrottle()
 class OidcSignIn:
     """The provider's client, which a few requests use at a time."""
 
-    def __init__(self, config: OidcConfig, client: OidcClient) -> None:
+    def __init__(self, config: OidcConfig, client: "OidcClient") -> None:
         self.config = config
         self.client = client
         self._places = BoundedSemaphore(MAX_AT_A_TIME)
