@@ -49,6 +49,7 @@ def _inventory(folder: Path, arguments: Sequence[str]) -> Inventory:
 def missing_names(inventory: Inventory, listed: Collection[str]) -> list[str]:
     """Return the listed names that no line of an inventory has; a parameter stands for its node."""
     commands = [command for mover in inventory for command in mover["commands"]]
+    commands = [each for each in commands if not each["name"].endswith("}")]
     patterns = [re.compile(_pattern(each["name"], each["means"])) for each in commands]
     return [name for name in listed if not any(each.fullmatch(name) for each in patterns)]
 
@@ -57,5 +58,5 @@ def _pattern(name: str, means: str) -> str:
     """Return what matches the names that a command stands for."""
     if means == "parameter":
         node = name.removesuffix("/set_parameters").partition(".")[0]
-        return f"{re.escape(node)}/.+"
-    return _PLACEHOLDER.sub("[^/]+", re.escape(name))
+        return f"{re.escape(node)}/(?:.+/)?set_parameters"
+    return _PLACEHOLDER.sub("[^/]*", re.escape(name))

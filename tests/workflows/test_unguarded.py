@@ -71,6 +71,20 @@ def test_a_topic_that_a_plan_only_observes_is_told():
     ]
 
 
+LAND = "/base driver own\n    sub /land std_msgs/Empty\n"
+
+
+def test_whoever_wants_to_stop_the_robot_may():
+    stop = "/stop_button own own\n    pub /estop std_msgs/Bool\n"
+    found = scan(NAV + BASE + "    sub /estop std_msgs/Bool\n" + stop)
+    assert "emergency stop" in [str(each.thing) for each in found.inventory]
+    plan = propose(found).plan
+    assert enforced(plan) == ["/cmd_vel"]
+    assert told(found, plan) == []
+    lands = scan(LAND + LAND.replace("/base", "/pilot").replace("sub", "pub"))
+    assert last_command_topics(lands.inventory) == frozenset()
+
+
 def test_an_action_is_guarded_by_its_goals():
     found = scan(ARM + PICK + PICK.replace("/pick ", "/other "))
     plan = propose(found).plan

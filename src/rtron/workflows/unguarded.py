@@ -10,6 +10,7 @@ from rtron.vocabulary.inventory import SWITCHES, Command, Means, Mover, Thing
 from rtron.wording import join_names
 from rtron.workflows.scan import ScanResult
 
+_SIGNALS = ("std_msgs/Bool", "std_msgs/Empty")
 _MOVING = (Domain.PLANNING, Domain.CONTROL)
 
 
@@ -27,11 +28,12 @@ def unguarded_topics(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanPr
 def last_command_topics(movers: Iterable[Mover]) -> frozenset[str]:
     """Return the topics with known ends that nodes next to the hardware obey.
 
-    Those of switches and limits are not among them: a stop must come from anyone, and stays.
+    Switches, limits and mere signals are not among them: a stop, a reset or an order to land must
+    come from anyone.
     """
     moving = (mover for mover in movers if mover.thing not in {*SWITCHES, Thing.LIMITS})
     commands = (each for mover in moving for each in mover.last_commands)
-    topics = (each for each in commands if each.means is Means.TOPIC)
+    topics = (c for c in commands if c.means is Means.TOPIC and c.type not in _SIGNALS)
     return frozenset(each.name for each in topics if each.senders and each.receivers)
 
 
@@ -43,8 +45,15 @@ def unguarded_commands(
     return tuple(
         PlanProblem(ProblemLevel.WARNING, str(mover.thing), f"{join_names(names)}: {why}")
         for mover in movers
-        for why, names in _left(mover.last_commands, kinds, guarded).items()
+        for why, names in _left(_not_left_open(mover), kinds, guarded).items()
     )
+
+
+def _not_left_open(mover: Mover) -> Iterator[Command]:
+    """Yield the last commands but the topics of stops: who wants to stop the robot may."""
+    for each in mover.last_commands:
+        if not (mover.thing is Thing.STOP and each.means is Means.TOPIC):
+            yield each
 
 
 def _left(

@@ -14,7 +14,8 @@ def inventory(*commands):
     [
         (("/cmd_vel", "topic"), ["/cmd_vel", "/other"], ["/other"]),
         (("/arm_{size}/go", "service"), ["/arm_1/go", "/arm_1/x/go"], ["/arm_1/x/go"]),
-        (("/nav.max_vel", "parameter"), ["/nav/set_parameters", "/navy/x"], ["/navy/x"]),
+        (("/nav.max_vel", "parameter"), ["/nav/P/set_parameters", "/nav/x"], ["/nav/x"]),
+        (("/{name}", "topic"), ["/x"], ["/x"]),
         (("/nav/set_parameters", "parameter"), ["/nav/set_parameters", "/nav"], ["/nav"]),
     ],
 )

@@ -120,7 +120,7 @@ def test_a_lidar_may_take_goals():
 
 def test_a_fact_without_a_place_is_one():
     placeless = WiringFact(kind=WiringFactKind.COMMAND_AGE, subject="/base")
-    assert the_mover(BASE, wiring=(placeless,)).stop == "/base seems to look at the age of commands"
+    assert the_mover(BASE, wiring=(placeless,)).stop == "/base may look at the age of commands"
 
 
 def test_it_takes_time_in_proportion_to_the_graph():
@@ -132,7 +132,7 @@ def test_it_takes_time_in_proportion_to_the_graph():
         graph = small_graph("".join(f"/n{number} n own\n{ends}" for number in range(size)))
         return take_inventory(app_facts(graph))
 
-    assert growth(inventoried, 10, 30) < 60
+    assert growth(inventoried, 10, 30) < 20
 
 
 EKF = f"/ekf robot_localization third_party\n    sub /cmd_vel {TWIST}\n"
@@ -174,8 +174,14 @@ def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
     [
         ((), (), Stops.UNKNOWN, "/base does not tell"),
         ((fact("device", "/base", "CAN"),), (), Stops.NO, "nothing in the source of /base looks"),
-        ((fact("command_age", "/base", "age"),), (), Stops.YES, "/base seems to look at the age"),
+        ((fact("command_age", "/base", "age"),), (), Stops.UNKNOWN, "/base may look at the age"),
         ((), parameters("cmd_vel_timeout", base=0.5), Stops.YES, "/base: cmd_vel_timeout is 0.5"),
+        (
+            (fact("device", "/base", "CAN"),),
+            parameters("cmd_vel_timeout", base=0.5),
+            Stops.NO,
+            "nothing in the source of /base looks",
+        ),
         ((), parameters("cmd_vel_timeout", base=0.0), Stops.NO, "/base: cmd_vel_timeout is 0.0"),
         ((), parameters("x.cmd_vel_timeout", base=None), Stops.UNKNOWN, "/base does not tell"),
     ],
@@ -461,3 +467,25 @@ def test_a_viewers_button_for_what_is_not_there_is_no_line():
 def test_what_no_autopilot_here_obeys_is_a_line_all_the_same():
     sent = "/fly own own\n    pub /fmu/in/offboard_control_mode px4_msgs/msg/OffboardControlMode\n"
     assert the_mover(sent).thing is Thing.MODE
+
+
+def test_what_a_receiver_with_a_device_sends_is_a_command():
+    remote = f"/remote own own\n    pub /cmd_vel {TWIST}\n"
+    mover = the_mover(remote + BASE, wiring=(fact("device", "/remote", "serial port"),))
+    assert (names(mover.commands), mover.commands[0].senders) == (["/cmd_vel"], ("/remote",))
+
+
+def test_a_word_within_a_word_makes_no_listener():
+    flight = BASE.replace("/base", "/flight_controller")
+    assert the_mover(flight).drivers == ("/flight_controller",)
+    assert inventory(BASE.replace("/base", "/status_light").replace("driver", "own")) == ()
+
+
+def test_a_server_of_the_driver_is_a_door():
+    web = fact("socket", "/base", "web server")
+    assert the_mover(BASE, wiring=(web,)).doors == ("/base (web server)",)
+
+
+def test_of_what_is_told_once_nobody_asks_whether_it_stops():
+    land = "/base driver own\n    sub /land std_msgs/msg/Empty\n"
+    assert the_mover(land).stop == ""

@@ -46,6 +46,8 @@ TOPIC, SERVICE, ACTION, _ = Means
             SERVICE,
             Thing.CONTROLLERS,
         ),
+        ("/clear_estop", TRIGGER, SERVICE, Thing.STOP),
+        ("/set_relay_state", "std_srvs/SetBool", SERVICE, Thing.POWER),
         ("/runStop", "x/RunStop", TOPIC, Thing.STOP),
         ("/joystick/chassisCommand", "x/chassisCommand", TOPIC, Thing.BASE),
         ("/sub/arm", BOOL, TOPIC, Thing.ARMING),

@@ -109,6 +109,17 @@ def test_who_tells_a_sender_without_an_arbiter():
     assert found == ["/b obeys /cmd_vel", "sent by /teleop, told by /joy_node"]
 
 
+def test_who_goes_past_an_arbiter_is_said_apart():
+    direct = Command(
+        means=Means.TOPIC, name="/cmd_vel", receivers=("/b",), senders=("/mux", "/rogue")
+    )
+    behind = Command(
+        means=Means.TOPIC, name="/nav_vel", receivers=("/mux",), senders=("/nav",), hops=1
+    )
+    found = rows(thing=Thing.BASE, commands=(direct, behind), drivers=("/b",), arbiters=("/mux",))
+    assert found[1] == "sent by /rogue directly, and by /nav through /mux"
+
+
 def test_services_and_goals():
     arm = service("/arm", receivers=("/driver",), senders=("/mission",))
     goal = Command(means=Means.ACTION, name="/go", receivers=("/nav",))

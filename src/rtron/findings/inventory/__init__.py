@@ -87,18 +87,22 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
     return nodes or tuple(name for name in app.unread_files if ".launch" in name)[:1]
 
 
+_SIGNALS = ("std_msgs/Bool", "std_msgs/Empty")
+_HOLDING = {*SWITCHES, Thing.HEAD, Thing.GRIPPER, Thing.HORN}
+"""What is told once, or holds what it was told: whether it stops when commands end says nothing."""
 _APART = {*SWITCHES, Thing.DEVICE}
 
 
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
     topics = [each for each in last if each.means is Means.TOPIC]
+    streamed = [each for each in topics if each.type not in _SIGNALS]
     behind = list(commands.behind(topics))
     everything = _distinct([*last, *(command for _, command in behind)])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
     end = (
         stopping(app, drivers, [c.name for c in topics])
-        if topics and thing not in SWITCHES
+        if streamed and thing not in _HOLDING
         else None
     )
     senders = _nodes(each.senders for each in everything)
@@ -109,7 +113,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         drivers=drivers,
         hardware=tuple(dict.fromkeys(fact.value for fact in opened)),
         arbiters=tuple(dict.fromkeys(node for node, _ in behind if commands.decides(node))),
-        doors=doors(app, senders),
+        doors=doors(app, (*senders, *drivers)),
         unread=() if drivers else _unread_parts(app),
         stops=end.stops if end else Stops.UNKNOWN,
         stop=end.why if end else "",

@@ -76,10 +76,7 @@ class AppCommands:
 
     def _is_measured(self, command: Command) -> bool:
         """Return whether drivers tell by a topic how they move, and nobody obeys it."""
-        senders = command.senders
-        if not senders or command.receivers or not all(map(self.roles.drives, senders)):
-            return False
-        return all(set(self._inputs.get(node, ())) - {command.name} for node in senders)
+        return not command.receivers and self._is_feedback(command.name)
 
     def topic_command(self, topic: str, hops: int = 0) -> Command:
         """Return the command that a topic is."""
@@ -112,9 +109,14 @@ class AppCommands:
                     pending += [(each, hops + 1) for each in further]
 
     def _is_feedback(self, topic: str) -> bool:
-        """Return whether drivers alone send a topic."""
+        """Return whether those alone send a topic that drive and obey something else."""
         senders = self.app.publishers(topic)
-        return bool(senders) and all(map(self.roles.drives, senders))
+        return bool(senders) and all(self._is_reporting(node, topic) for node in senders)
+
+    def _is_reporting(self, node: str, topic: str) -> bool:
+        """Return whether a driver obeys something, so that what it sends tells how it moves."""
+        is_obeying = bool(set(self._inputs.get(node, ())) - {topic})
+        return self.roles.is_controller(node) or (self.roles.drives(node) and is_obeying)
 
     def decides(self, node: str) -> bool:
         """Return whether a node decides between commands: an arbiter, or one that takes several."""
@@ -245,12 +247,18 @@ class AppCommands:
 
         Where nobody here obeys it, its type or name says so, or that an arbiter sends it.
         """
-        readers = {node for node in self.app.readers(end.topic) if self.roles.obeys(node)}
-        if readers:
+        if readers := self._obedient.get(end.topic):
             return not readers <= self._upstream(command)
         is_same = normalise_type(end.type) == command.type
         is_named = _COMMANDS.search("/".join(end.topic.split("/")[-2:])) is not None
         return is_same or is_named or end.node in self._ranks
+
+    @cached_property
+    def _obedient(self) -> dict[str, frozenset[str]]:
+        """Who may obey each topic."""
+        obeys, readers = self.roles.obeys, self.app.readers
+        topics = self.app.explicit_topics
+        return {topic: frozenset(filter(obeys, readers(topic))) for topic in topics}
 
     def _upstream(self, command: Command) -> frozenset[str]:
         """Return the nodes that a command comes from, by themselves or through others."""

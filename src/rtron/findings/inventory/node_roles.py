@@ -6,7 +6,7 @@ from functools import cached_property
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.several_publishers import moves
-from rtron.vocabulary import WiringFact, WiringFactKind, normalise_type
+from rtron.vocabulary import Node, WiringFact, WiringFactKind, normalise_type
 
 FIRMWARE_PACKAGES = ("rosserial_python", "rosserial_server", "micro_ros_agent")
 """Packages whose nodes speak for firmware, which no scan reads."""
@@ -16,13 +16,14 @@ _DRIVER_PACKAGES = (
     *("bicycle_steering_controller", "joint_trajectory_controller", "forward_command_controller"),
     *("velocity_controllers", "position_controllers", "effort_controllers", "gripper_controllers"),
     *("gazebo_ros", "gazebo_plugins", "ros_gz_bridge", "ros_ign_bridge", "stage_ros", "turtlesim"),
-    *("kobuki_node", "create_driver", "turtlebot3_node", "mavros"),
+    *("kobuki_node", "create_driver", "turtlebot3_node", "mavros", "vesc_driver"),
     *FIRMWARE_PACKAGES,
 )
 """Packages whose nodes stand next to hardware or a simulation, whatever they publish."""
 _MEASURED = frozenset({"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"})
 _LISTENERS = re.compile(
-    r"filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot|light|lcd|sound|speech|gui\b|marker"
+    r"(?:filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot|speech|marker)\w*"
+    r"|lights?|lcd|sound|gui"
 )
 """Words in the names of nodes that hear commands and obey none."""
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
@@ -76,22 +77,18 @@ class NodeRoles:
     @cached_property
     def _listeners(self) -> frozenset[str]:
         """The nodes whose names say that they obey nothing, and that command nothing."""
-        named = {
-            node.name
-            for node in self.app.graph.nodes
-            if _LISTENERS.search(f"{node.name.rpartition('/')[2]} {node.package}")
-        }
+        named = {node.name for node in self.app.graph.nodes if _is_named_listener(node)}
         sends = self.app.graph.published_by
         commands = (n for n in named if any(self.app.is_motion(e.topic) for e in sends(n)))
-        drivers = (node for node in named if self.drives(node))
+        drivers = (node for node in named if self.drives(node) or self.is_called_driver(node))
         return frozenset(named.difference(commands, drivers))
 
     def drives(self, node: str) -> bool:
         """Return whether a node stands next to hardware or a simulation."""
         is_driver = self.package(node) in _DRIVER_PACKAGES or node in self.with_device
-        return is_driver or node in self._controller_hosts or self._is_controller(node)
+        return is_driver or node in self._controller_hosts or self.is_controller(node)
 
-    def _is_controller(self, node: str) -> bool:
+    def is_controller(self, node: str) -> bool:
         """Return whether a node is a controller of ros2_control, whose program is a plugin."""
         return node in self.app.nodes and "/" in self.app.nodes[node].executable
 
@@ -104,3 +101,8 @@ class NodeRoles:
         types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
         is_unread = node in self.app.unread_nodes
         return self.drives(node) or is_unread or not types.isdisjoint(_MOVED)
+
+
+def _is_named_listener(node: Node) -> bool:
+    words = re.split(r"[_\-\s]+", f"{node.name.rpartition('/')[2]} {node.package}".lower())
+    return any(map(_LISTENERS.fullmatch, words))

@@ -47,6 +47,13 @@ def stopping(app: AppFacts, drivers: tuple[str, ...], topics: Iterable[str]) -> 
 
 
 def _of_driver(app: AppFacts, node: str, controllers: Collection[str]) -> Stopping:
+    age = next(_facts(app, node, WiringFactKind.COMMAND_AGE), None)
+    devices = [fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)]
+    if devices and not age:
+        why = f"nothing in the source of {node} looks at the age of a command"
+        if CLEVER_DEVICES.isdisjoint(devices):
+            return Stopping(Stops.NO, why)
+        return Stopping(Stops.UNKNOWN, f"{why}; what it talks to may")
     for parameter in app.graph.parameters:
         is_timeout = parameter.name.rpartition(".")[2] in TIMEOUT_NAMES
         is_number = isinstance(parameter.value, (int, float))
@@ -54,14 +61,9 @@ def _of_driver(app: AppFacts, node: str, controllers: Collection[str]) -> Stoppi
             is_endless = is_off(parameter.value)
             stops = Stops.NO if is_endless else Stops.YES
             return Stopping(stops, f"{parameter.node}: {parameter.name} is {parameter.value}")
-    if fact := next(_facts(app, node, WiringFactKind.COMMAND_AGE), None):
-        place = "".join(f", {at.file}:{at.line}" for at in fact.evidence[:1])
-        return Stopping(Stops.YES, f"{node} seems to look at the age of commands{place}")
-    if devices := [fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)]:
-        why = f"nothing in the source of {node} looks at the age of a command"
-        if CLEVER_DEVICES.isdisjoint(devices):
-            return Stopping(Stops.NO, why)
-        return Stopping(Stops.UNKNOWN, f"{why}; what it talks to may")
+    if age:
+        place = "".join(f", {at.file}:{at.line}" for at in age.evidence[:1])
+        return Stopping(Stops.UNKNOWN, f"{node} may look at the age of commands{place}")
     package = app.nodes[node].package if node in app.nodes else ""
     if package in _KNOWN:
         return Stopping(*_KNOWN[package])

@@ -37,7 +37,7 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet"),
     (Thing.HORN, "horn buzzer siren beep"),
     (Thing.GRIPPER, "gripper grippers claw finger fingers hands grasp"),
-    (Thing.HEAD, "head pan tilt ptz gimbal neck mast camera"),
+    (Thing.HEAD, "head pan tilt ptz gimbal neck mast camera_control camera_cmd"),
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
     (Thing.CONTROLLERS, "switch_controller"),
@@ -64,14 +64,15 @@ _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _HARMLESS = re.compile(
-    r"_get_|^(?:measured|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|clear|check|read|save|describe|download)(?:_|$)"
-    r"|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
+    r"_get_|^(?:measured|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|check|read|save|describe|download)(?:_|$)"
+    r"|^clear_\w*maps?$|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
     r"|image|camera_info|calibrat\w+|parameters?|logger\w*|diagnostics|tf|pose_estimate|status"
     r"|(?<!component_)state|states|feedback|info|marker\w*|initialpose|clicked_point|position_estimate)$"
 )
 """Last names of what reads, shows or estimates."""
+_SETS = re.compile(r"(?:set|switch)_")
 _ESTIMATES = re.compile(
-    r"/(?:local_position|global_position|odometry|odom|feedback|measured)/"
+    r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?)/"
     r"|(?:^|[/_])(?:image|compressed|points|depth)(?:[/_]|$)"
 )
 """Namespaces of what is measured, and words of what is seen."""
@@ -122,7 +123,8 @@ def thing_of_node(name: str) -> Thing | None:
 
 def is_harmless(name: str, type: str) -> bool:
     """Return whether a name or a type says that something is read, shown or estimated."""
-    is_named = _HARMLESS.search(_last_part(name)) or _ESTIMATES.search(name)
+    last = _last_part(name)
+    is_named = (_HARMLESS.search(last) and not _SETS.match(last)) or _ESTIMATES.search(name)
     return bool(is_named or _HARMLESS_TYPES.match(_plain_type(type)))
 
 

@@ -80,14 +80,22 @@ def _topic_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
 def _sources(mover: Mover, last: Sequence[Command]) -> str:
     """Return who sends commands, and who is behind them: through arbiters, or as their input."""
     direct = _senders(last)
+    forwarders = {node for each in mover.commands if each.hops for node in each.receivers}
     sources = _senders(each for each in mover.commands if each.means is Means.TOPIC)
-    between = [node for node in mover.arbiters if node in sources]
-    others = [node for node in sources if node not in between]
-    if between and others:
-        return f"{join_names(others)} through {join_names(between)}"
-    behind = [node for node in sources if node not in direct]
-    by = f", told by {join_names(behind)}" if behind else ""
-    return f"{join_names(direct, 'nobody in this launch')}{by}"
+    arbiters = [node for node in mover.arbiters if node in sources]
+    between = [*dict.fromkeys([*filter(forwarders.__contains__, direct), *arbiters])]
+    behind = [node for node in sources if node not in (*direct, *between)]
+    if arbiters and behind:
+        past = [node for node in direct if node not in between]
+        passing = f"{_all(past)} directly, and by " if past else ""
+        return f"{passing}{_all(behind)} through {_all(between)}"
+    by = f", told by {_all([n for n in sources if n not in direct])}" if sources != direct else ""
+    return f"{_all(direct) or 'nobody in this launch'}{by}"
+
+
+def _all(names: Sequence[str]) -> str:
+    """Return all names: who commands a robot is never one of `3 more`."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
 def _request_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:

@@ -196,6 +196,8 @@ NODES = [
     "velodyne_laserscan/velodyne_laserscan_node",
     "velodyne_pointcloud/velodyne_convert_node",
     "velodyne_pointcloud/velodyne_transform_node",
+    "vesc_ackermann/ackermann_to_vesc_node",
+    "vesc_driver/vesc_driver_node",
     "web_video_server/web_video_server",
     "ydlidar_ros2_driver/ydlidar_ros2_driver_node",
 ]
@@ -329,6 +331,15 @@ def test_a_twist_mux_of_ros2_hears_what_its_parameters_name():
         ("publish", "/r/cmd_vel_out", "geometry_msgs/msg/TwistStamped"),
     }
     assert len(names(found, "subscribe")) == 3
+
+
+def test_a_motor_controller_is_told_by_the_node_that_takes_steering():
+    told_by, driver = (
+        modelled(program, name="/n")
+        for program in ("vesc_ackermann/ackermann_to_vesc_node", "vesc_driver/vesc_driver_node")
+    )
+    assert names(told_by, "publish") < names(driver, "subscribe")
+    assert names(told_by, "subscribe") == {"/ackermann_cmd"}
 
 
 def test_inputs_of_a_filter_are_counted_and_heard_where_something_of_them_is_used():

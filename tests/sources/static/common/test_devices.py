@@ -195,11 +195,15 @@ def test_comments_of_cpp(facts, line):
         "last_",
         "cmd_time",
         ".",
+        '\\"',
+        "\\'",
     ],
 )
-def test_hostile_text_takes_time_in_proportion(facts, unit):
-    sizes = [python(unit * (size // len(unit))) for size in (20_000, 80_000)]
-    assert growth(facts, *sizes) < 12
+@pytest.mark.parametrize("language", ["python", "cpp"])
+def test_hostile_text_takes_time_in_proportion(facts, unit, language):
+    write, program = {"python": (python, "driver.py"), "cpp": (cpp, "driver")}[language]
+    sizes = [write(unit * (size // len(unit))) for size in (20_000, 80_000)]
+    assert growth(lambda files: facts(files, program), *sizes) < 12
 
 
 def test_a_module_of_the_package_counts_too(facts):

@@ -123,6 +123,18 @@ def test_a_launch_file_that_rosbridge_brings(scanned):
     assert "/rosapi/get_param" in {service.name for service in graph.services}
 
 
+@pytest.mark.parametrize(
+    ("autopilot", "has_actuators"), [("px4.launch", True), ("apm.launch", False)]
+)
+def test_a_launch_file_that_mavros_brings(scanned, autopilot, has_actuators):
+    graph = scanned(f'<include file="$(find mavros)/launch/{autopilot}"/>')
+    assert {"/mavros/setpoint_velocity/cmd_vel", "/mavros/rc/override"} <= subscribed(
+        graph, "/mavros"
+    )
+    assert ("/mavros/actuator_control" in subscribed(graph, "/mavros")) == has_actuators
+    assert "/mavros/cmd/arming" in {service.name for service in graph.services}
+
+
 CAMERA = "$(find realsense2_camera)/launch/rs_camera.launch"
 
 

@@ -38,7 +38,7 @@ _SOCKETS = {
     r"|from autobahn|socketio\.(?:Async)?Server|uWS::",
     "web server": r"from flask|import flask|http\.server|from aiohttp import web|FastAPI\("
     r"|from bottle|crow\.h|httplib\.h|cherrypy|SimpleHTTPServer|web\.Application\(",
-    "TCP or UDP socket": r"socketserver\.|\.bind\(\s*\(|\bbind\(\s*\w*(?:sock|fd)|tcp::acceptor"
+    "TCP or UDP socket": r"socketserver\.|\.bind\(\s*\(|INADDR_ANY|in6addr_any|tcp::acceptor"
     r"|udp::endpoint\(\s*udp|QTcpServer",
     "gRPC server": r"grpc\.server\(|grpc::ServerBuilder",
 }
@@ -55,11 +55,12 @@ _AGE = (
 _COMMENTS = {
     True: re.compile(
         rb"\"\"\".*?(?:\"\"\"|\Z)|'{3}.*?(?:'{3}|\Z)"
-        rb"|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|#[^\n]*",
+        rb"|\"(?:\\.|[^\"\\\n])*(?:\"|(?=\n)|\\?\Z)|'(?:\\.|[^'\\\n])*(?:'|(?=\n)|\\?\Z)|#[^\n]*",
         re.DOTALL,
     ),
     False: re.compile(
-        rb"//[^\n]*|/\*.*?(?:\*/|\Z)|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])'", re.DOTALL
+        rb"//[^\n]*|/\*.*?(?:\*/|\Z)|\"(?:\\.|[^\"\\\n])*(?:\"|(?=\n)|\\?\Z)|'(?:\\.|[^'\\\n])'",
+        re.DOTALL,
     ),
 }
 """Comments and strings of Python, or of C++; of a string in three quotes the text is one, too."""
