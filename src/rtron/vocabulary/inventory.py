@@ -34,6 +34,9 @@ class Thing(StringEnum):
 
 SWITCHES = frozenset({Thing.STOP, Thing.ARMING, Thing.MODE, Thing.POWER, Thing.CONTROLLERS})
 """What does not move itself, and decides whether something does."""
+NO_MOTION = SWITCHES | {Thing.LIMITS}
+SIGNALS = frozenset({"std_msgs/Bool", "std_msgs/Empty"})
+"""Types that carry no more than that something is to happen, as ROS 1 spells them."""
 
 
 class Means(StringEnum):

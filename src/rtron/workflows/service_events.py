@@ -99,9 +99,18 @@ def _messages(client: SecurityServiceClient) -> Iterator[Iterator[str | bytes]]:
     with closing(asyncio.new_event_loop()) as loop:
         socket = loop.run_until_complete(_connect(client))
         try:
-            yield _until_closed(lambda: loop.run_until_complete(socket.recv()))
+            yield _until_closed(lambda: _receive(loop, socket))
         finally:
             loop.run_until_complete(socket.close())
+
+
+def _receive(loop: asyncio.AbstractEventLoop, socket: ClientConnection) -> str | bytes:
+    """Return the next message; who is interrupted while waiting waits no longer."""
+    task = loop.create_task(socket.recv())
+    try:
+        return loop.run_until_complete(task)
+    finally:
+        task.cancel()
 
 
 async def _connect(client: SecurityServiceClient) -> ClientConnection:

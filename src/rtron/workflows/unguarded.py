@@ -6,11 +6,10 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.planning.proposal.policy_defaults import unguardable_topics
 from rtron.vocabulary import GRCN, Domain, GuardedTopic, Mode, Plan, build_streams
-from rtron.vocabulary.inventory import SWITCHES, Command, Means, Mover, Thing
+from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
 from rtron.wording import join_names
 from rtron.workflows.scan import ScanResult
 
-_SIGNALS = ("std_msgs/Bool", "std_msgs/Empty")
 _MOVING = (Domain.PLANNING, Domain.CONTROL)
 
 
@@ -31,9 +30,9 @@ def last_command_topics(movers: Iterable[Mover]) -> frozenset[str]:
     Switches, limits and mere signals are not among them: a stop, a reset or an order to land must
     come from anyone.
     """
-    moving = (mover for mover in movers if mover.thing not in {*SWITCHES, Thing.LIMITS})
+    moving = (mover for mover in movers if mover.thing not in NO_MOTION)
     commands = (each for mover in moving for each in mover.last_commands)
-    topics = (c for c in commands if c.means is Means.TOPIC and c.type not in _SIGNALS)
+    topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
     return frozenset(each.name for each in topics if each.senders and each.receivers)
 
 

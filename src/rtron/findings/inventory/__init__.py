@@ -12,16 +12,19 @@ from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles
 from rtron.findings.inventory.stopping import stopping
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
-from rtron.vocabulary.inventory import SWITCHES, Command, Means, Mover, Stops, Thing
+from rtron.vocabulary.inventory import SIGNALS, SWITCHES, Command, Means, Mover, Stops, Thing
 
 __all__ = ["take_inventory"]
 
 MOST_MOVERS = 12
 """With more lines, those of one thing are one."""
+_HOLDING = SWITCHES | {Thing.HEAD, Thing.GRIPPER, Thing.HORN}
+"""What is told once, or holds what it was told: whether it stops when commands end says nothing."""
+_APART = SWITCHES | {Thing.DEVICE}
 
 
 def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
-    """Return what can move the robot, in the order of `Thing`; empty where nothing does."""
+    """Return what can move the robot, in the order of `Thing`; empty where nothing is found."""
     commands = AppCommands(app, NodeRoles(app))
     groups: dict[tuple[Thing, tuple[str, ...]], list[Command]] = defaultdict(list)
     for thing, command in commands.last():
@@ -87,15 +90,9 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
     return nodes or tuple(name for name in app.unread_files if ".launch" in name)[:1]
 
 
-_SIGNALS = ("std_msgs/Bool", "std_msgs/Empty")
-_HOLDING = {*SWITCHES, Thing.HEAD, Thing.GRIPPER, Thing.HORN}
-"""What is told once, or holds what it was told: whether it stops when commands end says nothing."""
-_APART = {*SWITCHES, Thing.DEVICE}
-
-
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
     topics = [each for each in last if each.means is Means.TOPIC]
-    streamed = [each for each in topics if each.type not in _SIGNALS]
+    streamed = [each for each in topics if each.type not in SIGNALS]
     behind = list(commands.behind(topics))
     everything = _distinct([*last, *(command for _, command in behind)])
     drivers = _nodes(each.receivers for each in (topics or last))

@@ -19,16 +19,15 @@ from rtron.vocabulary import (
     Ros1ActionTopic,
     normalise_type,
 )
-from rtron.vocabulary.inventory import SWITCHES, Command, Means, Thing
+from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, SWITCHES, Command, Means, Thing
 
 _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
-_NO_MOTION = SWITCHES | {Thing.LIMITS}
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
 _COMMANDS = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
 _AUTOPILOTS = ("/mavros/", "/dji_sdk/", "/fmu/in/")
 """Names of autopilots' topics and services: MAVROS, DJI's Onboard SDK, PX4 by uXRCE-DDS."""
-_SIGNALS = frozenset({"std_msgs/Bool", "std_msgs/Empty", "std_msgs/String"})
+_ORDERS = SIGNALS | {"std_msgs/String"}
 _JOY = "sensor_msgs/Joy"
 _MOST_HOPS = 6
 
@@ -47,10 +46,11 @@ class AppCommands:
             thing, command = self._thing_of_topic(topic), self.topic_command(topic)
             receivers = command.receivers
             is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
-            is_passed_on = self._is_forwarded(command) or self._is_measured(command)
             is_sent = command.senders and (thing not in SWITCHES or _is_of_autopilot(topic))
             has_sides = bool(receivers or is_sent) and not self._is_feedback(topic)
-            if topic in self._locks or (has_sides and not (is_vague or is_passed_on)):
+            if topic in self._locks or (
+                has_sides and not (is_vague or self._is_forwarded(command))
+            ):
                 yield self._as_driven(thing, command)
         graph = self.app.graph
         for thing, command in chain(
@@ -73,10 +73,6 @@ class AppCommands:
         )
         is_vehicle = thing in _OF_VEHICLES and is_autopilot
         return (Thing.VEHICLE if is_vehicle else thing), command
-
-    def _is_measured(self, command: Command) -> bool:
-        """Return whether drivers tell by a topic how they move, and nobody obeys it."""
-        return not command.receivers and self._is_feedback(command.name)
 
     def topic_command(self, topic: str, hops: int = 0) -> Command:
         """Return the command that a topic is."""
@@ -174,7 +170,7 @@ class AppCommands:
             thing = self._thing_of_topic(topic)
             if thing is Thing.DEVICE:
                 found.update(filter(self.roles.drives, last))
-            elif thing not in _NO_MOTION and len(last) == len(command.receivers):
+            elif thing not in NO_MOTION and len(last) == len(command.receivers):
                 found.update(filter(self.roles.may_drive, last) if last[1:] else last)
         return frozenset(found)
 
@@ -185,7 +181,7 @@ class AppCommands:
 
     def _switches(self, topic: str) -> bool:
         """Return whether a topic that somebody obeys stops, arms or ends the robot."""
-        is_signal = self.app.facts.topic(topic).type in _SIGNALS
+        is_signal = self.app.facts.topic(topic).type in _ORDERS
         is_switch = self._things[topic] in (_SURE_SWITCHES if not is_signal else _SIGNAL_SWITCHES)
         return is_switch and bool(self.app.readers(topic))
 

@@ -3,7 +3,7 @@
 import re
 
 from rtron.vocabulary import normalise_type
-from rtron.vocabulary.inventory import Means, Thing
+from rtron.vocabulary.inventory import SIGNALS, Means, Thing
 
 _TYPES: tuple[tuple[str, Thing], ...] = (
     (r"mavros_msgs/CommandBool", Thing.ARMING),
@@ -76,7 +76,6 @@ _ESTIMATES = re.compile(
     r"|(?:^|[/_])(?:image|compressed|points|depth)(?:[/_]|$)"
 )
 """Namespaces of what is measured, and words of what is seen."""
-_SIGNALS = ("std_msgs/Bool", "std_msgs/Empty")
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps"
     r"|record\w*|snapshot|photo|video|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
@@ -108,7 +107,7 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
         return found
     if _LIMIT_WORDS.search(last):
         return Thing.LIMITS
-    if (means is Means.SERVICE or type in _SIGNALS) and _ARMING.search(last):
+    if (means is Means.SERVICE or type in SIGNALS) and _ARMING.search(last):
         return Thing.ARMING
     named = _by_words(name)
     usual = _by_type(type, _USUAL_TYPES) if named in _VAGUE else None

@@ -139,7 +139,7 @@ def _names(commands: Sequence[Command]) -> str:
     names = [each.name for each in commands]
     if len(names) > _SHOWN:
         names = [*names[: _SHOWN - 1], f"{len(names) - _SHOWN + 1} more"]
-    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+    return _all(names)
 
 
 def inventory_to_json(movers: Sequence[Mover]) -> list[dict[str, Any]]:
