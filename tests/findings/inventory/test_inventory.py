@@ -489,3 +489,26 @@ def test_a_server_of_the_driver_is_a_door():
 def test_of_what_is_told_once_nobody_asks_whether_it_stops():
     land = "/base driver own\n    sub /land std_msgs/msg/Empty\n"
     assert the_mover(land).stop == ""
+
+
+BOX = tuple(
+    Service(node=node, name=f"{node}/{name}", type="std_srvs/srv/Trigger")
+    for node, name in (
+        ("/box", "play"),
+        ("/box", "get_mode"),
+        ("/box", "power_on"),
+        ("/ui", "play"),
+    )
+)
+BESIDE = "/box driver own\n/ui driver own\n"
+
+
+def test_what_a_node_with_a_device_offers_beside_a_service_that_moves_something_may_move_it():
+    sdk = (fact("device", "/box", "vendor SDK"),)
+    listed = inventory(BESIDE, services=BOX, wiring=sdk)
+    assert [names(mover.commands) for mover in listed] == [["/box/play"], ["/box/power_on"]]
+    assert [names(mover.commands) for mover in inventory(BESIDE, services=BOX)] == [
+        ["/box/power_on"]
+    ]
+    silent = tuple(each for each in BOX if each.name != "/box/power_on")
+    assert inventory(BESIDE, services=silent, wiring=sdk) == ()

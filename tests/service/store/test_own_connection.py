@@ -1,4 +1,4 @@
-"""Connections of one's own to PostgreSQL: they end where the server does not answer."""
+"""Connections to PostgreSQL end where the server does not answer, and when the database closes."""
 
 import os
 import socket
@@ -6,7 +6,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from sqlalchemy import make_url
+from sqlalchemy import make_url, text
 from sqlalchemy.exc import DBAPIError
 
 from rtron.service.store.database import Database
@@ -47,3 +47,13 @@ def test_a_server_that_is_not_there_is_an_error_of_the_database(database):
     database.url = make_url(f"postgresql+pg8000://a@127.0.0.1:{port}/b")
     with pytest.raises(DBAPIError, match=f"127.0.0.1:{port}"), database.own_connection(60):
         pass
+
+
+def test_a_connection_in_use_ends_when_it_is_given_back_after_the_database_was_closed(postgresql):
+    before = open_sockets()
+    database = Database(postgresql.new_database())
+    with database.session() as session:
+        session.execute(text("SELECT 1"))
+        database.close()
+        assert len(open_sockets() - before) == 1
+    assert open_sockets() == before

@@ -53,8 +53,9 @@ class AppCommands:
             ):
                 yield self._as_driven(thing, command)
         graph = self.app.graph
+        devices = {node for node in self.roles.with_device if not self.roles.is_sensor(node)}
         for thing, command in chain(
-            services(graph, self._drivers), actions(graph, self.app.facts.viewers)
+            services(graph, self._drivers, devices), actions(graph, self.app.facts.viewers)
         ):
             is_motor = thing is Thing.BASE and command.means is Means.SERVICE
             if not (is_motor and any(map(self.roles.is_sensor, command.receivers))):

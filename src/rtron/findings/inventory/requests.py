@@ -10,11 +10,20 @@ _COMPUTING = ("ComputePath", "SmoothPath", "LookupTransform", "ComputeRoute", "G
 """Actions that only compute."""
 
 
-def services(graph: InteractionGraph, drivers: Collection[str]) -> Iterator[tuple[Thing, Command]]:
+def services(
+    graph: InteractionGraph, drivers: Collection[str], devices: Collection[str]
+) -> Iterator[tuple[Thing, Command]]:
     """Yield the services that move something: those that are offered, and those only called.
 
-    What drivers offer may move something, whatever it is called.
+    What drivers offer may move something, whatever it is called, and so may what those of the
+    nodes next to hardware (`devices`) offer that have one service which does.
     """
+    moving = {
+        each.node
+        for each in graph.services
+        if each.node in devices and thing_of(each.name, each.type, Means.SERVICE) is not None
+    }
+    drivers = moving.union(drivers)
     offered = {(each.name, each.type) for each in graph.services if not each.implicit}
     names = {name for name, _ in offered}
     called = {(c.name, c.type) for c in graph.clients if not c.implicit and c.name not in names}

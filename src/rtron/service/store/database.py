@@ -18,6 +18,7 @@ from sqlalchemy.exc import (
 )
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlalchemy.orm import Session
+from sqlalchemy.pool import ConnectionPoolEntry
 
 from rtron.errors import InputError
 from rtron.service.store.notices import CHANNEL, SENDER, notice_channel
@@ -134,7 +135,8 @@ class Database:
             yield session
 
     def close(self) -> None:
-        """Close every connection."""
+        """Close every connection; one that a thread still uses ends when that gives it back."""
+        event.listen(self.engine, "checkin", _close_returned)
         self.engine.dispose()
 
 
@@ -205,6 +207,10 @@ def _connect_over_socket(
         if (descriptor := connected.detach()) >= 0:
             os.close(descriptor)
         raise
+
+
+def _close_returned(_connection: object, entry: ConnectionPoolEntry) -> None:
+    entry.close()
 
 
 def _set_pragmas(connection: Any, _record: object) -> None:  # noqa: ANN401 - sqlite3's own

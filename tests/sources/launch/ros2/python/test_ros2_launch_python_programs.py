@@ -258,3 +258,32 @@ def generate_launch_description():
 """)
     assert len(app.starts) == 2
     assert not mark.exists()
+
+
+@pytest.mark.parametrize("given", ["args=[ld]", "kwargs={'ld': ld}"])
+def test_a_function_adds_to_the_description_that_it_gets(program, given):
+    app = program(f"""
+def setup(context, ld):
+    ld.add_action({NODE.format("LaunchConfiguration('robot')")})
+    return [{NODE.format("'returned'")}]
+def generate_launch_description():
+    ld = LaunchDescription([DeclareLaunchArgument('robot', default_value='tb3')])
+    ld.add_action(OpaqueFunction(function=setup, {given}))
+    ld.add_action({NODE.format("'before'")})
+    return ld
+""")
+    assert sorted(names(app)) == ["/before", "/returned", "/tb3"]
+    assert app.unresolved == ()
+
+
+def test_a_function_within_another_adds_to_the_description_around_it_once_a_call(program):
+    app = program("""
+def generate_launch_description():
+    ld = LaunchDescription()
+    def setup(context, name):
+        ld.add_action(Node(package='p', executable='e', name=name))
+    for name in ('a', 'b'):
+        ld.add_action(OpaqueFunction(function=setup, args=[name]))
+    return ld
+""")
+    assert names(app) == ["/a", "/b"]

@@ -43,6 +43,7 @@ from rtron.sources.code.interpreter.python.modules import (
     named_functions,
 )
 from rtron.sources.code.ir import Class, TypeRef
+from rtron.sources.code.ir.references import called_names
 from rtron.sources.code.library_models.python_std.data_classes import (
     ENUM,
     NAMED_TUPLE,
@@ -62,6 +63,10 @@ _MODULES_WITHOUT_ROS = (
 )
 _OWN_FIELDS = {"__class__", "__dict__"}
 _METACLASS_METHODS = frozenset({"__new__", "__call__", "__prepare__"})
+_NODE = "rclpy.node.Node"
+_NODE_METHODS = frozenset(
+    {"create_publisher", "create_subscription", "create_service", "create_client"}
+)
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
@@ -187,11 +192,12 @@ class PythonObjects(PythonModules):
         return _first_member(self.lineage(owner), name)
 
     def _create_class(self, definition: Class, frame: StackFrame) -> ClassValue:
-        bases = tuple(
+        found = [
             Unknown("base") if isinstance(base, TypeRef) else self.machine.evaluate(base, frame)
             for base in definition.bases
-        )
-        self._note_bases(definition, bases)
+        ]
+        self._note_bases(definition, found)
+        bases = [self._node_for(base, definition) for base in found]
         body = StackFrame(file=frame.file, closure=frame, body="class")
         self.machine.execute(definition.body, body)
         return self.finish_class(
@@ -248,15 +254,36 @@ class PythonObjects(PythonModules):
             return base
         return self._library_bases.setdefault(base.name, library_base(base))
 
-    def _note_bases(self, definition: Class, bases: tuple[Value, ...]) -> None:
+    def _note_bases(self, definition: Class, bases: Iterable[Value]) -> None:
         """Note each base class of a library that is neither here nor known to join no nodes."""
         location = Evidence(file=definition.file, line=definition.line)
         found = (option for base in bases for option in options(base))
         for base in (option for option in found if isinstance(option, ExternalSymbol)):
-            if "." in base.name and not self._is_known(base.name):
+            if self._is_missing(base):
                 why = f"its base class {base.name} is not in the source: "
                 why += "what that declares is not known"
                 self.machine.recorder.add_unresolved(f"class {definition.name}", why, location)
+
+    def _is_missing(self, base: ExternalSymbol) -> bool:
+        return "." in base.name and not self._is_known(base.name)
+
+    def _node_for(self, base: Value, definition: Class) -> Value:
+        """Return rclpy's node for a base that is not here, if the class makes endpoints as one."""
+        node = self.library.get(_NODE)
+        if node is None or not (isinstance(base, ExternalSymbol) and self._is_missing(base)):
+            return base
+        methods = (function for _, function in named_functions(definition.body))
+        makes = any(called_names(method) & _NODE_METHODS for method in methods)
+        return node if makes else base
+
+    def make_handed_node(self, cls: ClassValue, arguments: Arguments) -> None:
+        """Make a node whose class a library got that is not here, unless the program makes one."""
+        is_node = self.library.get(_NODE, NONE) in self.lineage(cls)
+        is_made = any(
+            isinstance(one, Instance) and one.type is cls for one in self.machine.instances
+        )
+        if is_node and not is_made:
+            dispatch(self.machine, cls, replace(arguments, values=(), keywords={}))
 
     def _note_order(self, cls: ClassValue) -> None:
         """Note a class whose bases contradict each other."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
@@ -23,6 +24,7 @@ from rtron.sources.code.interpreter.execution.arguments import (
     bind_parameters,
     evaluate_defaults,
 )
+from rtron.sources.code.interpreter.execution.calls import callee_name
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.interpreter.python.objects import PythonObjects
 from rtron.sources.code.interpreter.python.unknown_calls import (
@@ -110,6 +112,10 @@ class PythonRuntime(PythonObjects):
     def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
         """Note a call of what is not in the source, if it may join nodes; a package once."""
         note_unknown_call(self.machine, called, arguments, self._is_known, self._is_foreign_package)
+        if self.missing_package(callee_name(called)):
+            for cls in (each for each in arguments.all_values if isinstance(each, ClassValue)):
+                make = partial(self.make_handed_node, cls, arguments)
+                self.machine.deferred_actions.append(make)
 
     def missing_package(self, name: str) -> str:
         """Return the module that a name begins with, if it is none of Python's or RTron's."""

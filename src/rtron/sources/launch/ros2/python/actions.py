@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of
@@ -49,6 +49,8 @@ class ActionTranslator:
     callbacks: LaunchCallbacks
     builders: Mapping[str, Build]
     _depth: int = 0
+    _read: dict[ListValue, int] = field(default_factory=dict)
+    """How many entities of each launch description have become elements."""
 
     def elements(self, value: Value) -> tuple[Element, ...]:
         """Return the elements of an action, of a list of them, or of a launch description."""
@@ -59,6 +61,12 @@ class ActionTranslator:
         finally:
             self._depth -= 1
 
+    def elements_of_call(self, result: Value) -> tuple[Element, ...]:
+        """Return the elements of what a function returned, and of what it added to descriptions."""
+        added = [item for known, count in self._read.items() for item in known.items[count:]]
+        self._read = {known: len(known.items) for known in self._read}
+        return tuple(element for each in (result, *added) for element in self.elements(each))
+
     def _elements(self, value: Value) -> Iterator[Element]:
         if isinstance(value, Choice):
             yield from filter(None, map(self._alternative, value.options))
@@ -67,7 +75,10 @@ class ActionTranslator:
                 yield from self.elements(item)
             yield from [Element("more_actions", {})] if value.open else ()
         elif isinstance(value, Instance) and ENTITIES_FIELD in value.fields:
-            yield from self.elements(value.fields[ENTITIES_FIELD])
+            entities = value.fields[ENTITIES_FIELD]
+            if isinstance(entities, ListValue):
+                self._read[entities] = len(entities.items)
+            yield from self.elements(entities)
         elif isinstance(value, Instance) and launch_class_name(value):
             yield from self._action(value)
         elif value != NONE and not _is_of_library(value):
@@ -109,7 +120,7 @@ class ActionTranslator:
     def event_element(self, event: str, value: Value) -> Element:
         """Return the element of actions that wait for an event."""
         if self.callbacks.is_function(value):
-            run = self.callbacks.callback({"function": value}, self.elements, event=True)
+            run = self.callbacks.callback({"function": value}, self.elements_of_call, event=True)
             return Element(
                 "event_handler", {"event": event}, (Element("function", {}, expand=run),)
             )

@@ -87,12 +87,13 @@ def _event_handler(actions: ActionTranslator, fields: Fields) -> Element:
 
 
 def _opaque_function(actions: ActionTranslator, fields: Fields) -> Element:
-    called = actions.callbacks.callback(fields, actions.elements, event=False)
+    called = actions.callbacks.callback(fields, actions.elements_of_call, event=False)
     return Element("function", {}, expand=called)
 
 
 def _loop(actions: ActionTranslator, fields: Fields) -> Element:
-    return Element("function", {}, expand=actions.callbacks.loop_callback(fields, actions.elements))
+    run = actions.callbacks.loop_callback(fields, actions.elements_of_call)
+    return Element("function", {}, expand=run)
 
 
 def _process(actions: ActionTranslator, fields: Fields) -> Element:
