@@ -64,10 +64,10 @@ _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _HARMLESS = re.compile(
-    r"_get_|^(?:measured|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|check|read|save|describe|download)(?:_|$)"
+    r"_get_|^(?:measured|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect)(?:_|$)"
     r"|^clear_\w*maps?$|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
     r"|image|camera_info|calibrat\w+|parameters?|logger\w*|diagnostics|tf|pose_estimate|status"
-    r"|(?<!component_)state|states|feedback|info|marker\w*|initialpose|clicked_point|position_estimate)$"
+    r"|(?<!component_)state|states|running|saved|log|feedback|info|marker\w*|initialpose|clicked_point|position_estimate)$"
 )
 """Last names of what reads, shows or estimates."""
 _SETS = re.compile(r"(?:set|switch)_")
