@@ -67,6 +67,16 @@ CONTROL = {
     "/apollo/control": "pb_msgs/ControlCommand",
     "/to_vehicle": "my_msgs/VehicleCmd",
 }
+STOPS = {
+    "/base/estop": "std_msgs/Bool",
+    "/status/estop_request": "std_msgs/Bool",
+}
+TOLD_OF_STOPS = {
+    "/status/estop": "spot_msgs/EStopStateArray",
+    "/estop_channel": "x_msgs/EStopStatus",
+    "/base/status/emergency_stop": "std_msgs/Bool",
+    "/e_stop_state": "std_msgs/Bool",
+}
 OTHERS = {
     "/rosout": "rosgraph_msgs/Log",
     "/diagnostics": "diagnostic_msgs/DiagnosticArray",
@@ -79,6 +89,8 @@ TOPICS = [
     *((topic, kind, "Perception") for topic, kind in PERCEPTION.items()),
     *((topic, kind, "Planning") for topic, kind in PLANNING.items()),
     *((topic, kind, "Control") for topic, kind in CONTROL.items()),
+    *((topic, kind, "Control") for topic, kind in STOPS.items()),
+    *((topic, kind, "Perception") for topic, kind in TOLD_OF_STOPS.items()),
     *((topic, kind, "Others") for topic, kind in OTHERS.items()),
 ]
 

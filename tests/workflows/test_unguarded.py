@@ -34,8 +34,8 @@ def enforced(plan):
         (NAV.replace("/cmd_vel", "/estop") + BASE.replace("/cmd_vel", "/estop"), []),
         (NAV + NAV.replace("/nav ", "/joy ") + BASE, ["/cmd_vel"]),
         (NAV, []),
-        (BASE, []),
-        (NAV.replace("/cmd_vel", "/odom") + BASE, []),
+        (BASE, ["/cmd_vel"]),
+        (NAV.replace("/cmd_vel", "/odom") + BASE, ["/cmd_vel"]),
     ],
 )
 def test_the_last_command_is_guarded_whoever_sends_it(text, topics):
@@ -102,16 +102,17 @@ def test_parameters_are_no_commands_of_a_plan():
     assert told(found, propose(found).plan) == []
 
 
-@pytest.mark.parametrize(
-    ("text", "why"),
-    [
-        (NAV, "what obeys it is not in this launch: give its launch file too"),
-        (
-            BASE,
-            "nobody in this launch sends it, but any node can: give the launch file of who should",
-        ),
-    ],
-)
-def test_a_command_with_one_end_alone_tells_what_to_give(text, why):
-    found = scan(text)
+def test_a_command_that_nobody_here_obeys_tells_what_to_give():
+    found = scan(NAV)
+    why = "what obeys it is not in this launch: give its launch file too"
     assert told(found, propose(found).plan) == [("base", f"/cmd_vel: {why}")]
+
+
+def test_a_command_that_nobody_here_sends_is_kept_for_whom_the_plan_will_name():
+    proposed = propose(scan(BASE))
+    (grcn,) = proposed.plan.grcn
+    assert (grcn.flows, grcn.successors, grcn.block_unapproved) == ((), ("/base",), True)
+    assert proposed.omitted == ()
+    (doubt,) = proposed.doubts
+    assert doubt.location == "GRCN grcn_cmd_vel"
+    assert doubt.message.startswith("it has no flow, so it keeps everybody out: ")

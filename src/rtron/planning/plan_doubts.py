@@ -42,7 +42,9 @@ def void_value_warnings(plan: Plan) -> Iterator[PlanProblem]:
 
 
 def _void_values(grcn: GRCN) -> Iterator[str]:
-    if grcn.flows and all(flow.block for flow in grcn.flows):
+    if not grcn.flows:
+        yield "it has no flow, so it keeps everybody out: name who may publish it under `flows`"
+    elif all(flow.block for flow in grcn.flows):
         yield "every flow is blocked: nothing passes"
     if grcn.lease and grcn.policy is not PolicyName.LEASE:
         yield f"`lease: {grcn.lease}` has no effect: the policy is {grcn.policy}, not Lease"

@@ -25,7 +25,7 @@ def unguarded_topics(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanPr
 
 
 def last_command_topics(movers: Iterable[Mover]) -> frozenset[str]:
-    """Return the topics with known ends that nodes next to the hardware obey.
+    """Return the topics that nodes next to the hardware obey, whoever sends them.
 
     Switches, limits and mere signals are not among them: a stop, a reset or an order to land must
     come from anyone.
@@ -33,7 +33,7 @@ def last_command_topics(movers: Iterable[Mover]) -> frozenset[str]:
     moving = (mover for mover in movers if mover.thing not in NO_MOTION)
     commands = (each for mover in moving for each in mover.last_commands)
     topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
-    return frozenset(each.name for each in topics if each.senders and each.receivers)
+    return frozenset(each.name for each in topics if each.receivers)
 
 
 def unguarded_commands(

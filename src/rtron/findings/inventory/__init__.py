@@ -27,7 +27,7 @@ def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
     """Return what can move the robot, in the order of `Thing`; empty where nothing is found."""
     commands = AppCommands(app, NodeRoles(app))
     groups: dict[tuple[Thing, tuple[str, ...]], list[Command]] = defaultdict(list)
-    for thing, command in commands.last():
+    for thing, command in commands.last:
         groups[thing, command.receivers].append(command)
     merged = _merged(groups)
     movers = [_mover(app, commands, thing, found) for thing, found in merged]

@@ -1,7 +1,7 @@
 """The commands of an app: what the nodes next to the hardware obey, and what leads there."""
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -40,8 +40,12 @@ class AppCommands:
     roles: NodeRoles
     _walks: dict[str, frozenset[str]] = field(default_factory=dict, init=False, compare=False)
 
-    def last(self) -> Iterator[tuple[Thing, Command]]:
-        """Yield what is obeyed next to the hardware, or by nodes that are not in the app."""
+    @cached_property
+    def last(self) -> tuple[tuple[Thing, Command], ...]:
+        """What is obeyed next to the hardware, or by nodes that are not in the app."""
+        return tuple(chain(self._last_topics(), self._last_requests()))
+
+    def _last_topics(self) -> Iterator[tuple[Thing, Command]]:
         for topic in self._command_topics:
             thing, command = self._thing_of_topic(topic), self.topic_command(topic)
             receivers = command.receivers
@@ -52,6 +56,8 @@ class AppCommands:
                 has_sides and not (is_vague or self._is_forwarded(command))
             ):
                 yield self._as_driven(thing, command)
+
+    def _last_requests(self) -> Iterator[tuple[Thing, Command]]:
         graph = self.app.graph
         devices = {node for node in self.roles.with_device if not self.roles.is_sensor(node)}
         for thing, command in chain(
@@ -229,26 +235,55 @@ class AppCommands:
         return len(rest) < len(command.receivers) and not self._any_drives(rest)
 
     def _forwards(self, node: str, command: Command) -> bool:
-        """Return whether a node makes another command of one, not only tells how it moves."""
+        """Return whether a node makes another command of one, not only tells how it moves.
+
+        What it sends goes further, and not back to who commands it.
+        """
         if self.roles.drives(node):
             return False
-        sent = [
-            end
-            for end in self.app.graph.published_by(node)
-            if end.topic in self._leading_topics and end.topic != command.name
-        ]
-        return any(self._is_handed_on(end, command) for end in sent)
+        behind, obeying = (
+            self._behind_nodes.get(node, Counter()),
+            self._obedient.get(command.name, frozenset()),
+        )
+        is_sender = node in command.senders
+        others = behind.keys() - self._upstream(command)
+        return any(behind[each] > (is_sender and each in obeying) for each in others) or any(
+            self._is_another(end, command) for end in self._unread_outputs.get(node, ())
+        )
 
-    def _is_handed_on(self, end: Endpoint, command: Command) -> bool:
-        """Return whether what a node sends goes further, and not back to who commands it.
+    def _is_another(self, end: Endpoint, command: Command) -> bool:
+        """Return whether what nobody here obeys is a command made of one.
 
-        Where nobody here obeys it, its type or name says so, or that an arbiter sends it.
+        Its type or name says so, or that an arbiter sends it.
         """
-        if readers := self._obedient.get(end.topic):
-            return not readers <= self._upstream(command)
+        if end.topic == command.name:
+            return False
         is_same = normalise_type(end.type) == command.type
         is_named = _COMMANDS.search("/".join(end.topic.split("/")[-2:])) is not None
         return is_same or is_named or end.node in self._ranks
+
+    @cached_property
+    def _behind_nodes(self) -> dict[str, Counter[str]]:
+        """Who may obey what each node sends, and how many topics of it."""
+        found = defaultdict[str, Counter[str]](Counter)
+        for node, topic in {(end.node, end.topic) for end in self._outputs}:
+            found[node].update(self._obedient.get(topic, ()))
+        return found
+
+    @cached_property
+    def _unread_outputs(self) -> dict[str, list[Endpoint]]:
+        """What each node sends that nobody here obeys."""
+        found = defaultdict[str, list[Endpoint]](list)
+        for end in self._outputs:
+            if not self._obedient.get(end.topic):
+                found[end.node].append(end)
+        return found
+
+    @cached_property
+    def _outputs(self) -> list[Endpoint]:
+        """The endpoints that send command topics, or what nodes make them of."""
+        sent = chain.from_iterable(map(self.app.graph.publishers, sorted(self._leading_topics)))
+        return list(sent)
 
     @cached_property
     def _obedient(self) -> dict[str, frozenset[str]]:
@@ -262,12 +297,20 @@ class AppCommands:
         if command.name not in self._walks:
             found, pending = set(command.senders), list(command.senders)
             while pending:
-                for topic in self._inputs.get(pending.pop(), ()):
-                    further = set(self.app.publishers(topic)) - found
-                    found |= further
-                    pending += further
+                further = self._sources.get(pending.pop(), frozenset()) - found
+                found |= further
+                pending += further
             self._walks[command.name] = frozenset(found)
         return self._walks[command.name]
+
+    @cached_property
+    def _sources(self) -> dict[str, frozenset[str]]:
+        """Who sends what each node makes its commands of."""
+        senders = self.app.publishers
+        return {
+            node: frozenset(chain.from_iterable(map(senders, topics)))
+            for node, topics in self._inputs.items()
+        }
 
     @cached_property
     def _leading_topics(self) -> frozenset[str]:

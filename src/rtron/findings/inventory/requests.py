@@ -1,9 +1,10 @@
 """What is asked for one by one: the services and actions of an app that move something."""
 
-from collections.abc import Collection, Iterator
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator
 
 from rtron.findings.inventory.things import may_be_command, thing_of
-from rtron.vocabulary import ActionRole, InteractionGraph
+from rtron.vocabulary import Action, ActionRole, InteractionGraph, Service, ServiceClient
 from rtron.vocabulary.inventory import Command, Means, Thing
 
 _COMPUTING = ("ComputePath", "SmoothPath", "LookupTransform", "ComputeRoute", "GetPlan", "GetMap")
@@ -27,26 +28,34 @@ def services(
     offered = {(each.name, each.type) for each in graph.services if not each.implicit}
     names = {name for name, _ in offered}
     called = {(c.name, c.type) for c in graph.clients if not c.implicit and c.name not in names}
+    servers_of, callers_of = _nodes(graph.services), _nodes(graph.clients)
     for name, type in sorted(offered | called):
-        servers = {each.node for each in graph.services if each.name == name}
+        servers = servers_of[name]
         thing = thing_of(name, type, Means.SERVICE)
         if thing is None and not servers.isdisjoint(drivers) and may_be_command(name, type):
             thing = Thing.DEVICE
         if thing is not None and "{" not in name:
-            callers = {each.node for each in graph.clients if each.name == name}
-            yield thing, _command(Means.SERVICE, name, type, servers, callers)
+            yield thing, _command(Means.SERVICE, name, type, servers, callers_of[name])
 
 
 def actions(graph: InteractionGraph, viewers: Collection[str]) -> Iterator[tuple[Thing, Command]]:
     """Yield the actions that move something; a viewer's button for what is not there does not."""
+    serving = _nodes(each for each in graph.actions if each.role is ActionRole.SERVER)
+    asking = _nodes(each for each in graph.actions if each.role is ActionRole.CLIENT)
     for name, type in sorted({(each.name, each.type) for each in graph.actions}):
         is_computing = any(word in type for word in _COMPUTING) or "{" in name
         thing = None if is_computing else thing_of(name, type, Means.ACTION)
-        sides = [each for each in graph.actions if each.name == name]
-        servers = {side.node for side in sides if side.role is ActionRole.SERVER}
-        clients = {side.node for side in sides if side.role is ActionRole.CLIENT}
+        servers, clients = serving[name], asking[name]
         if thing is not None and (servers or clients.difference(viewers)):
             yield thing, _command(Means.ACTION, name, type, servers, clients)
+
+
+def _nodes(sides: Iterable[Service | ServiceClient | Action]) -> dict[str, set[str]]:
+    """Return the nodes of each name."""
+    found = defaultdict[str, set[str]](set)
+    for each in sides:
+        found[each.name].add(each.node)
+    return found
 
 
 def _command(means: Means, name: str, type: str, receivers: set[str], senders: set[str]) -> Command:

@@ -137,7 +137,8 @@ class AppModel:
 
         Only contending topics of Planning and Control; an action as a whole, by its goals; and
         only where nodes are known to publish and to listen, each by its whole name, since whom the
-        plan does not name is stopped. A command that nobody is known to read counts all the same.
+        plan does not name is stopped. A command that nobody is known to read counts all the same,
+        and so does a last command that nobody is known to publish: strangers are kept out.
         """
         topic_class = self.classify(topic)
         is_action_part = topic in self.action_parts and topic != self.goal_topic_of(topic)
@@ -150,7 +151,8 @@ class AppModel:
         endpoints = (e for name in self._client_topics(topic) for e in self.graph.publishers(name))
         are_named = all(NODE_NAME.matches(e.node) for e in endpoints)
         has_reader = topic in self.report.unread_commands or self.successors(topic)
-        return are_named and bool(self.publishers(topic) and has_reader)
+        has_publisher = topic in self.last_commands or self.publishers(topic)
+        return are_named and bool(has_publisher and has_reader)
 
     def _client_topics(self, topic: str) -> tuple[str, ...]:
         """Return the topic, with that of the cancels if it is an action's goals."""
