@@ -97,7 +97,6 @@ def without_name(document):
     ("change", "why"),
     [
         (without_reader, "no node is known to subscribe it"),
-        (without_publisher, "no node is known to publish it"),
         (without_name, "its coordination node only observes: `mode: enforce` guards it"),
     ],
 )
@@ -110,6 +109,18 @@ def test_a_plan_that_guards_nothing_says_why_and_no_next_step(rtron, graph_file,
     assert ran.out.startswith("This plan guards nothing: ")
     assert f"  warning  /cmd_vel\n           {why}" in ran.out
     assert "Next" not in ran.out
+
+
+def test_what_nobody_here_publishes_is_guarded_and_to_be_decided(rtron, graph_file):
+    document = json.loads(graph_file.read_text())
+    without_publisher(document)
+    graph_file.write_text(json.dumps(document))
+    ran = rtron("plan", graph_file)
+    assert (ran.code, ran.err) == (0, "")
+    decided = ran.out.partition("To decide (1)\n")[2]
+    assert decided.startswith(
+        "  warning  GRCN grcn_cmd_vel\n           it has no flow, so it keeps"
+    )
 
 
 def test_a_plan_that_guards_nothing_is_written_all_the_same(rtron, quiet_file, tmp_path):
