@@ -24,10 +24,12 @@ from rtron.demos.runtime.processes import CompletedCommand, ProcessGroup, Starte
 from rtron.demos.runtime.ros_installation import find_ros_python
 from rtron.demos.runtime.world import run_world
 from rtron.demos.world.client import WorldClient
+from rtron.errors import SourceError
 from rtron.workflows.live_app import master_answers
 
 _NAME = "/rtron_demo"
 _ANSWER_TIMEOUT_S = 2.0
+_BEGIN_TIMEOUT_S = 20.0
 
 
 @contextmanager
@@ -128,7 +130,10 @@ class DemoEnvironment:
 
     @contextmanager
     def run_manual_attacker(self, name: str = MANUAL_ATTACKER) -> Iterator[StartedProcess]:
-        """Run the malicious node of tb3_safe_control by hand, under another node name."""
+        """Run the malicious node of tb3_safe_control by hand, under another node name.
+
+        It is begun again if it hears no scan: Fast DDS 3.2 may never give a node an endpoint.
+        """
         script = (
             third_party_packages(self.ros) / "tb3_safe_control" / "scripts" / "tb3_safe_control"
         )
@@ -136,9 +141,14 @@ class DemoEnvironment:
         if self.ros != 1:
             renamed = [self.python, script, "--ros-args", "-r", f"__node:={name}"]
         journal = self.journal / f"{name}.jsonl"
-        journal.unlink(missing_ok=True)
-        with self.processes.running(renamed, self.environ, name=name) as started:
-            wait_for(lambda: has_started(started, journal), name)
+        with ExitStack() as stack:
+            for is_last in (False, False, True):
+                journal.unlink(missing_ok=True)
+                running = self.processes.running(renamed, self.environ, name=name)
+                started = stack.enter_context(running)
+                if _has_begun(started, journal, is_last=is_last):
+                    break
+                stack.close()
             yield started
 
 
@@ -203,6 +213,17 @@ def has_started(started: StartedProcess, journal: Path) -> bool:
     """Tell whether a node of ours has begun its journal; SourceError if it has ended."""
     started.check()
     return journal.exists()
+
+
+def _has_begun(started: StartedProcess, journal: Path, *, is_last: bool) -> bool:
+    """Wait until a node begins its journal; return whether it has, SourceError for the last try."""
+    try:
+        wait_for(lambda: has_started(started, journal), journal.stem, _BEGIN_TIMEOUT_S)
+    except SourceError:
+        if is_last or started.popen.poll() is not None:
+            raise
+        return False
+    return True
 
 
 def _write_json(path: Path, value: Mapping[str, Any]) -> None:

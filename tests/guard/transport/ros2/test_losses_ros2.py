@@ -41,8 +41,8 @@ class Reader:
         given = InputOptions(on_missed=self._miss, queue_size=QUEUE, **options)
         world.transport.subscribe(NODE, TOPIC, STRING, self._connect, options=given)
 
-    def _connect(self, _peer):
-        self.is_connected = True
+    def _connect(self, peer):
+        self.is_connected = peer.node == "/talker"  # its name may come after its endpoint
         return self.heard.append
 
     def _miss(self, peer, count):

@@ -1,0 +1,124 @@
+"""Which topics of an app may be commands, and what each of them moves."""
+
+import re
+from collections import defaultdict
+from dataclasses import dataclass
+from functools import cached_property
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.node_roles import NodeRoles
+from rtron.findings.inventory.things import may_be_command, thing_of, thing_of_node
+from rtron.findings.motion.arbiter import arbiters, priorities
+from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, normalise_type
+from rtron.vocabulary.inventory import SIGNALS, Command, Means, Thing
+
+COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
+"""What in a name says that it is a command."""
+_SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
+_SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
+_ORDERS = SIGNALS | {"std_msgs/String"}
+_JOY = "sensor_msgs/Joy"
+
+
+@dataclass(frozen=True)
+class CommandTopics:
+    """The topics of an app that may command something, by their types, names and readers."""
+
+    app: AppFacts
+    roles: NodeRoles
+
+    def command(self, topic: str, hops: int = 0) -> Command:
+        """Return the command that a topic is."""
+        facts = self.app.facts.topic(topic)
+        return Command(
+            means=Means.TOPIC,
+            name=topic,
+            type=facts.type,
+            receivers=tuple(node for node in facts.successors if self.roles.obeys(node)),
+            senders=facts.publishers,
+            hops=hops,
+        )
+
+    def thing_of(self, topic: str) -> Thing:
+        """Return what a topic moves; where it only says that it commands, what its nodes move."""
+        if topic in self.locks or self.app.is_stop(topic):
+            return Thing.STOP
+        thing = self._things.get(topic) or Thing.DEVICE
+        nodes = (*self.app.publishers(topic), *self.app.readers(topic))
+        named = filter(None, map(thing_of_node, nodes)) if thing is Thing.DEVICE else ()
+        return next(iter(named), thing)
+
+    @cached_property
+    def ranks(self) -> dict[str, dict[str, str]]:
+        """The priorities of the inputs of each arbiter."""
+        return {node: priorities(self.app, node) for node in arbiters(self.app)}
+
+    @cached_property
+    def inputs(self) -> dict[str, tuple[str, ...]]:
+        """What each node that commands motion is itself commanded by."""
+        found: dict[str, set[str]] = defaultdict(set)
+        for end in self.app.graph.endpoints:
+            if end.direction is Direction.SUBSCRIBE and self._is_input(end):
+                found[end.node].add(end.topic)
+        return {node: tuple(sorted(topics)) for node, topics in found.items()}
+
+    def _is_input(self, end: Endpoint) -> bool:
+        return normalise_type(end.type) == _JOY or self._may_command(end)
+
+    @cached_property
+    def _things(self) -> dict[str, Thing | None]:
+        """What each topic moves, as far as type and name tell."""
+        return {
+            topic: thing_of(topic, self.app.facts.topic(topic).type, Means.TOPIC)
+            for topic in self.app.explicit_topics
+        }
+
+    @cached_property
+    def named(self) -> frozenset[str]:
+        """The topics that command motion, and what nodes with a device obey."""
+        motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
+        motion |= set(filter(self._is_joy_command, self._things))
+        found = (motion | self.locks) - self._action_topics
+        for node in filter(self.roles.is_called_driver, self.app.nodes):
+            found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
+        return frozenset(found | set(filter(self._switches, self._things)))
+
+    def _is_joy_command(self, topic: str) -> bool:
+        """Return whether a message of a joystick's type is a command by its name, as DJI's are."""
+        is_named = COMMAND_NAMES.search(topic.rpartition("/")[2]) is not None
+        return is_named and self.app.facts.topic(topic).type == _JOY and self._moves(topic)
+
+    def _switches(self, topic: str) -> bool:
+        """Return whether a topic that somebody obeys stops, arms or ends the robot."""
+        is_signal = self.app.facts.topic(topic).type in _ORDERS
+        is_switch = self._things[topic] in (_SURE_SWITCHES if not is_signal else _SIGNAL_SWITCHES)
+        return is_switch and bool(self.app.readers(topic))
+
+    def is_unnamed(self, end: Endpoint) -> bool:
+        """Return whether a driver may obey a topic though neither its name nor its type tells."""
+        is_explicit = not end.implicit and end.topic not in self._action_topics
+        return is_explicit and may_be_command(end.topic, end.type)
+
+    @cached_property
+    def locks(self) -> frozenset[str]:
+        """The topics that lock the inputs of an arbiter."""
+        of_arbiters = (priorities(self.app, node, "locks") for node in arbiters(self.app))
+        return frozenset(topic for topics in of_arbiters for topic in topics)
+
+    @cached_property
+    def _action_topics(self) -> frozenset[str]:
+        """The topics that an action of ROS 1 has: the action stands for them."""
+        parts = [part.value for part in Ros1ActionTopic]
+        return frozenset(f"{each.name}/{part}" for each in self.app.graph.actions for part in parts)
+
+    def _moves(self, topic: str) -> bool:
+        return self._things.get(topic) is not None
+
+    def _may_command(self, end: Endpoint) -> bool:
+        """Return whether what a node sends or hears may move something."""
+        facts = self.app.facts
+        if end.implicit or end.topic in self._action_topics:
+            return False
+        if facts.lists.ignores_topic(end.topic) or facts.lists.ignores_type(end.type):
+            return False
+        return facts.classify(end.topic).domain is not Domain.PERCEPTION and self._moves(end.topic)

@@ -1,0 +1,141 @@
+"""Who makes another command of one: what stands behind the last command before the hardware."""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import chain
+
+from rtron.findings.inventory.command_topics import COMMAND_NAMES, CommandTopics
+from rtron.vocabulary import Endpoint, normalise_type
+from rtron.vocabulary.inventory import Command
+
+_MOST_HOPS = 6
+
+
+@dataclass(frozen=True)
+class Forwarding:
+    """Tells how commands go from node to node."""
+
+    topics: CommandTopics
+    _walks: dict[str, frozenset[str]] = field(default_factory=dict, init=False, compare=False)
+
+    def behind(self, commands: Iterable[Command]) -> Iterator[tuple[str, Command]]:
+        """Yield each topic behind commands that leads to them, with the node that forwards it."""
+        commands = tuple(commands)
+        seen = {command.name for command in commands}
+        nodes = dict.fromkeys(node for command in commands for node in command.senders)
+        pending, visited = [(node, 1) for node in nodes], set(nodes)
+        while pending:
+            node, hops = pending.pop(0)
+            ranks = self.topics.ranks.get(node, {})
+            for topic in () if self.topics.roles.drives(node) else self.topics.inputs.get(node, ()):
+                if topic not in seen and not self.is_feedback(topic):
+                    seen.add(topic)
+                    found = self.topics.command(topic, hops)
+                    yield node, replace(found, priority=ranks.get(topic, ""))
+                    further = [n for n in found.senders if n not in visited and hops < _MOST_HOPS]
+                    visited.update(further)
+                    pending += [(each, hops + 1) for each in further]
+
+    def decides(self, node: str) -> bool:
+        """Return whether a node decides between commands: an arbiter, or one that takes several."""
+        return node in self.topics.ranks or len(self.topics.inputs.get(node, ())) > 1
+
+    def is_feedback(self, topic: str) -> bool:
+        """Return whether those alone send a topic that drive and obey something else."""
+        senders = self.topics.app.publishers(topic)
+        return bool(senders) and all(self._is_reporting(node, topic) for node in senders)
+
+    def _is_reporting(self, node: str, topic: str) -> bool:
+        """Return whether a driver obeys something, so that what it sends tells how it moves."""
+        roles, inputs = self.topics.roles, self.topics.inputs.get(node, ())
+        is_obeying = bool(set(inputs) - {topic})
+        return roles.is_controller(node) or (roles.drives(node) and is_obeying)
+
+    def forwards(self, node: str, command: Command) -> bool:
+        """Return whether a node makes another command of one, not only tells how it moves.
+
+        What it sends goes further, and not back to who commands it.
+        """
+        if self.topics.roles.drives(node):
+            return False
+        behind = self._behind_nodes.get(node, Counter())
+        obeying = self._obedient.get(command.name, frozenset())
+        is_sender = node in command.senders
+        others = behind.keys() - self._upstream(command)
+        return any(behind[each] > (is_sender and each in obeying) for each in others) or any(
+            self._is_another(end, command) for end in self._unread_outputs.get(node, ())
+        )
+
+    def _is_another(self, end: Endpoint, command: Command) -> bool:
+        """Return whether what nobody here obeys is a command made of one.
+
+        Its type or name says so, or that an arbiter sends it.
+        """
+        if end.topic == command.name:
+            return False
+        is_same = normalise_type(end.type) == command.type
+        is_named = COMMAND_NAMES.search("/".join(end.topic.split("/")[-2:])) is not None
+        return is_same or is_named or end.node in self.topics.ranks
+
+    @cached_property
+    def _behind_nodes(self) -> dict[str, Counter[str]]:
+        """Who may obey what each node sends, and how many topics of it."""
+        found = defaultdict[str, Counter[str]](Counter)
+        for node, topic in {(end.node, end.topic) for end in self._outputs}:
+            found[node].update(self._obedient.get(topic, ()))
+        return found
+
+    @cached_property
+    def _unread_outputs(self) -> dict[str, list[Endpoint]]:
+        """What each node sends that nobody here obeys."""
+        found = defaultdict[str, list[Endpoint]](list)
+        for end in self._outputs:
+            if not self._obedient.get(end.topic):
+                found[end.node].append(end)
+        return found
+
+    @cached_property
+    def _outputs(self) -> list[Endpoint]:
+        """The endpoints that send command topics, or what nodes make them of."""
+        publishers = self.topics.app.graph.publishers
+        return list(chain.from_iterable(map(publishers, sorted(self._leading_topics))))
+
+    @cached_property
+    def _obedient(self) -> dict[str, frozenset[str]]:
+        """Who may obey each topic."""
+        obeys, readers = self.topics.roles.obeys, self.topics.app.readers
+        topics = self.topics.app.explicit_topics
+        return {topic: frozenset(filter(obeys, readers(topic))) for topic in topics}
+
+    def _upstream(self, command: Command) -> frozenset[str]:
+        """Return the nodes that a command comes from, by themselves or through others."""
+        if command.name not in self._walks:
+            found, pending = set(command.senders), list(command.senders)
+            while pending:
+                further = self._sources.get(pending.pop(), frozenset()) - found
+                found |= further
+                pending += further
+            self._walks[command.name] = frozenset(found)
+        return self._walks[command.name]
+
+    @cached_property
+    def _sources(self) -> dict[str, frozenset[str]]:
+        """Who sends what each node makes its commands of."""
+        senders = self.topics.app.publishers
+        return {
+            node: frozenset(chain.from_iterable(map(senders, topics)))
+            for node, topics in self.topics.inputs.items()
+        }
+
+    @cached_property
+    def _leading_topics(self) -> frozenset[str]:
+        """The command topics, and those that nodes make them of."""
+        found, pending = set(self.topics.named), list(self.topics.named)
+        while pending:
+            for node in self.topics.app.publishers(pending.pop()):
+                further = set(self.topics.inputs.get(node, ())) - found
+                found |= further
+                pending += further
+        return frozenset(found)
