@@ -137,7 +137,7 @@ def test_of_a_node_that_was_not_read_whole_nothing_is_known(unread, more):
 
 @pytest.mark.parametrize(
     ("section", "near"),
-    [("/bas", "/base"), ("/basse", "/base"), ("/base", None), ("/camera", None), ("/**", None)],
+    [("/bas", "/base"), ("/basse", "/base"), ("/base", None), ("/camera", "/base"), ("/**", None)],
 )
 def test_a_section_for_a_name_that_no_node_has(scanned, section, near):
     graph = scanned(f"{section}:\n  ros__parameters:\n    max_vel: 1.0\n")
@@ -157,3 +157,25 @@ def test_a_node_that_is_given_parameters_for_all_is_not_meant(scanned):
 def test_very_many_names_are_not_compared(unread):
     many = {f"n{number}": 1 for number in range(4000)}
     assert unread(of_base(max_vell=1.0, **many))["/base", "max_vell"] == ()
+
+
+@pytest.mark.parametrize(
+    ("section", "meant"),
+    [
+        ("/drive: {ros__parameters: {max_vel: 1.0}}", [("/drive", ("/base",))]),
+        ("/drive: {ros__parameters: {max_vel: 1.0, x: 1, rate: 2.0}}", [("/drive", ("/base",))]),
+        ("/drive: {ros__parameters: {max_vel: 1.0, x: 1}}", []),
+        ("/drive: {ros__parameters: {use_sim_time: true}}", []),
+        ("/*: {ros__parameters: {max_vel: 1.0}}", []),
+        (of_base(rate=1.0) + "/drive: {ros__parameters: {max_vel: 1.0}}", []),
+    ],
+)
+def test_a_section_is_meant_for_who_declares_what_stands_in_it(scanned, section, meant):
+    assert without_node(scanned(section)) == meant
+
+
+@pytest.mark.parametrize(("name", "found"), [("'x' + unknown()", ["/drive"]), ("unknown()", [])])
+def test_a_node_whose_name_is_not_known_may_have_the_section(scanned, name, found):
+    more = f"rclpy.create_node({name})"
+    graph = scanned("/drive: {ros__parameters: {max_vel: 1.0}}", more=more)
+    assert [section for section, _ in without_node(graph)] == found

@@ -1,18 +1,21 @@
 """Parameters that a launch sets in vain: a node does not declare them, or no node has the name."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from difflib import get_close_matches
+from itertools import islice
 
 from rtron.sources.static.common.near_parameters import near_parameters, unread_parameter
 from rtron.sources.static.common.node_part import NodePart
 from rtron.vocabulary import WiringFact, WiringFactKind
+from rtron.vocabulary.names import fits_open_name
 from rtron.vocabulary.parameters import pattern_matches
 
 _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 """What the client libraries declare or read by themselves."""
 _NEAR_RATIO = 0.8
-_MOST_SECTIONS = 200
+_MOST = 200
+"""Sections that are looked at."""
 
 
 def unread_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
@@ -42,24 +45,43 @@ def unread_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
 def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[WiringFact]:
     """Yield a fact for each section of a parameter file for a name that no node has.
 
-    It counts if a node has a near name and is given no parameter at all.
+    It counts if a node that is given no parameter at all has a near name, or is given the file and
+    declares most of what stands in the section.
     """
     places = {
         each.node: part.node.evidence for part in parts for each in part.node.site.node_settings
     }
-    if any("{" in name for name in nodes):
-        return
     given = {part.node.name for part in parts for _ in _set_by_launch(part, part.node.name)}
-    without_section = sorted(nodes - places.keys() - given)
-    for section in sorted(places.keys() - nodes)[:_MOST_SECTIONS]:
+    without_section = sorted(name for name in nodes - places.keys() - given if "{" not in name)
+    unused = (each for each in sorted(places.keys() - nodes) if "*" not in each)
+    for section in islice((each for each in unused if not fits_open_name(each, nodes)), _MOST):
         near = get_close_matches(section, without_section, 1, _NEAR_RATIO)
-        if near and "*" not in section:
+        if meant := near or _declaring(section, parts, without_section):
             yield WiringFact(
                 kind=WiringFactKind.SECTION_WITHOUT_NODE,
                 subject=section,
-                others=tuple(near),
+                others=tuple(meant),
                 evidence=(places[section],),
             )
+
+
+def _declaring(section: str, parts: Iterable[NodePart], nodes: Container[str]) -> list[str]:
+    """Return which of some nodes are given a section and declare what stands in it."""
+    return sorted(
+        {
+            part.node.name
+            for part in parts
+            if part.node.name in nodes and _declares_most(part, section)
+        }
+    )
+
+
+def _declares_most(part: NodePart, section: str) -> bool:
+    own = {each.name for each in part.interface.parameters if each.node == part.node.name}
+    settings = part.node.site.node_settings
+    names = {each.name for each in settings if each.node == section}
+    names = {name for name in names if not name.startswith(_OF_EVERY_NODE)}
+    return len(names & own) > len(names) / 2
 
 
 def _nodes_with_parameters(part: NodePart) -> list[str]:
