@@ -63,12 +63,11 @@ install_packages() {
     "on Ubuntu they are in 'universe': sudo add-apt-repository universe"
 }
 
-# find_python BELOW: the first Python that is at least 3.10, below BELOW, and can make a venv. Debian's comes
-# before another: it is optimised by profile, and one that pyenv builds is not and takes an eighth longer.
+# find_python BELOW: the first Python that is at least 3.10, below BELOW, and can make a venv.
 find_python() {
   local python fits="import sys, venv, ensurepip
 sys.exit(not (3, 10) <= sys.version_info < tuple(map(int, '$1'.split('.'))))"
-  for python in "${PYTHON:-/usr/bin/python3}" /usr/bin/python3 python3; do
+  for python in "${PYTHON:-python3}" python3 /usr/bin/python3; do
     "$python" -c "$fits" 2>/dev/null && { echo "$python"; return; }
   done
   give_up "no Python >= 3.10 and < $1 found that can make a virtual environment" \
