@@ -512,3 +512,22 @@ def test_what_a_node_with_a_device_offers_beside_a_service_that_moves_something_
     ]
     silent = tuple(each for each in BOX if each.name != "/box/power_on")
     assert inventory(BESIDE, services=silent, wiring=sdk) == ()
+
+
+def test_what_hardware_of_ros2_control_offers_may_move_it_too():
+    host = Service(node="/hw", name="/switch", type="controller_manager_msgs/srv/SwitchController")
+    offered = tuple(
+        Service(node="/server", name=f"/server/{name}", type="arm_msgs/srv/Set")
+        for name in ("set_joint_stiffness", "set_load", "get_load")
+    )
+    graph = small_graph("/hw hw own\n/server hw own\n", services=(host, *offered))
+    inside = tuple(
+        replace(node, process="/hw" if node.name == "/server" else "") for node in graph.nodes
+    )
+    for nodes, listed in (
+        (graph.nodes, ["set_joint_stiffness"]),
+        (inside, ["set_joint_stiffness", "set_load"]),
+    ):
+        movers = take_inventory(app_facts(replace(graph, nodes=nodes)))
+        found = [name for mover in movers for name in names(mover.commands)]
+        assert found == [*(f"/server/{name}" for name in listed), "/switch"]

@@ -53,7 +53,7 @@ class AppCommands:
 
     def _last_requests(self) -> Iterator[tuple[Thing, Command]]:
         graph = self.app.graph
-        devices = {node for node in self.roles.with_device if not self.roles.is_sensor(node)}
+        devices = {node for node in self.roles.beside_hardware if not self.roles.is_sensor(node)}
         for thing, command in chain(
             services(graph, self._drivers, devices), actions(graph, self.app.facts.viewers)
         ):

@@ -55,6 +55,12 @@ class NodeRoles:
         services = self.app.graph.services
         return frozenset(e.node for e in services if e.type.endswith("/SwitchController"))
 
+    @cached_property
+    def beside_hardware(self) -> frozenset[str]:
+        """The nodes whose source opens hardware, and those that hardware of ros2_control makes."""
+        inside = (n.name for n in self.app.graph.nodes if n.process in self._controller_hosts)
+        return self.with_device.union(name for name in inside if not self.is_controller(name))
+
     def package(self, node: str) -> str:
         """Return a node's package, empty if it is not known."""
         return self.app.nodes[node].package if node in self.app.nodes else ""

@@ -9,7 +9,10 @@ _TYPES: tuple[tuple[str, Thing], ...] = (
     (r"mavros_msgs/CommandBool", Thing.ARMING),
     (r"mavros_msgs/SetMode|px4_msgs/OffboardControlMode", Thing.MODE),
     (r"mavros_msgs/|px4_msgs/|geographic_msgs/GeoPose", Thing.VEHICLE),
-    (r"controller_manager_msgs/(?:Switch|Load|Unload|Configure|SetHardware)", Thing.CONTROLLERS),
+    (
+        r"controller_manager_msgs/(?:Switch|Load|Unload|Reload|Configure|SetHardware)",
+        Thing.CONTROLLERS,
+    ),
     (r"control_msgs/(?:Parallel)?GripperCommand", Thing.GRIPPER),
     (r"nav2_msgs/SpeedLimit|\w+/SpeedLimit", Thing.LIMITS),
     (r"kobuki_msgs/MotorPower", Thing.POWER),
