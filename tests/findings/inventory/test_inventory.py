@@ -531,3 +531,13 @@ def test_what_hardware_of_ros2_control_offers_may_move_it_too():
         movers = take_inventory(app_facts(replace(graph, nodes=nodes)))
         found = [name for mover in movers for name in names(mover.commands)]
         assert found == [*(f"/server/{name}" for name in listed), "/switch"]
+
+
+@pytest.mark.parametrize(("link", "listed"), [("vehicle link", 2), ("serial port", 1)])
+def test_an_autopilot_with_a_camera_is_no_sensor(link, listed):
+    text = "/drone driver own\n    pub /front sensor_msgs/msg/Image\n"
+    offered = tuple(
+        Service(node="/drone", name=name, type="dji/srv/Task") for name in ("/takeoff", "/joystick")
+    )
+    movers = inventory(text, services=offered, wiring=(fact("device", "/drone", link),))
+    assert sum(len(mover.commands) for mover in movers) == listed

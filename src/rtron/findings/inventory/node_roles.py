@@ -72,6 +72,8 @@ class NodeRoles:
 
     def is_sensor(self, node: str) -> bool:
         """Return whether a node measures and obeys no motion: its motor turns a lidar."""
+        if self.is_autopilot(node):
+            return False
         types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
         obeyed = (end.topic for end in self.app.graph.subscribed_by(node))
         return not types.isdisjoint(_MEASURED) and not any(map(self.app.is_motion, obeyed))

@@ -81,7 +81,7 @@ _ESTIMATES = re.compile(
 """Namespaces of what is measured, and words of what is seen."""
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps"
-    r"|record\w*|snapshot|photo|video|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
+    r"|record\w*|snapshot|photo|video|camera|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
 )
 """Words in the names of what a driver hears that is no command."""
 _SHOWS = re.compile(
