@@ -71,7 +71,7 @@ STOPS = {
     "/base/estop": "std_msgs/Bool",
     "/status/estop_request": "std_msgs/Bool",
 }
-TOLD_OF_STOPS = {
+STOP_STATES = {
     "/status/estop": "spot_msgs/EStopStateArray",
     "/estop_channel": "x_msgs/EStopStatus",
     "/base/status/emergency_stop": "std_msgs/Bool",
@@ -90,7 +90,7 @@ TOPICS = [
     *((topic, kind, "Planning") for topic, kind in PLANNING.items()),
     *((topic, kind, "Control") for topic, kind in CONTROL.items()),
     *((topic, kind, "Control") for topic, kind in STOPS.items()),
-    *((topic, kind, "Perception") for topic, kind in TOLD_OF_STOPS.items()),
+    *((topic, kind, "Perception") for topic, kind in STOP_STATES.items()),
     *((topic, kind, "Others") for topic, kind in OTHERS.items()),
 ]
 

@@ -36,11 +36,12 @@ def enforced(plan):
         (NAV, []),
         (BASE, ["/cmd_vel"]),
         (NAV.replace("/cmd_vel", "/odom") + BASE, ["/cmd_vel"]),
+        (BASE + "    sub /base/vision_pose geometry_msgs/PoseStamped\n", ["/cmd_vel"]),
     ],
 )
 def test_the_last_command_is_guarded_whoever_sends_it(text, topics):
     found = scan(text)
-    assert sorted(last_command_topics(found.inventory)) == topics
+    assert sorted(last_command_topics(found.inventory, found.app)) == topics
     assert enforced(propose(found).plan) == topics
 
 
@@ -82,7 +83,7 @@ def test_whoever_wants_to_stop_the_robot_may():
     assert enforced(plan) == ["/cmd_vel"]
     assert told(found, plan) == []
     lands = scan(LAND + LAND.replace("/base", "/pilot").replace("sub", "pub"))
-    assert last_command_topics(lands.inventory) == frozenset()
+    assert last_command_topics(lands.inventory, lands.app) == frozenset()
 
 
 def test_an_action_is_guarded_by_its_goals():

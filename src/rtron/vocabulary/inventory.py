@@ -35,6 +35,7 @@ class Thing(StringEnum):
 SWITCHES = frozenset({Thing.STOP, Thing.ARMING, Thing.MODE, Thing.POWER, Thing.CONTROLLERS})
 """What does not move itself, and decides whether something does."""
 NO_MOTION = SWITCHES | {Thing.LIMITS}
+"""What a plan does not keep for named publishers, and no rule takes for motion."""
 SIGNALS = frozenset({"std_msgs/Bool", "std_msgs/Empty"})
 """Types that carry no more than that something is to happen, as ROS 1 spells them."""
 

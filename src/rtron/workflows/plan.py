@@ -29,7 +29,7 @@ class ProposedPlan:
 
 def propose(scan: ScanResult) -> ProposedPlan:
     """Return the plan that the risks of an app ask for, and the commands next to its hardware."""
-    plan = propose_plan(scan.graph, scan.report, last_command_topics(scan.inventory))
+    plan = propose_plan(scan.graph, scan.report, last_command_topics(scan.inventory, scan.app))
     if guards_nothing(plan):
         requests = unguarded_commands(plan, scan.inventory, (Means.SERVICE, Means.ACTION))
         omitted = (*unguarded_topics(plan, scan), *requests)

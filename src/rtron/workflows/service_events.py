@@ -105,7 +105,7 @@ def _messages(client: SecurityServiceClient) -> Iterator[Iterator[str | bytes]]:
 
 
 def _receive(loop: asyncio.AbstractEventLoop, socket: ClientConnection) -> str | bytes:
-    """Return the next message; who is interrupted while waiting waits no longer."""
+    """Return the next message; an interrupt cancels the wait."""
     task = loop.create_task(socket.recv())
     try:
         return loop.run_until_complete(task)

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
+from rtron.findings.app_facts import AppFacts
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.planning.proposal.policy_defaults import unguardable_topics
 from rtron.vocabulary import GRCN, Domain, GuardedTopic, Mode, Plan, build_streams
@@ -24,16 +25,21 @@ def unguarded_topics(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanPr
     return tuple(problems[location] for location in sorted(problems))
 
 
-def last_command_topics(movers: Iterable[Mover]) -> frozenset[str]:
-    """Return the topics that nodes next to the hardware obey, whoever sends them.
+def last_command_topics(movers: Iterable[Mover], app: AppFacts) -> frozenset[str]:
+    """Return the topics that nodes next to the hardware obey.
 
     Switches, limits and mere signals are not among them: a stop, a reset or an order to land must
-    come from anyone.
+    come from anyone. Where nobody in the app sends one, its type and name must say that it commands
+    motion: a driver hears measurements, too.
     """
     moving = (mover for mover in movers if mover.thing not in NO_MOTION)
     commands = (each for mover in moving for each in mover.last_commands)
     topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
-    return frozenset(each.name for each in topics if each.receivers)
+    return frozenset(
+        each.name
+        for each in topics
+        if each.receivers and (each.senders or app.is_motion(each.name))
+    )
 
 
 def unguarded_commands(

@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -216,14 +216,16 @@ def has_started(started: StartedProcess, journal: Path) -> bool:
 
 
 def _has_begun(started: StartedProcess, journal: Path, *, is_last: bool) -> bool:
-    """Wait until a node begins its journal; return whether it has, SourceError for the last try."""
-    try:
-        wait_for(lambda: has_started(started, journal), journal.stem, _BEGIN_TIMEOUT_S)
-    except SourceError:
-        if is_last or started.popen.poll() is not None:
-            raise
-        return False
-    return True
+    """Wait until a node begins its journal, and in the last try as long as for any other.
+
+    Return whether it has begun; SourceError if it has ended, or in the last try has not.
+    """
+    if is_last:
+        return wait_for(lambda: has_started(started, journal), journal.stem)
+    with suppress(SourceError):
+        return wait_for(lambda: has_started(started, journal), journal.stem, _BEGIN_TIMEOUT_S)
+    started.check()
+    return False
 
 
 def _write_json(path: Path, value: Mapping[str, Any]) -> None:

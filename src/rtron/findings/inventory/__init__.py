@@ -93,7 +93,7 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
     topics = [each for each in last if each.means is Means.TOPIC]
     streamed = [each for each in topics if each.type not in SIGNALS]
-    behind = list(commands.ways.behind(topics))
+    behind = list(commands.forwarding.behind(topics))
     everything = _distinct([*last, *(command for _, command in behind)])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
@@ -109,7 +109,9 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         commands=everything,
         drivers=drivers,
         hardware=tuple(dict.fromkeys(fact.value for fact in opened)),
-        arbiters=tuple(dict.fromkeys(node for node, _ in behind if commands.ways.decides(node))),
+        arbiters=tuple(
+            dict.fromkeys(node for node, _ in behind if commands.forwarding.decides(node))
+        ),
         doors=doors(app, (*senders, *drivers)),
         unread=() if drivers else _unread_parts(app),
         stops=end.stops if end else Stops.UNKNOWN,

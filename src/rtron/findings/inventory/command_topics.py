@@ -74,7 +74,7 @@ class CommandTopics:
         }
 
     @cached_property
-    def named(self) -> frozenset[str]:
+    def named_topics(self) -> frozenset[str]:
         """The topics that command motion, and what nodes with a device obey."""
         motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
         motion |= set(filter(self._is_joy_command, self._things))
@@ -92,7 +92,8 @@ class CommandTopics:
         """Return whether a topic that somebody obeys stops, arms or ends the robot."""
         is_signal = self.app.facts.topic(topic).type in _ORDERS
         is_switch = self._things[topic] in (_SURE_SWITCHES if not is_signal else _SIGNAL_SWITCHES)
-        return is_switch and bool(self.app.readers(topic))
+        is_state = self.app.facts.classify(topic).domain is Domain.PERCEPTION
+        return is_switch and not is_state and bool(self.app.readers(topic))
 
     def is_unnamed(self, end: Endpoint) -> bool:
         """Return whether a driver may obey a topic though neither its name nor its type tells."""

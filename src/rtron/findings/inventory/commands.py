@@ -30,7 +30,7 @@ class AppCommands:
         return CommandTopics(self.app, self.roles)
 
     @cached_property
-    def ways(self) -> Forwarding:
+    def forwarding(self) -> Forwarding:
         """How commands go from node to node."""
         return Forwarding(self.topics)
 
@@ -45,7 +45,7 @@ class AppCommands:
             receivers = command.receivers
             is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
             is_sent = command.senders and (thing not in SWITCHES or _is_of_autopilot(topic))
-            has_sides = bool(receivers or is_sent) and not self.ways.is_feedback(topic)
+            has_sides = bool(receivers or is_sent) and not self.forwarding.is_feedback(topic)
             if topic in self.topics.locks or (
                 has_sides and not (is_vague or self._is_forwarded(command))
             ):
@@ -80,15 +80,17 @@ class AppCommands:
         """The topics that command motion, and what else those hear that obey them."""
         endpoints = chain.from_iterable(map(self.app.graph.subscribed_by, self._drivers))
         unnamed = filter(self.topics.is_unnamed, endpoints)
-        return tuple(sorted(self.topics.named.union(each.topic for each in unnamed)))
+        return tuple(sorted(self.topics.named_topics.union(each.topic for each in unnamed)))
 
     @cached_property
     def _drivers(self) -> frozenset[str]:
         """The nodes that obey commands of motion and hand none of them on."""
         found = set[str]()
-        for topic in self.topics.named:
+        for topic in self.topics.named_topics:
             command = self.topics.command(topic)
-            last = [node for node in command.receivers if not self.ways.forwards(node, command)]
+            last = [
+                node for node in command.receivers if not self.forwarding.forwards(node, command)
+            ]
             thing = self.topics.thing_of(topic)
             if thing is Thing.DEVICE:
                 found.update(filter(self.roles.drives, last))
@@ -98,7 +100,7 @@ class AppCommands:
 
     def _is_forwarded(self, command: Command) -> bool:
         """Return whether those that obey a topic hand it on to others; the rest only listens."""
-        rest = [node for node in command.receivers if not self.ways.forwards(node, command)]
+        rest = [node for node in command.receivers if not self.forwarding.forwards(node, command)]
         return len(rest) < len(command.receivers) and not self._any_drives(rest)
 
 

@@ -132,7 +132,7 @@ class Forwarding:
     @cached_property
     def _leading_topics(self) -> frozenset[str]:
         """The command topics, and those that nodes make them of."""
-        found, pending = set(self.topics.named), list(self.topics.named)
+        found, pending = set(self.topics.named_topics), list(self.topics.named_topics)
         while pending:
             for node in self.topics.app.publishers(pending.pop()):
                 further = set(self.topics.inputs.get(node, ())) - found

@@ -8,7 +8,8 @@ likely meant, and the finding names it; else it is shown from the level `pedanti
 sets for all nodes (`/**`), or the launch file itself, counts where the node declares a near name. A
 parameter that any node of the app declares or reads does not count, nor do nodes with
 dynamic_reconfigure. A section of a parameter file for a name that no node has counts where a node
-that is given no parameters has a near name, or is given the file and declares most of the section.
+that is given no parameters has a near name, or where one alone of these is given the file and
+declares most of the section, two names at least.
 
 ## Why it matters
 

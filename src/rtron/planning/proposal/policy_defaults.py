@@ -60,7 +60,7 @@ def propose_plan(
     """Return a plan with a GRCN for each topic of a general risk, and the others as risks ask.
 
     `last_commands` are topics that nodes next to the hardware obey: each has a GRCN though only
-    one node may publish it, which keeps others out.
+    one node, or none, is known to publish it, which keeps others out.
     """
     app = AppModel.from_graph(graph, report, last_commands)
     found = (_grcn(app, name) for name in _risky_topics(app) if app.can_guard(name))

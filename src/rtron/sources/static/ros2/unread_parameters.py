@@ -1,7 +1,7 @@
 """Parameters that a launch sets in vain: a node does not declare them, or no node has the name."""
 
 from collections import defaultdict
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
 from itertools import islice
 
@@ -14,8 +14,7 @@ from rtron.vocabulary.parameters import pattern_matches
 _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 """What the client libraries declare or read by themselves."""
 _NEAR_RATIO = 0.8
-_MOST = 200
-"""Sections that are looked at."""
+_MOST_SECTIONS = 200
 
 
 def unread_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
@@ -45,18 +44,20 @@ def unread_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
 def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[WiringFact]:
     """Yield a fact for each section of a parameter file for a name that no node has.
 
-    It counts if a node that is given no parameter at all has a near name, or is given the file and
-    declares most of what stands in the section.
+    It counts if a node that is given no parameter at all has a near name, or if one alone of these
+    is given the file and declares most of what stands in the section.
     """
     places = {
         each.node: part.node.evidence for part in parts for each in part.node.site.node_settings
     }
     given = {part.node.name for part in parts for _ in _set_by_launch(part, part.node.name)}
-    without_section = sorted(name for name in nodes - places.keys() - given if "{" not in name)
+    without_section = {name for name in nodes - places.keys() - given if "{" not in name}
+    declared = _declared_in_vain(part for part in parts if part.node.name in without_section)
     unused = (each for each in sorted(places.keys() - nodes) if "*" not in each)
-    for section in islice((each for each in unused if not fits_open_name(each, nodes)), _MOST):
-        near = get_close_matches(section, without_section, 1, _NEAR_RATIO)
-        if meant := near or _declaring(section, parts, without_section):
+    for section in islice(unused, _MOST_SECTIONS):
+        near = get_close_matches(section, sorted(without_section), 1, _NEAR_RATIO)
+        meant = near or declared.get(section, [])
+        if len(meant) == 1 and not fits_open_name(section, nodes):
             yield WiringFact(
                 kind=WiringFactKind.SECTION_WITHOUT_NODE,
                 subject=section,
@@ -65,23 +66,22 @@ def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterato
             )
 
 
-def _declaring(section: str, parts: Iterable[NodePart], nodes: Container[str]) -> list[str]:
-    """Return which of some nodes are given a section and declare what stands in it."""
-    return sorted(
-        {
-            part.node.name
-            for part in parts
-            if part.node.name in nodes and _declares_most(part, section)
-        }
-    )
+def _declared_in_vain(parts: Iterable[NodePart]) -> dict[str, list[str]]:
+    """Return which nodes are given each section of a file and declare most of it.
 
-
-def _declares_most(part: NodePart, section: str) -> bool:
-    own = {each.name for each in part.interface.parameters if each.node == part.node.name}
-    settings = part.node.site.node_settings
-    names = {each.name for each in settings if each.node == section}
-    names = {name for name in names if not name.startswith(_OF_EVERY_NODE)}
-    return len(names & own) > len(names) / 2
+    One common name, as a frame or a rate, says little: two of them must be declared.
+    """
+    found: dict[str, list[str]] = defaultdict(list)
+    for part in parts:
+        own = {each.name for each in part.interface.parameters if each.node == part.node.name}
+        sections: dict[str, set[str]] = defaultdict(set)
+        for each in part.node.site.node_settings:
+            if not each.name.startswith(_OF_EVERY_NODE):
+                sections[each.node].add(each.name)
+        for section, names in sections.items():
+            if len(names & own) > max(1, len(names) / 2):
+                found[section].append(part.node.name)
+    return found
 
 
 def _nodes_with_parameters(part: NodePart) -> list[str]:

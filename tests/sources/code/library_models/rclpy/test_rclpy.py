@@ -254,20 +254,26 @@ class Foreign(node.Node):
     def __init__(self):
         super().__init__('foreign')
         self.create_subscription(Bool, 'obeyed', lambda message: None, 1)
+    def setup(self):
+        self.create_publisher(Bool, 'hooked', 1)
 class Tree(node.Leaf):
-    def __init__(self):
-        super().__init__('tree')"""
+    def __init__(self, ros):
+        super().__init__('tree')
+        self.ros = ros
+        ros.create_publisher(Bool, 'lent', 1)"""
 
 
 def test_a_base_class_that_is_not_here_is_a_node_if_the_class_makes_endpoints():
-    found = python("Foreign()\nTree()", FOREIGN, **UNLAUNCHED)
-    assert names(found) == ["/obeyed"]
+    found = python("Foreign()\nTree(self)", FOREIGN, **UNLAUNCHED)
+    assert sorted(names(found)) == ["/hooked", "/lent", "/obeyed"]
     assert {node.name for node in found.nodes} == {"/written", "/foreign"}
     (note,) = [note.why for note in found.unresolved if note.what == "class Foreign"]
     assert note.startswith("its base class other_library.node.Node is not in the source: ")
 
 
 def test_a_library_that_is_not_here_makes_the_node_whose_class_it_gets():
-    assert names(python("process.spin(Foreign)", FOREIGN, **UNLAUNCHED)) == ["/obeyed"]
-    assert names(python("process.spin(Foreign)\nForeign()", FOREIGN, **UNLAUNCHED)) == ["/obeyed"]
+    made = ["/hooked", "/obeyed"]
+    assert sorted(names(python("process.spin(Foreign)", FOREIGN, **UNLAUNCHED))) == made
+    twice = python("process.spin(Foreign)\nForeign()", FOREIGN, **UNLAUNCHED)
+    assert sorted(names(twice)) == made
     assert names(python("isinstance(self, Foreign)", FOREIGN, **UNLAUNCHED)) == []

@@ -269,10 +269,10 @@ def setup(context, ld):
 def generate_launch_description():
     ld = LaunchDescription([DeclareLaunchArgument('robot', default_value='tb3')])
     ld.add_action(OpaqueFunction(function=setup, {given}))
-    ld.add_action({NODE.format("'before'")})
+    ld.add_action({NODE.format("'behind'")})
     return ld
 """)
-    assert sorted(names(app)) == ["/before", "/returned", "/tb3"]
+    assert names(app) == ["/returned", "/behind", "/tb3"]
     assert app.unresolved == ()
 
 
@@ -287,3 +287,24 @@ def generate_launch_description():
     return ld
 """)
     assert names(app) == ["/a", "/b"]
+
+
+def test_what_a_function_adds_starts_where_the_description_ends(program):
+    app = program(f"""
+def inner(context, ld):
+    ld.add_action({NODE.format("'last'")})
+def setup(context, ld):
+    ld.add_action({NODE.format("'added'")})
+    ld.add_action(OpaqueFunction(function=inner, args=[ld]))
+def late(event, context):
+    described.add_action({NODE.format("'never'")})
+def generate_launch_description():
+    global described
+    described = LaunchDescription()
+    described.add_action(GroupAction([PushRosNamespace('group'),
+        OpaqueFunction(function=setup, args=[described])]))
+    described.add_action(RegisterEventHandler(OnProcessExit(on_exit=late)))
+    described.add_action(PushRosNamespace('robot'))
+    return described
+""")
+    assert names(app) == ["/robot/added", "/robot/last"]

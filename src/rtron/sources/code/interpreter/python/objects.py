@@ -42,8 +42,8 @@ from rtron.sources.code.interpreter.python.modules import (
     initialise_base,
     named_functions,
 )
-from rtron.sources.code.ir import Class, TypeRef
-from rtron.sources.code.ir.references import called_names
+from rtron.sources.code.ir import Attr, Call, Class, Function, Name, TypeRef
+from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.library_models.python_std.data_classes import (
     ENUM,
     NAMED_TUPLE,
@@ -197,7 +197,7 @@ class PythonObjects(PythonModules):
             for base in definition.bases
         ]
         self._note_bases(definition, found)
-        bases = [self._node_for(base, definition) for base in found]
+        bases = [each for base in found for each in self._with_node(base, definition)]
         body = StackFrame(file=frame.file, closure=frame, body="class")
         self.machine.execute(definition.body, body)
         return self.finish_class(
@@ -267,14 +267,13 @@ class PythonObjects(PythonModules):
     def _is_missing(self, base: ExternalSymbol) -> bool:
         return "." in base.name and not self._is_known(base.name)
 
-    def _node_for(self, base: Value, definition: Class) -> Value:
-        """Return rclpy's node for a base that is not here, if the class makes endpoints as one."""
+    def _with_node(self, base: Value, definition: Class) -> tuple[Value, ...]:
+        """Return a base, behind that of a node if it is not here and the class makes endpoints."""
         node = self.library.get(_NODE)
         if node is None or not (isinstance(base, ExternalSymbol) and self._is_missing(base)):
-            return base
+            return (base,)
         methods = (function for _, function in named_functions(definition.body))
-        makes = any(called_names(method) & _NODE_METHODS for method in methods)
-        return node if makes else base
+        return (node, base) if any(map(_makes_own_endpoint, methods)) else (base,)
 
     def make_handed_node(self, cls: ClassValue, arguments: Arguments) -> None:
         """Make a node whose class a library got that is not here, unless the program makes one."""
@@ -301,6 +300,13 @@ class PythonObjects(PythonModules):
             return value
         made = dispatch(self.machine, decorator, Arguments(values=(value,), frame=frame))
         return value if isinstance(made, Unknown) or made == NONE else made
+
+
+def _makes_own_endpoint(method: Function) -> bool:
+    """Return whether a method calls what makes an endpoint on its own object, not on another."""
+    own = Name(method.params[0].name) if method.params else None
+    called = (node.function for node in ir_nodes(method.body or ()) if isinstance(node, Call))
+    return any(isinstance(f, Attr) and f.name in _NODE_METHODS and f.owner == own for f in called)
 
 
 def members_of(owner: Instance | ClassValue) -> MapValue:

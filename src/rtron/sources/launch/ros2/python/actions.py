@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of
@@ -24,7 +24,8 @@ from rtron.sources.code.library_models.launch.constructor_calls import (
     constructor_arguments,
     launch_class_name,
 )
-from rtron.sources.launch.ros2.python.callbacks import LaunchCallbacks
+from rtron.sources.launch.ros2.context_view import ContextView
+from rtron.sources.launch.ros2.python.callbacks import ElementCallback, LaunchCallbacks
 from rtron.sources.launch.ros2.python.substitutions import Fields, SubstitutionTranslator
 from rtron.sources.launch.ros2.substitutions.template import (
     TemplateText,
@@ -49,8 +50,7 @@ class ActionTranslator:
     callbacks: LaunchCallbacks
     builders: Mapping[str, Build]
     _depth: int = 0
-    _read: dict[ListValue, int] = field(default_factory=dict)
-    """How many entities of each launch description have become elements."""
+    _has_functions: bool = False
 
     def elements(self, value: Value) -> tuple[Element, ...]:
         """Return the elements of an action, of a list of them, or of a launch description."""
@@ -61,11 +61,23 @@ class ActionTranslator:
         finally:
             self._depth -= 1
 
-    def elements_of_call(self, result: Value) -> tuple[Element, ...]:
-        """Return the elements of what a function returned, and of what it added to descriptions."""
-        added = [item for known, count in self._read.items() for item in known.items[count:]]
-        self._read = {known: len(known.items) for known in self._read}
-        return tuple(element for each in (result, *added) for element in self.elements(each))
+    def function_element(self, run: ElementCallback) -> Element:
+        """Return the element of a function that makes actions while the launch is evaluated."""
+        self._has_functions = True
+        return Element("function", {}, expand=run)
+
+    def _added(self, entities: ListValue, count: int) -> Element:
+        """Return the element of what functions add to a launch description while it is visited.
+
+        Launch goes on behind the entities that were there, in the description's own scope.
+        """
+
+        def expand(_: ContextView) -> tuple[Element, ...]:
+            items = entities.items[count:]
+            added = tuple(element for item in items for element in self.elements(item))
+            return (*added, self._added(entities, count + len(items))) if items else ()
+
+        return Element("function", {}, expand=expand)
 
     def _elements(self, value: Value) -> Iterator[Element]:
         if isinstance(value, Choice):
@@ -76,9 +88,9 @@ class ActionTranslator:
             yield from [Element("more_actions", {})] if value.open else ()
         elif isinstance(value, Instance) and ENTITIES_FIELD in value.fields:
             entities = value.fields[ENTITIES_FIELD]
-            if isinstance(entities, ListValue):
-                self._read[entities] = len(entities.items)
             yield from self.elements(entities)
+            if self._has_functions and isinstance(entities, ListValue):
+                yield self._added(entities, len(entities.items))
         elif isinstance(value, Instance) and launch_class_name(value):
             yield from self._action(value)
         elif value != NONE and not _is_of_library(value):
@@ -120,10 +132,8 @@ class ActionTranslator:
     def event_element(self, event: str, value: Value) -> Element:
         """Return the element of actions that wait for an event."""
         if self.callbacks.is_function(value):
-            run = self.callbacks.callback({"function": value}, self.elements_of_call, event=True)
-            return Element(
-                "event_handler", {"event": event}, (Element("function", {}, expand=run),)
-            )
+            run = self.callbacks.callback({"function": value}, self.elements, event=True)
+            return Element("event_handler", {"event": event}, (self.function_element(run),))
         return Element("event_handler", {"event": event}, self.elements(value))
 
     def attributes_of(self, fields: Fields, **keys: str) -> Attributes:

@@ -87,13 +87,13 @@ def _event_handler(actions: ActionTranslator, fields: Fields) -> Element:
 
 
 def _opaque_function(actions: ActionTranslator, fields: Fields) -> Element:
-    called = actions.callbacks.callback(fields, actions.elements_of_call, event=False)
-    return Element("function", {}, expand=called)
+    return actions.function_element(
+        actions.callbacks.callback(fields, actions.elements, event=False)
+    )
 
 
 def _loop(actions: ActionTranslator, fields: Fields) -> Element:
-    run = actions.callbacks.loop_callback(fields, actions.elements_of_call)
-    return Element("function", {}, expand=run)
+    return actions.function_element(actions.callbacks.loop_callback(fields, actions.elements))
 
 
 def _process(actions: ActionTranslator, fields: Fields) -> Element:
