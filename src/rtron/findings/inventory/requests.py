@@ -16,8 +16,8 @@ def services(
 ) -> Iterator[tuple[Thing, Command]]:
     """Yield the services that move something: those that are offered, and those only called.
 
-    What drivers offer may move something, whatever it is called, and so may what those of the
-    nodes next to hardware (`devices`) offer that have one service which does.
+    Whatever a driver offers may move something. So may all that a node next to hardware offers
+    (`devices`), if one of its services says that it moves something.
     """
     moving = {
         each.node

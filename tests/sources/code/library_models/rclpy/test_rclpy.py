@@ -277,3 +277,8 @@ def test_a_library_that_is_not_here_makes_the_node_whose_class_it_gets():
     twice = python("process.spin(Foreign)\nForeign()", FOREIGN, **UNLAUNCHED)
     assert sorted(names(twice)) == made
     assert names(python("isinstance(self, Foreign)", FOREIGN, **UNLAUNCHED)) == []
+
+
+def test_classes_that_are_no_nodes_take_no_turn_of_one_that_is():
+    body = "process.spin(Tree)\n" * 450 + "process.spin(Foreign)"
+    assert "/obeyed" in names(python(body, FOREIGN, **UNLAUNCHED))

@@ -75,6 +75,7 @@ class PythonObjects(PythonModules):
 
     _method_orders: MethodResolutionOrders = field(default_factory=MethodResolutionOrders)
     _library_bases: dict[str, Value] = field(default_factory=dict)
+    _handed_classes: list[ClassValue] = field(default_factory=list)
 
     def method_names(self, definition: Class) -> list[str]:
         """Return the names of the methods that a class defines itself."""
@@ -275,13 +276,17 @@ class PythonObjects(PythonModules):
         methods = (function for _, function in named_functions(definition.body))
         return (node, base) if any(map(_makes_own_endpoint, methods)) else (base,)
 
-    def make_handed_node(self, cls: ClassValue, arguments: Arguments) -> None:
-        """Make a node whose class a library got that is not here, unless the program makes one."""
-        is_node = self.library.get(_NODE, NONE) in self.lineage(cls)
-        is_made = any(
-            isinstance(one, Instance) and one.type is cls for one in self.machine.instances
-        )
-        if is_node and not is_made:
+    def take_handed_class(self, cls: ClassValue, arguments: Arguments) -> None:
+        """Let a library that is not here make a node of the class that it gets, once for each."""
+        if self.library.get(_NODE, NONE) in self.lineage(cls) and cls not in self._handed_classes:
+            self._handed_classes.append(cls)
+            make = partial(self._make_handed_node, cls, arguments)
+            self.machine.deferred_actions.append(make)
+
+    def _make_handed_node(self, cls: ClassValue, arguments: Arguments) -> None:
+        """Make a node, unless the program makes one."""
+        instances = (one for one in self.machine.instances if isinstance(one, Instance))
+        if not any(one.type is cls for one in instances):
             dispatch(self.machine, cls, replace(arguments, values=(), keywords={}))
 
     def _note_order(self, cls: ClassValue) -> None:

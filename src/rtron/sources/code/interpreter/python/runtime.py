@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
@@ -114,8 +113,7 @@ class PythonRuntime(PythonObjects):
         note_unknown_call(self.machine, called, arguments, self._is_known, self._is_foreign_package)
         if self.missing_package(callee_name(called)):
             for cls in (each for each in arguments.all_values if isinstance(each, ClassValue)):
-                make = partial(self.make_handed_node, cls, arguments)
-                self.machine.deferred_actions.append(make)
+                self.take_handed_class(cls, arguments)
 
     def missing_package(self, name: str) -> str:
         """Return the module that a name begins with, if it is none of Python's or RTron's."""
