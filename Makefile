@@ -37,7 +37,7 @@ lint: setup ## Check style, types, names, sizes, imports and whether the generat
 check: setup ## Run lint and the tests beside what differs from main, without ROS and network (2 minutes)
 	$(PYTHON) scripts/run_tests.py --changed main
 
-test: setup ## Run lint and all tests but the long ones, fast ones first (19 minutes)
+test: setup ## Run lint and all tests but the long ones, fast ones first (17 minutes)
 	$(PYTHON) scripts/run_tests.py
 
 test-all: setup ## Run all of that and the long tests: every scene on a real ROS, case studies, soak, load, faults (2 hours)

@@ -69,20 +69,20 @@ def files_with(marker: str) -> list[str]:
 def all_groups(*, is_long: bool) -> list[Group]:
     """Return the groups in their order: those first that find most faults in a minute."""
     ros1, network = files_with("ros1"), files_with("network")
-    apart = tuple(f"--ignore={path}" for path in (*ros1, *network))
-    pure = ("tests", *apart, *(f"--ignore={folder}" for folder in STARTS_PROGRAMS))
+    pure = ("tests", *_without(*ros1, *network, *STARTS_PROGRAMS))
+    # what waits for the network begins first: the others run meanwhile
+    service = (*network, *STARTS_PROGRAMS, *_without(*ros1))
     covered = tuple(f"tests/{folder}" for folder in COVERED)
     rest = "not ros2 and not covered"
     return [
         Group("lint", ("make", "--no-print-directory", "lint")),
         _tests("covered", "covered", (*covered, *COVERAGE), is_long=is_long),
         _tests("pure", rest, pure, is_long=is_long),
-        _tests("service", rest, (*STARTS_PROGRAMS, *apart), is_long=is_long, is_gate=False),
+        _tests("service", rest, service, is_long=is_long, is_gate=False),
         _tests(
             "ros2", "ros2", files_with("ros2"), is_long=is_long, python=ROS2_PYTHON, is_gate=False
         ),
         _tests("ros1", rest, ros1, is_long=is_long, is_gate=False),
-        _tests("network", rest, network, is_long=is_long, is_gate=False),
     ]
 
 
@@ -94,9 +94,13 @@ def changed_groups(base: str) -> list[Group]:
     places = sorted({place for name in names if (place := _tests_of(Path(name)))})
     apart = {*files_with("ros1"), *files_with("ros2"), *files_with("network")}
     chosen = [place for place in places if place not in apart]
-    left_out = (f"--ignore={path}" for path in sorted(apart))
+    left_out = _without(*sorted(apart))
     lint = Group("lint", ("make", "--no-print-directory", "lint"))
     return [lint, _tests("changed", "not ros2", (*chosen, *left_out))] if chosen else [lint]
+
+
+def _without(*places: str) -> tuple[str, ...]:
+    return tuple(f"--ignore={place}" for place in places)
 
 
 def _tests_of(path: Path) -> str | None:

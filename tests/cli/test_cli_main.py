@@ -57,9 +57,11 @@ def test_a_pipe_that_closes_early_is_no_error(graph_file):
     assert (ran.returncode, ran.stderr) == (1, b"")
 
 
-def test_a_full_disk_is_2(graph_file):
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_full_disk_is_2(graph_file, unbuffered):
+    command, environ = [*MODULE, "scan", graph_file], {"PYTHONUNBUFFERED": unbuffered}
     with open("/dev/full", "wb") as full:  # noqa: PTH123 - a device
-        ran = subprocess.run([*MODULE, "scan", graph_file], stdout=full, stderr=-1, check=False)
+        ran = subprocess.run(command, stdout=full, stderr=-1, check=False, env=os.environ | environ)
     assert ran.returncode == 2
     assert b"error: standard output: No space left on device" in ran.stderr
     assert b"Traceback" not in ran.stderr

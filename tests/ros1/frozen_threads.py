@@ -33,7 +33,8 @@ def frozen(threads):
         yield
     finally:
         for each in held:
-            _ptrace(_DETACH, each, 0, 0)
+            if _ptrace(_DETACH, each, 0, 0):  # it was killed: until it is reaped, so is its process
+                os.waitpid(each, _ALL)
 
 
 def _freezes(thread):

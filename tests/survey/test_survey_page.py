@@ -1,24 +1,19 @@
 """The page of a survey, also in a real browser: Debian's chromium and chromium-driver."""
 
-import os
 import re
-import shutil
 
 import pytest
 from survey_cases import HOSTILE, SURVEY
 
+from chromium import open_chromium
 from rtron.survey.reports import page_graph
 from rtron.survey.reports.page import survey_page
 from rtron.survey.statistics import SurveyCounts
 from rtron.survey.survey_run import Survey
 from rtron.vocabulary import RiskKind
 
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-needs_browser = pytest.mark.skipif(
-    not (CHROMIUM and DRIVER), reason="needs Debian's chromium and chromium-driver"
-)
-webdriver = pytest.importorskip("selenium.webdriver", reason="needs Selenium")
-from selenium.webdriver.common.by import By  # noqa: E402
+pytest.importorskip("selenium.webdriver", reason="needs Selenium")
+from selenium.webdriver.common.by import By
 
 WINDOWS = [(1300, 900), (390, 844)]
 
@@ -55,16 +50,8 @@ def test_without_graphviz_the_page_says_so(monkeypatch):
 
 @pytest.fixture(scope="module")
 def browser():
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    for argument in ("--headless=new", "--disable-dev-shm-usage", "--hide-scrollbars"):
-        options.add_argument(argument)
-    if os.geteuid() == 0:
-        options.add_argument("--no-sandbox")
-    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    yield browser
-    browser.quit()
+    with open_chromium() as chromium:
+        yield chromium
 
 
 @pytest.fixture(params=WINDOWS, ids=["desktop", "phone"])
@@ -88,7 +75,6 @@ def follow(page, selector):
     page.execute_script("document.querySelector(arguments[0]).click()", selector)
 
 
-@needs_browser
 def test_each_app_has_a_line_and_one_that_failed_its_reason(page):
     assert apps(page) == [result.app for result in SURVEY.results]
     lines = page.find_element(By.ID, "lines")
@@ -103,7 +89,6 @@ def test_each_app_has_a_line_and_one_that_failed_its_reason(page):
     ]
 
 
-@needs_browser
 @pytest.mark.parametrize(
     ("link", "fitting"),
     [
@@ -126,7 +111,6 @@ def test_a_figure_leads_to_the_apps_that_it_counts(page, link, fitting):
     assert apps(page) == fitting
 
 
-@needs_browser
 def test_a_line_opens_what_was_found_with_its_place(page):
     follow(page, "#lines .app button")
     shown = page.find_element(By.CSS_SELECTOR, ".details").text
@@ -134,7 +118,6 @@ def test_a_line_opens_what_was_found_with_its_place(page):
     assert "me/app/launch/x.launch:7" in shown
 
 
-@needs_browser
 def test_lines_are_searched_and_sorted(page):
     query = page.find_element(By.ID, "query")
     query.send_keys("teleop")
@@ -145,7 +128,6 @@ def test_lines_are_searched_and_sorted(page):
     assert apps(page)[0] == HOSTILE
 
 
-@needs_browser
 def test_nothing_is_wider_than_the_window(page):
     wide = page.execute_script(
         "return document.documentElement.scrollWidth - document.documentElement.clientWidth"

@@ -38,7 +38,9 @@ def open_files(pid):
             yield str(descriptor.readlink())
 
 
+@pytest.mark.long
 def test_the_guarded_app_is_not_harmed(tmp_path):
+    """Once in some thirty starts no node of the app hears anything any more; why is not known."""
     with (
         demo_environment(2, tmp_path, speed=SPEED) as demo,
         run_service(demo.processes, tmp_path / "service", demo.environ) as service,

@@ -208,6 +208,20 @@ def test_a_guard_stops_the_robot_while_its_middleware_stands_still_and_its_loop_
     wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, delivered again")
 
 
+def test_a_guard_whose_middleware_stands_still_for_good_is_followed_by_the_next(ros2, guard):
+    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
+    supervisor = guard()
+    speaker(ros2, "/nav", NAV, "0.5", "50")
+    wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
+    wait_for(lambda: "its delivery is watched" in supervisor.log, what="the first ping")
+    deaf = guard_of(supervisor)
+    with frozen(threads_named(deaf, DDS_THREADS)):
+        wait_for(lambda: "delivers nothing: it is killed" in supervisor.log, what="its end")
+    wait_for(lambda: guard_of(supervisor) != deaf, what="the next guard")
+    stopped = speeds(driver)["0.5"]
+    wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
+
+
 @pytest.mark.long
 def test_a_guard_that_has_a_spare_is_followed_by_it_and_no_relic_stops_the_robot(ros2, guard):
     """The commands are numbered: what is missing between two is how long it took."""

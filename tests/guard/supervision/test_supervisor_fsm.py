@@ -11,6 +11,7 @@ from rtron.guard.supervision.supervisor_fsm import (
     GUARD_EXISTS,
     LOST_TIMEOUT,
     OUT_OF_MEMORY,
+    USELESS_AFTER,
     WARM_START_TIMEOUT,
     GuardObservation,
     GuardPhase,
@@ -246,9 +247,20 @@ def test_a_guard_that_beats_and_does_not_deliver_is_stopped_and_not_killed():
     assert fsm.tick(1, stuck(bound - 1)) == ()
     assert fsm.tick(2, stuck(bound)) == (SupervisorAction.BRAKE,)
     assert fsm.is_undelivered
-    assert fsm.tick(3, stuck(1000 * bound)) == ()
+    assert fsm.tick(3, stuck(USELESS_AFTER * bound - 1)) == ()
     assert fsm.tick(4, WELL) == (SupervisorAction.RELEASE,)
     assert not fsm.is_undelivered
+
+
+@pytest.mark.parametrize("late", [0, SECOND // 100])
+def test_a_guard_that_delivers_nothing_for_long_is_killed_for_the_next_one(late):
+    fsm = serving()
+    bound = USELESS_AFTER * (BOUNDS.deliver_within + 3 * late)
+    assert fsm.tick(1, stuck(bound - 1, late)) == (SupervisorAction.BRAKE,)
+    assert fsm.tick(2, stuck(bound, late)) == (SupervisorAction.KILL,)
+    assert fsm.is_undelivered
+    dead(fsm, 3)
+    assert fsm.tick(fsm.restart_due, ABSENT) == (SupervisorAction.SPAWN,)
 
 
 def test_delivery_may_be_later_on_a_busy_machine():

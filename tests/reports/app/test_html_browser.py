@@ -1,7 +1,5 @@
 """The page in a real browser: Debian's chromium and chromium-driver."""
 
-import os
-import shutil
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -10,40 +8,26 @@ import pytest
 from finding_cases import HIGH, LOW
 from report_cases import GRAPH, report_of, speaks
 
+from chromium import open_chromium
 from rtron.planning import propose_plan
 from rtron.reports.app.html import graph_to_html
 from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import Direction, Endpoint, Evidence, InteractionGraph, Node
 
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(
-    not (CHROMIUM and DRIVER), reason="needs Debian's chromium and chromium-driver"
-)
-webdriver = pytest.importorskip("selenium.webdriver", reason="needs Selenium")
-from selenium.webdriver.common.by import By  # noqa: E402
-from selenium.webdriver.common.keys import Keys  # noqa: E402
-from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
+pytest.importorskip("selenium.webdriver", reason="needs Selenium")
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
-ARGUMENTS = (
-    "--headless=new",
-    "--window-size=1600,1000",
-    "--disable-gpu",
-    "--disable-dev-shm-usage",
-)
 
 
 @pytest.fixture(scope="module")
 def chromium():
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    for argument in (*ARGUMENTS, *(["--no-sandbox"] if os.geteuid() == 0 else [])):
-        options.add_argument(argument)
-    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    yield browser
-    browser.quit()
+    with open_chromium() as browser:
+        yield browser
 
 
 @pytest.fixture
@@ -271,7 +255,7 @@ def test_a_box_is_dragged_with_its_edges(autorace):
     before = box.rect
     edges = "return [...document.querySelectorAll('.edge .hit')].map((e) => e.getAttribute('d'))"
     ways = autorace.execute_script(edges)
-    webdriver.ActionChains(autorace).drag_and_drop_by_offset(box, -30, -60).perform()
+    ActionChains(autorace).drag_and_drop_by_offset(box, -30, -60).perform()
     assert abs(box.rect["y"] - before["y"] + 60) < 3
     moved = [a for a, b in zip(ways, autorace.execute_script(edges), strict=True) if a != b]
     assert len(moved) == 1

@@ -1,41 +1,27 @@
 """The page of the functions' graph in a real browser: Debian's chromium and chromium-driver."""
 
-import os
-import shutil
-
 import pytest
 
+from chromium import open_chromium
 from rtron.functions.interactions.abstract_graph import PackageMessages, abstract_graph
 from rtron.reports.functions.html import functions_to_html
 from rtron.vocabulary import FunctionType as F
 
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(
-    not (CHROMIUM and DRIVER), reason="needs Debian's chromium and chromium-driver"
-)
-webdriver = pytest.importorskip("selenium.webdriver", reason="needs Selenium")
-from selenium.webdriver.common.by import By  # noqa: E402
-from selenium.webdriver.common.keys import Keys  # noqa: E402
+pytest.importorskip("selenium.webdriver", reason="needs Selenium")
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 
 GRAPH = abstract_graph([PackageMessages(name=f.name, functions=(f,)) for f in F])
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    for argument in ("--headless=new", "--window-size=1600,1000", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    if os.geteuid() == 0:
-        options.add_argument("--no-sandbox")
-    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
     path = tmp_path_factory.mktemp("page") / "functions.html"
     path.write_text(functions_to_html(GRAPH), encoding="utf-8")
-    browser.get(path.as_uri())
-    yield browser
-    silent = browser.get_log("browser")
-    browser.quit()
+    with open_chromium() as browser:
+        browser.get(path.as_uri())
+        yield browser
+        silent = browser.get_log("browser")
     assert silent == []
 
 

@@ -1,6 +1,5 @@
 """The real service with a simulated guard, and Debian's chromium to look at it."""
 
-import os
 import shutil
 import time
 from pathlib import Path
@@ -13,17 +12,10 @@ from console_robot import FIXTURE, plan
 from harness import wait_for
 from service_app import PASSWORD, TLS, AccountFactory, serve_in_thread
 
+from chromium import open_chromium
 from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
 from rtron.service.store.database import Database
-
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-ARGUMENTS = (
-    "--headless=new",
-    "--window-size=1440,950",
-    "--disable-gpu",
-    "--disable-dev-shm-usage",
-)
 
 
 class Console:
@@ -108,17 +100,8 @@ def fleet(silent_fleet):
 
 @pytest.fixture(scope="session")
 def chromium():
-    if not (CHROMIUM and DRIVER):
-        pytest.skip("needs Debian's chromium and chromium-driver")
-    webdriver = pytest.importorskip("selenium.webdriver", reason="needs Selenium")
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    for argument in (*ARGUMENTS, *(["--no-sandbox"] if os.geteuid() == 0 else [])):
-        options.add_argument(argument)
-    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    yield browser
-    browser.quit()
+    with open_chromium(1440, 950) as browser:
+        yield browser
 
 
 @pytest.fixture

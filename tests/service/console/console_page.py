@@ -78,6 +78,15 @@ class Page:
         self.find("nav.side")
         self.until(lambda: not self.all(".banner"), "live")
 
+    def download_to(self, folder):
+        """Let the browser store downloads there without asking."""
+        allow = {"behavior": "allow", "downloadPath": str(folder)}
+        self.browser.execute_cdp_cmd("Page.setDownloadBehavior", allow)
+
+    def await_download(self, file):
+        """Wait until a file is written: the browser takes its name first."""
+        self.until(lambda: file.exists() and file.stat().st_size, file.name)
+
     def go(self, view):
         self.browser.execute_script("location.hash = arguments[0]", f"#/{view}")
 

@@ -128,8 +128,7 @@ def test_robots_are_found_by_words_and_states(console, fleet, page):
 
 
 def test_what_the_table_shows_is_exported(fleet, page, tmp_path):
-    allow = {"behavior": "allow", "downloadPath": str(tmp_path)}
-    page.browser.execute_cdp_cmd("Page.setDownloadBehavior", allow)
+    page.download_to(tmp_path)
     fleet.state("robot771", alarms=(alarm(),))
     fleet.state("robot3", overridden=("drive",))
     page.login()
@@ -141,7 +140,7 @@ def test_what_the_table_shows_is_exported(fleet, page, tmp_path):
     page.press("CSV")
     page.wait_for_text("11 robots exported")
     file = tmp_path / "rtron-robots.csv"
-    wait_for(file.exists)
+    page.await_download(file)
     rows = list(csv.DictReader(io.StringIO(file.read_text("utf-8-sig"))))
     assert [row["name"] for row in rows] == shown
     search(page, "")
@@ -149,7 +148,7 @@ def test_what_the_table_shows_is_exported(fleet, page, tmp_path):
     page.until(lambda: names(page) == ["robot3"])
     page.press("JSON")
     file = tmp_path / "rtron-robots.json"
-    wait_for(file.exists)
+    page.await_download(file)
     assert [robot["name"] for robot in json.loads(file.read_text())] == ["robot3"]
 
 

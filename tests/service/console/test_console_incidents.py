@@ -72,12 +72,11 @@ def test_an_event_leads_to_its_incident(console, guard, page):
 
 def test_the_report_is_a_file(console, guard, page, tmp_path):
     save(console, guard, a_report())
-    allow = {"behavior": "allow", "downloadPath": str(tmp_path)}
-    page.browser.execute_cdp_cmd("Page.setDownloadBehavior", allow)
+    page.download_to(tmp_path)
     page.login("eva", PAGE)
     page.press("JSON")
     file = tmp_path / f"{NAME}.json"
-    wait_for(file.exists)
+    page.await_download(file)
     wait_for(lambda: json.loads(file.read_text())["schema"] == "rtron.incident_report/1")
 
 

@@ -102,14 +102,12 @@ def test_a_restore_that_was_overtaken_shows_what_would_differ_now(console, guard
 
 
 def test_what_a_view_shows_is_a_file(console, guard, page, tmp_path):
-    folder = str(tmp_path)
-    allow = {"behavior": "allow", "downloadPath": folder}
-    page.browser.execute_cdp_cmd("Page.setDownloadBehavior", allow)
+    page.download_to(tmp_path)
     page.login("eva")
     page.press("JSON")
     file = tmp_path / "rtron-robots.json"
-    wait_for(file.exists)
+    page.await_download(file)
     assert [each["name"] for each in json.loads(file.read_text())] == ["turtle1"]
     page.go("robots/turtle1/events")
     page.press("CSV")
-    wait_for((tmp_path / "rtron-events.csv").exists)
+    page.await_download(tmp_path / "rtron-events.csv")

@@ -192,27 +192,22 @@ def guards(balanced_replicas, balancer, tmp_path):
     return linked_guards
 
 
-def connections(replicas):
-    """Return how many guards are connected to each replica."""
-    headers, counts = {"Authorization": f"Bearer {replicas.secret}"}, []
-    for each in replicas:
-        text = httpx.get(f"{each.url}/metrics", headers=headers).text
-        counts.append(int(float(text.split("\nrtron_guards_connected ")[1].split()[0])))
-    return counts
+def connections(replica, secret):
+    """Return how many guards are connected to a replica."""
+    answer = httpx.get(f"{replica.url}/metrics", headers={"Authorization": f"Bearer {secret}"})
+    return int(float(answer.text.split("\nrtron_guards_connected ")[1].split()[0]))
 
 
 def test_guards_of_a_killed_replica_go_to_the_other_and_stops_reach_them(
     balanced_replicas, balancer, guards
 ):
-    def all_connected():
-        answer = balancer.person.get("/robots", params={"connected": True})
-        return answer.status_code == 200 and len(answer.json()) == GUARDS
-
+    killed, other = balanced_replicas
+    secret = balanced_replicas.secret
     with linked(guards):
-        wait_for(all_connected)
-        assert min(connections(balanced_replicas)) > 0
-        balanced_replicas[0].kill()
-        wait_for(all_connected)
+        wait_for(lambda: connections(killed, secret) + connections(other, secret) == GUARDS)
+        assert min(connections(each, secret) for each in (killed, other)) > 0
+        killed.kill()
+        wait_for(lambda: connections(other, secret) == GUARDS)
         for guard in guards:
             answer = balancer.person.post(f"/robots/{guard.robot}/stop", json={"reason": "kill"})
             assert answer.json()["connected"]

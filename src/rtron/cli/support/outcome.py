@@ -113,11 +113,11 @@ def _print(shown: str | Report | Markdown) -> bool:
         sys.stdout.write(shown if isinstance(shown, str) else _for_terminal(shown))
         sys.stdout.flush()
         return True
-    except BrokenPipeError:
+    except OSError as error:
         # Python flushes once more at exit and would complain then.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return False
-    except OSError as error:
+        if isinstance(error, BrokenPipeError):
+            return False
         raise _write_error(error, "standard output") from None
 
 

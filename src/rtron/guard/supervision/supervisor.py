@@ -319,8 +319,12 @@ class Supervisor:
 
     def _send_signal(self, number: int) -> None:
         if self._fsm.phase is GuardPhase.KILLED and self._failure != _FOR_PLAN:
-            log.error("the guard stands still, or does not end: it is killed")
-            self._failure = "stood still and was killed"
+            is_deaf = self._fsm.is_undelivered
+            log.error(
+                "the guard %s: it is killed",
+                "delivers nothing" if is_deaf else "stands still, or does not end",
+            )
+            self._failure = f"{'delivered nothing' if is_deaf else 'stood still'} and was killed"
         if self._guard:
             self._guard.send_signal(number)
 

@@ -18,6 +18,8 @@ END_TIMEOUT = 8 * SECOND
 """How long a guard may take to end in order, ns."""
 LOST_TIMEOUT = SECOND // 2
 """How long a guard may still be there when its connection has ended, ns."""
+USELESS_AFTER = 10
+"""A guard that has delivered nothing for so many times its bound is killed: the next one may."""
 _BACKOFF_RESET_AFTER = 2 * SECOND
 _FIRST_DELAY = SECOND // 4
 _MAX_DELAY = 10 * SECOND
@@ -165,9 +167,8 @@ class SupervisorFsm:
     def _watch(self, now: int, observation: GuardObservation) -> tuple[SupervisorAction, ...]:
         if observation.is_leaving and not self._is_ending:
             self._is_ending, self._phase_since = True, now
-        if self._is_overdue(now) or (
-            observation.silence >= self._bounds.kill_after and not observation.is_leaving
-        ):
+        is_useless = not observation.is_leaving and self._is_useless(observation)
+        if is_useless or self._is_overdue(now):
             return self._kill()
         is_stalled = observation.is_leaving or self._is_silent(observation)
         self.is_undelivered = not is_stalled and self._is_stuck(observation)
@@ -182,10 +183,15 @@ class SupervisorFsm:
         stall_after = adapt_bound(self._bounds.stall_after, observation.delay, LONGEST_STALL)
         return observation.silence >= stall_after
 
-    def _is_stuck(self, observation: GuardObservation) -> bool:
+    def _is_stuck(self, observation: GuardObservation, patience: int = 1) -> bool:
         """Tell whether nothing comes out of the guard for longer than the machine explains."""
         late = min(3 * observation.delay, self._bounds.deliver_within)
-        return observation.undelivered >= self._bounds.deliver_within + late
+        return observation.undelivered >= patience * (self._bounds.deliver_within + late)
+
+    def _is_useless(self, observation: GuardObservation) -> bool:
+        """Tell whether only the next guard can let the robot go on."""
+        is_dead = observation.silence >= self._bounds.kill_after
+        return is_dead or self._is_stuck(observation, USELESS_AFTER)
 
     def _is_overdue(self, now: int) -> bool:
         return self._is_ending and now - self._phase_since > END_TIMEOUT
