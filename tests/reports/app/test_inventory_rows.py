@@ -146,8 +146,10 @@ def test_parameters():
 
 def test_as_json():
     (base,) = json.loads(json.dumps(inventory_to_json([BASE])))
-    assert base | {"commands": []} == {
+    assert base["rows"][0] == {"text": "/base (serial port) obeys /cmd_vel", "tone": "plain"}
+    assert base | {"commands": [], "rows": []} == {
         "thing": "base",
+        "rows": [],
         "drivers": ["/base"],
         "hardware": ["serial port"],
         "commands": [],

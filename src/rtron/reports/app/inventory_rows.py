@@ -142,11 +142,17 @@ def _names(commands: Sequence[Command]) -> str:
     return _all(names)
 
 
+def rows_to_json(mover: Mover) -> dict[str, Any]:
+    """Return a thing and its rows of words as JSON."""
+    rows = [{"text": row.text, "tone": row.tone.value} for row in mover_rows(mover)]
+    return {"thing": mover.thing.value, "rows": rows}
+
+
 def inventory_to_json(movers: Sequence[Mover]) -> list[dict[str, Any]]:
-    """Return an inventory as JSON."""
+    """Return an inventory as JSON, in words and in parts."""
     return [
         {
-            "thing": mover.thing.value,
+            **rows_to_json(mover),
             "drivers": list(mover.drivers),
             "hardware": list(mover.hardware),
             "commands": [_command(each) for each in mover.commands],

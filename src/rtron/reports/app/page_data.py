@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
-from rtron.reports.app.inventory_rows import mover_rows
+from rtron.reports.app.inventory_rows import rows_to_json
 from rtron.reports.app.note_groups import NoteGroup, group_notes
 from rtron.reports.app.page_coordination import plan_data
 from rtron.reports.app.page_ids import PageIds, page_ids
@@ -49,7 +49,7 @@ def page_data(
         "services": [_side(names, s.node, s.name, s.type, "") for s in graph.services],
         "actions": [_side(names, a.node, a.name, a.type, a.role.value) for a in graph.actions],
         "risks": [_risk(risk, names) for risk in sorted(report.risks, key=worst_first)],
-        "inventory": [_mover(mover) for mover in inventory],
+        "inventory": [rows_to_json(mover) for mover in inventory],
         "findings": [_finding(finding, names, source_lines) for finding in findings],
         "unresolved": [_note_group(group) for group in group_notes(graph.unresolved)],
         "notRun": [list(item) for item in report.not_run.items()],
@@ -135,11 +135,6 @@ def _risk(risk: Risk, names: PageIds) -> dict[str, Any]:
         "reason": risk.reason,
         "evidence": _locations(risk.evidence),
     }
-
-
-def _mover(mover: Mover) -> dict[str, Any]:
-    rows = [{"text": row.text, "tone": row.tone.value} for row in mover_rows(mover)]
-    return {"thing": mover.thing.value, "rows": rows}
 
 
 def _finding(finding: Finding, names: PageIds, source_lines: SourceLines) -> dict[str, Any]:

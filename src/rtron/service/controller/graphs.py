@@ -39,7 +39,9 @@ def upload_graph(
     now = clock()
     try:
         graph = _check_graph_size(parse_graph(data, "the graph"))
-        risks: dict[str, Any] = risks_to_json(_check_risks_size(scan_graph(graph).report))
+        scan = scan_graph(graph)
+        _check_risks_size(scan.report)
+        risks = risks_to_json(scan.report, inventory=scan.inventory)
         with database.session() as session:
             snapshot = load_snapshot(session, robot)
             store_graph(session, _graph_row(snapshot, graph, caller.name, now), risks["risks"])
@@ -70,9 +72,15 @@ def get_graph_page(session: Session, robot: str) -> dict[str, Any]:
 
 
 def get_risks_page(session: Session, robot: str) -> dict[str, Any]:
-    """Return the risks of a robot's app, `rtron.risks/2`, with the `source` of its graph."""
+    """Return the risks of a robot's app, `rtron.risks/2`, with the `source` of its graph.
+
+    A plan does not know all that moves the robot: its inventory is empty.
+    """
     graph, row = _load_graph(session, load_snapshot(session, robot))
-    return {"source": "uploaded" if row else "plan", **risks_to_json(scan_graph(graph).report)}
+    scan = scan_graph(graph)
+    if row is None:
+        return {"source": "plan", **risks_to_json(scan.report)}
+    return {"source": "uploaded", **risks_to_json(scan.report, inventory=scan.inventory)}
 
 
 def _load_graph(
@@ -99,10 +107,9 @@ def _check_graph_size(graph: InteractionGraph) -> InteractionGraph:
     return graph
 
 
-def _check_risks_size(report: RiskReport) -> RiskReport:
+def _check_risks_size(report: RiskReport) -> None:
     if len(report.risks) > MAX_RISKS:
         raise InputError(f"more than {MAX_RISKS} risks", help="upload the graph of one app")
     ids = [risk.id for risk in report.risks]
     if len(set(ids)) < len(ids) or max(map(len, ids), default=0) > MAX_ID_LENGTH:
         raise InputError("two nodes or topics have one name, or one that is far too long")
-    return report

@@ -532,7 +532,8 @@ def test_without_an_upload_the_plan_tells_the_graph(call):
     ]
     topics = {topic["name"]: topic for topic in page["topics"]}
     assert topics["/cmd_vel"]["domain"] == "Control"
-    assert call("GET", "/risks")[1]["source"] == "plan"
+    risks = call("GET", "/risks")[1]
+    assert (risks["source"], risks["inventory"]) == ("plan", [])
 
 
 def test_an_uploaded_graph_is_shown_with_its_risks(call):
@@ -543,6 +544,9 @@ def test_an_uploaded_graph_is_shown_with_its_risks(call):
     assert "/evil" in [node["name"] for node in page["nodes"]]
     shown = call("GET", "/risks", who="read")[1]
     assert shown == {"source": "uploaded", **risks}
+    (base,) = shown["inventory"]
+    assert (base["thing"], base["drivers"]) == ("base", ["/base"])
+    assert "/base obeys /cmd_vel" in [row["text"] for row in base["rows"]]
     node = call("GET", "/nodes/drive")[1]
     (risk,) = [risk for risk in node["risk_information"]["risks"] if risk["kind"] == "GR-ST"]
     assert risk["role_nodes"]["publisher"] == ["/evil", "/teleop"]

@@ -12,8 +12,20 @@ const ORDER = ["high", "medium", "low"];
 export function Risks({ robot }) {
   const fetched = useFetched(() => get(at("robots", robot, "risks")), [robot]);
   const [filter, setFilter] = useState({ text: query().get("text") ?? "", kind: "", severity: "", domain: "" });
-  return html`<div class="head"><h1>Risks</h1><p>What the functions of this app can do to each other, found before it runs</p></div>
-    <${Loaded} fetched=${fetched}>${(found) => html`<${List} risks=${found.risks} robot=${robot} filter=${filter} setFilter=${setFilter} />`}<//>`;
+  return html`<div class="head"><h1>Risks</h1><p>What can move this robot, and what the functions of its app can do to each other, found before it runs</p></div>
+    <${Loaded} fetched=${fetched}>${(found) => html`<${Inventory} found=${found} /><${List} risks=${found.risks} robot=${robot} filter=${filter} setFilter=${setFilter} />`}<//>`;
+}
+
+const TONE = { good: ["good", "check", "it stops by itself"], warning: ["warn", "warning", "look at this"], uncertain: ["", "info", "not known"] };
+const NOTHING = { uploaded: "Nothing in what could be read.", plan: html`Nobody has uploaded the graph of this app yet: <code>rtron upload-graph graph.json</code>` };
+
+function Inventory({ found: { source, inventory } }) {
+  return html`<${Card} title="What can move this robot">${inventory.length ? html`<dl>${inventory.map(({ thing, rows }) => html`<dt>${thing}</dt><dd>${rows.map((row) => html`<${Row} ...${row} />`)}</dd>`)}</dl>` : html`<${Empty}>${NOTHING[source]}<//>`}<//>`;
+}
+
+function Row({ text, tone }) {
+  const [look, icon, title] = TONE[tone] ?? [];
+  return html`<p>${icon && html`<${Badge} look=${look} icon=${icon} title=${title} /> `}${text}</p>`;
 }
 
 function List({ risks, robot, filter, setFilter }) {
