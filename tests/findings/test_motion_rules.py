@@ -363,6 +363,16 @@ class TestLostCommand:
         text = self.LOST.replace("pub /cmd_vel", f"pub {other}")
         assert not found("lost_command", small_graph(text))
 
+    @pytest.mark.parametrize(
+        "name", ["measured_vel", "gps_velocity", "vel_estimate", "velocity_estimated", "navsat/vel"]
+    )
+    def test_a_velocity_that_is_measured_or_estimated_commands_nothing(self, name):
+        lost = f"/nav nav own\n pub /{name} {TWIST}\n"
+        assert not found("lost_command", small_graph(f"{lost}/b b own\n sub /x/{name} {TWIST}\n"))
+        name = name.replace("navsat/vel", "vel") if "/" in name else "vel"
+        lost = f"/nav nav own\n pub /{name} {TWIST}\n"
+        assert found("lost_command", small_graph(f"{lost}/b b own\n sub /x/{name} {TWIST}\n"))
+
     NEAR = LOST.replace("/base/cmd_vel", "/base_cmd_vel")
 
     def test_a_near_name_counts_where_all_was_read(self):

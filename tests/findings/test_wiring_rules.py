@@ -406,6 +406,16 @@ class TestSimTime:
         graph = small_graph(f"{SCAN}{node} {package} own\n", parameters=values)
         assert bool(found("sim_time", graph)) is is_found
 
+    @pytest.mark.parametrize(
+        ("program", "is_found"), [("spawner", False), ("ros2_control_node", True)]
+    )
+    def test_a_spawner_of_controllers_ends_at_once(self, program, is_found):
+        values = parameters("use_sim_time", laser=True, slam=True, spawn=False)
+        graph = small_graph(SCAN, parameters=values)
+        spawner = Node(name="/spawn", package="controller_manager", executable=program)
+        graph = replace(graph, nodes=(*graph.nodes, spawner))
+        assert bool(found("sim_time", graph)) is is_found
+
 
 class TestMissingProgram:
     def graph(self, *places, what="node /slam", missing="slam/slam", why="it is not there"):

@@ -121,7 +121,7 @@ EXPRESSIONS = (
     "1 + 2 * 3", "7 // 2", "7 / 2", "-7 % 3", "2 ** 10", "not True", "true and false", "1 or 0",
     "arg('i') + 1", "i + 1", "f * 2", "b", "not b", "s + '_x'", "s == 'str'", "s != 'str'",
     "i > 2 and i < 4", "2 < i < 4", "i in [1, 2, 3]", "s not in ['a', 'b']", "'a' if b else 'c'",
-    "optenv('NO_SUCH_VARIABLE', 'd')", "env('WHO')", "find('one')", "dirname()", "anon('x')",
+    "optenv('NO_SUCH_VARIABLE', 'd')", "optenv('NO_SUCH_VARIABLE', 0) + 1", "env('WHO')", "find('one')", "dirname()", "anon('x')",
     "str(i) + s", "int('4')", "float('4')", "len(s)", "abs(-i)", "min(1, i)", "max(f, i)",
     "round(2.567, 1)", "round(2.5)", "pi", "sin(0)", "sqrt(16)", "floor(2.7)", "radians(180)",
     "s.upper()", "s.split('t')[1]", "s[0]", "s[1:]", "s[::-1]", "'-'.join(['a', 'b'])",

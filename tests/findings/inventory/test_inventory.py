@@ -371,10 +371,41 @@ def test_limits_of_a_planner_that_is_not_loaded_bound_nothing():
     assert command.name == "/base.DWAPlannerROS.max_vel_x"
 
 
+def with_program(graph, node, package, executable):
+    nodes = (
+        replace(each, package=package, executable=executable) if each.name == node else each
+        for each in graph.nodes
+    )
+    return replace(graph, nodes=tuple(nodes))
+
+
+DIFF_DRIVE = ("diff_drive_controller", "diff_drive_controller/DiffDriveController")
+
+
 def test_controllers_read_their_limits_once():
-    text = BASE.replace(" driver ", " diff_drive_controller ")
-    (mover,) = inventory(text, parameters=LIMITS)
+    graph = with_program(small_graph(BASE, parameters=LIMITS), "/base", *DIFF_DRIVE)
+    (mover,) = take_inventory(app_facts(graph))
     assert mover.thing is Thing.BASE
+
+
+@pytest.mark.parametrize("package", ["nav2_controller", "nav2_velocity_smoother"])
+def test_the_limits_of_nav2_can_be_set_whatever_the_app_gives(package):
+    graph = small_graph(f"/server server third_party\n    pub /cmd_vel {TWIST}\n" + BASE)
+    assert Thing.LIMITS not in {each.thing for each in take_inventory(app_facts(graph))}
+    movers = take_inventory(app_facts(with_program(graph, "/server", package, "server")))
+    (bounds,) = (each for each in movers if each.thing is Thing.LIMITS)
+    assert names(bounds.commands) == ["/server/set_parameters"]
+
+
+def test_topics_and_parameters_that_bound_motion_are_one_line():
+    max_vel, max_speed = (
+        f"    sub {name} std_msgs/msg/Float32\n" for name in ("/max_vel", "/x/max_speed")
+    )
+    text = BASE + max_vel + max_speed + "/other other own\n" + max_vel
+    movers = inventory(text, parameters=LIMITS, wiring=(fact("device", "/other", "CAN"),))
+    (bounds,) = (each for each in movers if each.thing is Thing.LIMITS)
+    assert {"/max_vel", "/x/max_speed", "/base.max_velocity"} <= set(names(bounds.commands))
+    assert {"/base", "/other"} <= set(bounds.drivers)
 
 
 FLIP = "    sub /flip std_msgs/msg/UInt8\n    sub /record std_msgs/msg/Bool\n"
@@ -422,7 +453,7 @@ def test_all_parameters_of_what_can_be_tuned_count_where_no_name_tells():
 
 def test_a_name_that_tells_little_is_of_what_its_nodes_are_called_after():
     text = "/pan_tilt own own\n    pub /a_controller/command std_msgs/Float64\n"
-    (mover,) = inventory(text, wiring=(fact("device", "/servos", "CAN"),))
+    (mover,) = inventory(text, wiring=(fact("device", "/units", "CAN"),))
     assert (mover.thing, names(mover.commands)) == (Thing.HEAD, ["/a_controller/command"])
 
 
@@ -541,3 +572,77 @@ def test_an_autopilot_with_a_camera_is_no_sensor(link, listed):
     )
     movers = inventory(text, services=offered, wiring=(fact("device", "/drone", link),))
     assert sum(len(mover.commands) for mover in movers) == listed
+
+
+RVIZ = "/rviz rviz2 third_party\n"
+
+
+def test_what_a_viewer_alone_offers_or_calls_moves_nothing():
+    services = (Service(node="/rviz", name="/rviz/move", type="std_srvs/srv/Empty"),)
+    clients = (ServiceClient(node="/rviz", name="/rviz/go", type="std_srvs/srv/Empty"),)
+    assert inventory(RVIZ, services=services, clients=clients) == ()
+    own = (replace(services[0], node="/base"), *services)
+    assert names(the_mover(RVIZ + BASE, services=own).commands) == ["/cmd_vel", "/rviz/move"]
+
+
+def test_a_request_whose_last_name_alone_is_known_counts():
+    def service(name):
+        return (Service(node="/base", name=name, type="std_srvs/srv/Trigger"),)
+
+    assert names(the_mover(BASE, services=service("/{ns}/brake")).commands) == [
+        "/cmd_vel",
+        "/{ns}/brake",
+    ]
+    assert names(the_mover(BASE, services=service("/base/{what}")).commands) == ["/cmd_vel"]
+
+
+def test_a_driver_takes_goals_whatever_their_name():
+    action = "    server /wiggle own_msgs/action/Wiggle\n"
+    assert names(the_mover(BASE + action).commands) == ["/cmd_vel", "/wiggle"]
+    assert inventory("/other other own\n" + action) == ()
+
+
+def test_whatever_a_controller_offers_may_move_something():
+    services = (Service(node="/fault", name="/fault/reset_fault", type="std_srvs/srv/Trigger"),)
+    graph = small_graph("/fault fault third_party\n", services=services)
+    assert take_inventory(app_facts(graph)) == ()
+    graph = with_program(graph, "/fault", "faults", "faults/FaultController")
+    (mover,) = take_inventory(app_facts(graph))
+    assert (mover.thing, mover.drivers) == (Thing.DEVICE, ("/fault",))
+
+
+def test_what_a_controller_sends_to_another_is_a_command():
+    topic = "/leader/joint_trajectory trajectory_msgs/msg/JointTrajectory\n"
+    graph = small_graph(f"/leader l own\n    pub {topic}/arm a own\n    sub {topic}")
+    for node in ("/leader", "/arm"):
+        graph = with_program(graph, node, "controllers", "controllers/Controller")
+    (mover,) = take_inventory(app_facts(graph))
+    assert (mover.drivers, names(mover.commands)) == (("/arm",), ["/leader/joint_trajectory"])
+
+
+def test_a_person_moves_a_marker():
+    text = f"""
+/marker m third_party
+    sub /marker/feedback visualization_msgs/msg/InteractiveMarkerFeedback
+    pub /cmd_vel {TWIST}
+"""
+    mover = the_mover(text + BASE)
+    assert names(mover.commands) == ["/cmd_vel", "/marker/feedback"]
+
+
+def test_hardware_stands_in_the_process_of_its_manager_whatever_that_calls_itself():
+    switch = "controller_manager_msgs/srv/SwitchController"
+    services = (
+        Service(node="/manager", name="/manager/switch_controller", type=switch),
+        Service(node="/units", name="/units/reboot", type="x/srv/Reboot"),
+        Service(node="/units", name="/units/wiggle", type="std_srvs/srv/SetBool"),
+    )
+    graph = small_graph("/manager m third_party\n/units s third_party\n", services=services)
+    assert "/units/wiggle" not in all_names(graph)
+    nodes = tuple(replace(node, process="/ros2_control_node") for node in graph.nodes)
+    assert "/units/wiggle" in all_names(replace(graph, nodes=nodes))
+
+
+def all_names(graph):
+    movers = take_inventory(app_facts(graph))
+    return [name for mover in movers for name in names(mover.commands)]

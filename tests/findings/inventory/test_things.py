@@ -72,6 +72,8 @@ TOPIC, SERVICE, ACTION, _ = Means
         ("/max_vel", FLOAT, TOPIC, Thing.LIMITS),
         ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", ACTION, Thing.BASE),
         ("/dock", "irobot_create_msgs/action/Dock", ACTION, Thing.BASE),
+        ("/move_action", "moveit_msgs/action/MoveGroup", ACTION, Thing.ARM),
+        ("/mavros/param/set", "mavros_msgs/srv/ParamSetV2", SERVICE, Thing.LIMITS),
     ],
 )
 def test_what_moves(name, type, means, thing):
@@ -100,6 +102,13 @@ def test_what_moves(name, type, means, thing):
         ("/nav/planner_get_progress", TRIGGER),
         ("/mower_map_service/add_area", TRIGGER),
         ("/chatter", "std_msgs/String"),
+        ("/plan_kinematic_path", "moveit_msgs/srv/GetMotionPlan"),
+        ("/apply_planning_scene", "moveit_msgs/srv/ApplyPlanningScene"),
+        ("/mavros/param/get", "mavros_msgs/ParamGet"),
+        ("/joy_teleop/joy/set_feedback", "sensor_msgs/JoyFeedbackArray"),
+        ("/navsat/vel", "geometry_msgs/TwistStamped"),
+        ("/base/vel", "geometry_msgs/TwistWithCovarianceStamped"),
+        ("/drive/set_odometry", "control_msgs/srv/SetOdometry"),
         ("/", ""),
     ],
 )

@@ -85,3 +85,12 @@ def test_a_manifest_counts_in_its_conditions_only(tmp_path):
         """<package><depend condition="$ROS_DISTRO == 'iron'">x</depend></package>"""
     )
     assert guessed(tmp_path) == "iron"
+
+
+def test_the_name_of_a_list_of_repositories_tells_the_distribution(tmp_path):
+    text = "repositories: {a: {version: humble}}"
+    (tmp_path / "robot.repos").write_text(text)
+    assert guessed(tmp_path) == "humble"
+    (tmp_path / "robot.repos").rename(tmp_path / "robot.jazzy.repos")
+    assert guessed(tmp_path) == "jazzy"
+    assert guess_distro([tmp_path], 1) is None

@@ -12,7 +12,16 @@ from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles
 from rtron.findings.inventory.stopping import stopping
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
-from rtron.vocabulary.inventory import SIGNALS, SWITCHES, Command, Means, Mover, Stops, Thing
+from rtron.vocabulary.inventory import (
+    NO_MOTION,
+    SIGNALS,
+    SWITCHES,
+    Command,
+    Means,
+    Mover,
+    Stops,
+    Thing,
+)
 
 __all__ = ["take_inventory"]
 
@@ -31,10 +40,22 @@ def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
         groups[thing, command.receivers].append(command)
     merged = _merged(groups)
     movers = [_mover(app, commands, thing, found) for thing, found in merged]
-    movers += [mover] if (mover := limits(app, commands)) else []
+    movers = _with_limits(movers, limits(app, commands))
     movers += _unread(app, movers)
     order = list(Thing)
     return tuple(sorted(movers, key=lambda each: order.index(each.thing)))
+
+
+def _with_limits(movers: list[Mover], bounds: Mover | None) -> list[Mover]:
+    """Return the lines with the parameters that bound motion, beside what else bounds it."""
+    if bounds is None:
+        return movers
+    rest = [each for each in movers if each.thing is not Thing.LIMITS]
+    for other in (each for each in movers if each.thing is Thing.LIMITS):
+        drivers = tuple(dict.fromkeys((*other.drivers, *bounds.drivers)))
+        commands = (*other.commands, *bounds.commands)
+        bounds = replace(other, commands=commands, drivers=drivers)
+    return [*rest, bounds]
 
 
 def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
@@ -54,7 +75,7 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
 def _merged(
     groups: dict[tuple[Thing, tuple[str, ...]], list[Command]],
 ) -> Iterator[tuple[Thing, list[Command]]]:
-    """Yield what is one line: all of a switch; goals and services with what they move.
+    """Yield what is one line: all of a switch, all limits; requests with what they move.
 
     Where that gives too many, one line stands for a thing.
     """
@@ -65,7 +86,7 @@ def _merged(
         beside = [
             key for key in moved if key[1] == receivers and key[0] not in _APART and receivers
         ]
-        if thing in SWITCHES:
+        if thing in NO_MOTION:
             lines[thing, ()] += found
         elif thing is Thing.DEVICE and beside:
             lines[beside[0]] += found

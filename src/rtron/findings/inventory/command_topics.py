@@ -18,6 +18,8 @@ _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
 _ORDERS = SIGNALS | {"std_msgs/String"}
 _JOY = "sensor_msgs/Joy"
+_HANDS = frozenset({_JOY, "visualization_msgs/InteractiveMarkerFeedback"})
+"""What a person does: with a joystick, and with a marker in a viewer."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ class CommandTopics:
         return {node: tuple(sorted(topics)) for node, topics in found.items()}
 
     def _is_input(self, end: Endpoint) -> bool:
-        return normalise_type(end.type) == _JOY or self._may_command(end)
+        return normalise_type(end.type) in _HANDS or self._may_command(end)
 
     @cached_property
     def _things(self) -> dict[str, Thing | None]:

@@ -54,8 +54,10 @@ class AppCommands:
     def _last_requests(self) -> Iterator[tuple[Thing, Command]]:
         graph = self.app.graph
         devices = {node for node in self.roles.beside_hardware if not self.roles.is_sensor(node)}
+        drivers = self._drivers.union(filter(self.roles.is_controller, self.app.nodes))
+        viewers = self.app.facts.viewers
         for thing, command in chain(
-            services(graph, self._drivers, devices), actions(graph, self.app.facts.viewers)
+            services(graph, drivers, devices, viewers), actions(graph, drivers, viewers)
         ):
             is_motor = thing is Thing.BASE and command.means is Means.SERVICE
             if not (is_motor and any(map(self.roles.is_sensor, command.receivers))):

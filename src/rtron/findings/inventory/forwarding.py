@@ -43,9 +43,17 @@ class Forwarding:
         return node in self.topics.ranks or len(self.topics.inputs.get(node, ())) > 1
 
     def is_feedback(self, topic: str) -> bool:
-        """Return whether those alone send a topic that drive and obey something else."""
+        """Return whether those alone send a topic that drive and obey something else.
+
+        What another controller hears is none: controllers command each other.
+        """
         senders = self.topics.app.publishers(topic)
-        return bool(senders) and all(self._is_reporting(node, topic) for node in senders)
+        chained = filter(self.topics.roles.is_controller, self.topics.app.readers(topic))
+        return (
+            bool(senders)
+            and all(self._is_reporting(node, topic) for node in senders)
+            and not any(reader not in senders for reader in chained)
+        )
 
     def _is_reporting(self, node: str, topic: str) -> bool:
         """Return whether a driver obeys something, so that what it sends tells how it moves."""

@@ -15,6 +15,8 @@ _LIMIT = re.compile(
     re.IGNORECASE,
 )
 _RECONFIGURE = "dynamic_reconfigure/Reconfigure"
+_LIMITERS = frozenset({"nav2_velocity_smoother", "nav2_controller", "nav2_collision_monitor"})
+"""Packages whose nodes have limits that can be set, also where the app leaves their defaults."""
 
 
 def limits(app: AppFacts, commands: AppCommands) -> Mover | None:
@@ -24,16 +26,15 @@ def limits(app: AppFacts, commands: AppCommands) -> Mover | None:
     dynamic_reconfigure.
     """
     movers = _movers(commands)
-    settable = _with_reconfigure(app) if app.graph.ros == 1 else movers - _once_configured(app)
+    settable = _with_reconfigure(app) if app.graph.ros == 1 else movers - _once_configured(commands)
     loaded = _loaded_planners(app)
     names = {
         each.node: f"{each.node}.{each.name}"
         for each in reversed(app.graph.parameters)
         if each.node in movers & settable and _LIMIT.search(each.name) and _is_used(each, loaded)
     }
-    names = {
-        node: f"{node}/set_parameters" for node in sorted(_with_reconfigure(app) & movers)
-    } | names
+    tunable = _with_reconfigure(app) | {n.name for n in app.graph.nodes if n.package in _LIMITERS}
+    names = {node: f"{node}/set_parameters" for node in sorted(tunable & movers)} | names
     if not names:
         return None
     found = tuple(
@@ -49,13 +50,9 @@ def _movers(commands: AppCommands) -> frozenset[str]:
     return frozenset(node for each in (*last, *behind) for node in (*each.senders, *each.receivers))
 
 
-def _once_configured(app: AppFacts) -> frozenset[str]:
+def _once_configured(commands: AppCommands) -> frozenset[str]:
     """Return the controllers of ros2_control: most read their limits when they are configured."""
-    return frozenset(
-        node.name
-        for node in app.graph.nodes
-        if node.package.endswith(("_controller", "_controllers"))
-    )
+    return frozenset(filter(commands.roles.is_controller, commands.app.nodes))
 
 
 def _loaded_planners(app: AppFacts) -> dict[str, str]:

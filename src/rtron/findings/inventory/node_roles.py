@@ -58,7 +58,9 @@ class NodeRoles:
     @cached_property
     def beside_hardware(self) -> frozenset[str]:
         """The nodes whose source opens hardware, and those that hardware of ros2_control makes."""
-        inside = (n.name for n in self.app.graph.nodes if n.process in self._controller_hosts)
+        hosts = (self.app.nodes[name] for name in self._controller_hosts & self.app.nodes.keys())
+        processes = {host.process or host.name for host in hosts}
+        inside = (n.name for n in self.app.graph.nodes if n.process in processes)
         return self.with_device.union(name for name in inside if not self.is_controller(name))
 
     def package(self, node: str) -> str:

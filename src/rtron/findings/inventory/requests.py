@@ -12,9 +12,14 @@ _COMPUTING = ("ComputePath", "SmoothPath", "LookupTransform", "ComputeRoute", "G
 
 
 def services(
-    graph: InteractionGraph, drivers: Collection[str], devices: Collection[str]
+    graph: InteractionGraph,
+    drivers: Collection[str],
+    devices: Collection[str],
+    viewers: Collection[str],
 ) -> Iterator[tuple[Thing, Command]]:
     """Yield the services that move something: those that are offered, and those only called.
+
+    What a viewer offers or calls, and nobody else offers, does not.
 
     Whatever a driver offers may move something. So may all that a node next to hardware offers
     (`devices`), if one of its services says that it moves something.
@@ -31,23 +36,38 @@ def services(
     servers_of, callers_of = _nodes(graph.services), _nodes(graph.clients)
     for name, type in sorted(offered | called):
         servers = servers_of[name]
+        if not (servers or callers_of[name]).difference(viewers):
+            continue
         thing = thing_of(name, type, Means.SERVICE)
         if thing is None and not servers.isdisjoint(drivers) and may_be_command(name, type):
             thing = Thing.DEVICE
-        if thing is not None and "{" not in name:
+        if thing is not None and not _is_unnamed(name):
             yield thing, _command(Means.SERVICE, name, type, servers, callers_of[name])
 
 
-def actions(graph: InteractionGraph, viewers: Collection[str]) -> Iterator[tuple[Thing, Command]]:
-    """Yield the actions that move something; a viewer's button for what is not there does not."""
+def actions(
+    graph: InteractionGraph, drivers: Collection[str], viewers: Collection[str]
+) -> Iterator[tuple[Thing, Command]]:
+    """Yield the actions that move something; whatever a driver serves may.
+
+    A viewer's button for what is not there moves nothing.
+    """
     serving = _nodes(each for each in graph.actions if each.role is ActionRole.SERVER)
     asking = _nodes(each for each in graph.actions if each.role is ActionRole.CLIENT)
     for name, type in sorted({(each.name, each.type) for each in graph.actions}):
-        is_computing = any(word in type for word in _COMPUTING) or "{" in name
-        thing = None if is_computing else thing_of(name, type, Means.ACTION)
         servers, clients = serving[name], asking[name]
+        thing = thing_of(name, type, Means.ACTION)
+        if thing is None and not servers.isdisjoint(drivers):
+            thing = Thing.DEVICE
+        if _is_unnamed(name) or any(word in type for word in _COMPUTING):
+            continue
         if thing is not None and (servers or clients.difference(viewers)):
             yield thing, _command(Means.ACTION, name, type, servers, clients)
+
+
+def _is_unnamed(name: str) -> bool:
+    """Return whether even the last part of a name is not known whole."""
+    return "{" in name.rpartition("/")[2]
 
 
 def _nodes(sides: Iterable[Service | ServiceClient | Action]) -> dict[str, set[str]]:

@@ -8,6 +8,8 @@ from rtron.vocabulary.inventory import SIGNALS, Means, Thing
 _TYPES: tuple[tuple[str, Thing], ...] = (
     (r"mavros_msgs/CommandBool", Thing.ARMING),
     (r"mavros_msgs/SetMode|px4_msgs/OffboardControlMode", Thing.MODE),
+    (r"mavros_msgs/ParamSet", Thing.LIMITS),
+    (r"moveit_msgs/", Thing.ARM),
     (r"mavros_msgs/|px4_msgs/|geographic_msgs/GeoPose", Thing.VEHICLE),
     (
         r"controller_manager_msgs/(?:Switch|Load|Unload|Reload|Configure|SetHardware)",
@@ -22,7 +24,7 @@ _TYPES: tuple[tuple[str, Thing], ...] = (
 """What a type can only mean."""
 _USUAL_TYPES: tuple[tuple[str, Thing], ...] = (
     (r"trajectory_msgs/MultiDOF", Thing.VEHICLE),
-    (r"trajectory_msgs/|control_msgs/|moveit_msgs/", Thing.ARM),
+    (r"trajectory_msgs/|control_msgs/", Thing.ARM),
     (r"geometry_msgs/Wrench", Thing.THRUSTERS),
     (r"\w+/Twist\w*|ackermann_msgs/|move_base_msgs/|mbf_msgs/|autoware", Thing.BASE),
     (r"dbw_\w+/|tier4_|nav2_msgs/|nav_2d_msgs/|kobuki_msgs/|create_msgs/", Thing.BASE),
@@ -67,15 +69,16 @@ _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _HARMLESS = re.compile(
-    r"_get_|^(?:measured|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect)(?:_|$)"
+    r"_get_|^(?:measured|estimated|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect)(?:_|$)"
     r"|^clear_\w*maps?$|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
     r"|image|camera_info|calibrat\w+|parameters?|logger\w*|diagnostics|tf|pose_estimate|status"
-    r"|(?<!component_)state|states|running|saved|log|feedback|info|marker\w*|initialpose|clicked_point|position_estimate)$"
+    r"|(?<!component_)state|states|running|saved|log|feedback|info|marker\w*|initialpose|clicked_point|measured|estimated?|position_estimate)$"
 )
 """Last names of what reads, shows or estimates."""
-_SETS = re.compile(r"(?:set|switch)_")
+_SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps))")
 _ESTIMATES = re.compile(
-    r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?)/"
+    r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?"
+    r"|navsat|gnss|gps|imu|vicon|mocap)/"
     r"|(?:^|[/_])(?:image|compressed|points|depth)(?:[/_]|$)"
 )
 """Namespaces of what is measured, and words of what is seen."""
@@ -90,12 +93,14 @@ _SHOWS = re.compile(
 """Words, anywhere in a name, of what only shows or sounds."""
 _HARMLESS_TYPES = re.compile(
     r"(?:nodelet|lifecycle|rcl_interfaces|tf2|tf|diagnostic|map|slam_toolbox|nav|composition"
-    r"_interfaces|composition|sensor_msgs/(?!JointState|Joy)\w+|rosapi|roscpp|dynamic_reconfigure|topic_tools|bond|gazebo"
+    r"_interfaces|composition|sensor_msgs/(?!(?:JointState|Joy)\b)\w+|rosapi|roscpp|dynamic_reconfigure|topic_tools|bond|gazebo"
     r"|visualization|rosgraph|robot_localization|cartographer_ros|rtabmap|octomap|audio_common"
-    r"|sound_play|tts|rtcm|mavros_msgs/Param|mavros_msgs/(?:RCIn|\w*State)\b|mavros_msgs/File|mavros_msgs/RTCM|rosbag2_interfaces"
+    r"|sound_play|tts|rtcm|mavros_msgs/Param(?!Set)|mavros_msgs/(?:RCIn|\w*State)\b|mavros_msgs/File|mavros_msgs/RTCM|rosbag2_interfaces"
     r"|type_description_interfaces|rtcm_msgs|nav2_msgs/(?:Clear|Get|Is|Load|Save|Dump|Reload)"
     r"|mavros_msgs/(?:StreamRate|MessageInterval|VehicleInfo|Waypoint(?:Pull|Clear)|Log\w+))"
     r"(?:_msgs)?(?:/|\w*$)"
+    r"|\w+/(?:Get|Query|List|Check|Compute|Describe)[A-Z]|geometry_msgs/\w+WithCovariance"
+    r"|moveit_msgs/(?:Apply|Change|Set|Save|Load|Rename|Delete|Display|\w*PlanningScene|\w*CollisionObj)"
 )
 
 

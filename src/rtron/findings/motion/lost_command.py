@@ -6,7 +6,8 @@ A topic that commands motion, that nobody subscribes, while a topic of the same 
 obeyed in a namespace above or below: one of the two was left out of a remap. Where every node was
 read, a topic beside it whose name says more or less (`control_mode`, `offboard_control_mode`)
 counts, too. Who obeys the one and publishes the other forwards it, and does not count, nor where
-other nodes stand between; nor does a topic that a subscription of a name known in part may mean.
+other nodes stand between; nor does a topic that a subscription of a name known in part may mean,
+nor one that by its name or its type is measured or estimated.
 What may be an input of the autopilot PX4 (`/fmu/in/…`) is `pedantic`.
 
 ## Why it matters
@@ -26,6 +27,7 @@ Remap the topic to the one that is obeyed.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts, says_more
+from rtron.findings.inventory.things import is_harmless
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
 from rtron.wording import conjugate, join_names
@@ -40,7 +42,8 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 def obeyed_instead(app: AppFacts, topic: str) -> str:
     """Return the obeyed topic that one without a subscriber likely means; nothing if none."""
-    if app.graph.subscribers(topic) or not app.publishers(topic) or "{" in topic:
+    is_measured = is_harmless(topic, app.facts.topic(topic).type)
+    if is_measured or app.graph.subscribers(topic) or not app.publishers(topic) or "{" in topic:
         return ""
     return next((other for other in app.obeyed_topics if _is_meant(app, topic, other)), "")
 

@@ -4,7 +4,8 @@
 
 A node of the launch whose package is in the workspace, but whose program no build file of the
 package makes or installs, nor, in ROS 1, is there an executable file of its name; and an included
-launch file that is not there.
+launch file that is not there. A package whose CMakeLists.txt makes programs by commands of its own
+does not count.
 
 ## Why it matters
 

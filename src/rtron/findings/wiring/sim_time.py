@@ -3,8 +3,8 @@
 ## What it finds
 
 Nodes of ROS 2 whose parameter `use_sim_time` differs from that of most others. The simulator and
-its bridges, which make the time, do not count, nor the helper nodes that Nav2 starts in its servers
-and gives the value itself.
+its bridges, which make the time, do not count, nor spawners of controllers, which end at once, nor
+the helper nodes that Nav2 starts in its servers and gives the value itself.
 
 ## Why it matters
 
@@ -65,7 +65,8 @@ def _keeps_time(app: AppFacts, node: str) -> bool:
     known = app.nodes.get(node, Node(name=node))
     is_simulator = known.package.startswith(_SIMULATORS)
     is_helper = known.package.startswith("nav2_") and bool(_NAV2_HELPER.fullmatch(node))
-    is_tool = node.rpartition("/")[2].startswith(_TOOL)
+    is_spawner = known.package == "controller_manager" and "spawner" in known.executable
+    is_tool = is_spawner or node.rpartition("/")[2].startswith(_TOOL)
     return not (is_simulator or is_helper or is_tool or node in app.facts.viewers)
 
 

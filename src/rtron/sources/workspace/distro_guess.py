@@ -79,6 +79,10 @@ def _files(tops: Iterable[Path], patterns: Sequence[str]) -> Iterator[Path]:
 
 
 def _names(file: Path, known: Sequence[str]) -> set[str]:
+    """Return the distributions that a file names: `robot.jazzy.repos` is of the one in its name."""
+    is_list = file.suffix in {".repos", ".rosinstall"}
+    if is_list and (named := set(_WORD.findall(file.name)).intersection(known)):
+        return named
     try:
         text = _text(file)
     except InputError:

@@ -60,7 +60,7 @@ class PackageContents:
     `installed_scripts` are scripts with the name under which they are installed;
     `plugin_descriptions` are descriptions of plugins with the package of their base class (ROS 2).
     `left_out` says of programs, libraries and classes by name why a build with the defaults leaves
-    them out.
+    them out. With `is_open`, commands of its own make programs of which nothing is known.
     """
 
     name: str
@@ -71,6 +71,7 @@ class PackageContents:
     components: tuple[ComponentClass, ...] = ()
     plugin_descriptions: tuple[tuple[str, Path], ...] = ()
     left_out: Mapping[str, LeftOut] = field(default_factory=dict)
+    is_open: bool = False
     unresolved: tuple[UnresolvedItem, ...] = ()
 
     def target(self, name: str, kind: TargetKind) -> BuildTarget | None:

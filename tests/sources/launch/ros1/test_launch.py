@@ -80,6 +80,12 @@ def test_a_relative_include_is_taken_from_the_current_directory(launch, tmp_path
     assert names(tree) == ["/n"]
 
 
+def test_an_optional_variable_keeps_the_kind_of_its_default_in_an_expression(launch):
+    body = NODE.format("$(eval 'omni' if int(optenv('OMNI', 0)) else 'n%s' % (optenv('N', 1) + 1))")
+    assert names(launch(body)) == ["/n2"]
+    assert names(launch(body, environ={"OMNI": "1"})) == ["/omni"]
+
+
 def test_a_missing_package_leaves_out_the_include_and_says_so(launch, tmp_path):
     tree = launch(f'\n<include file="$(find none)/x.launch"/>{NODE.format("n")}')
     (unresolved,) = tree.unresolved

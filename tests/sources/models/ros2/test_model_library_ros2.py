@@ -214,6 +214,8 @@ CONTROLLERS = [
     "magnetometer_broadcaster/MagnetometerBroadcaster",
     "motion_primitives_controllers/MotionPrimitivesForwardController",
     "omni_wheel_drive_controller/OmniWheelDriveController",
+    "picknik_reset_fault_controller/PicknikResetFaultController",
+    "picknik_twist_controller/PicknikTwistController",
     "pid_controller/PidController",
     "pose_broadcaster/PoseBroadcaster",
     "state_interfaces_broadcaster/StateInterfacesBroadcaster",

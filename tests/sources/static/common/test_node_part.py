@@ -82,6 +82,38 @@ def test_a_program_that_is_not_read_has_a_reason(packages, package, program, ros
     assert is_own is (package == "own")
 
 
+@pytest.mark.parametrize(
+    ("command", "is_open"),
+    [
+        ("add_custom_target(firmware ALL COMMAND make -C firmware)", True),
+        ("add_custom_command(OUTPUT reader DEPENDS reader.go COMMAND go build)", True),
+        ("ExternalProject_Add(vendored GIT_REPOSITORY https://host/vendored)", True),
+        ("FetchContent_MakeAvailable(vendored)", True),
+        ("corrosion_import_crate(MANIFEST_PATH Cargo.toml)", True),
+        ("build_all_examples()", True),
+        ("add_custom_target(docs COMMAND doxygen)", False),
+        ("add_custom_target(headers DEPENDS a.h)", False),
+        ("add_custom_command(OUTPUT a.h COMMAND python make.py)", False),
+        ("add_custom_command(TARGET driver POST_BUILD COMMAND cp a b)", False),
+        ("find_package(roscpp REQUIRED)", False),
+        ("message(STATUS hello)\nament_package()\nenable_testing()", False),
+        ("function(mine)\nendfunction()\nmine()", False),
+    ],
+)
+def test_a_package_that_makes_programs_by_commands_of_its_own_does_not_lack_one(
+    tmp_path, command, is_open
+):
+    folder = tmp_path / "src" / "own"
+    folder.mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>own</name></package>")
+    (folder / "CMakeLists.txt").write_text(
+        f"project(own)\nadd_executable(driver a.cpp)\n{command}\n"
+    )
+    item = note(Workspace(find_packages([tmp_path], {}), [tmp_path / "src"]), "own", "reader")
+    assert item.missing == ("" if is_open else "own/reader")
+    assert is_open == item.why.startswith("commands that are not followed make programs")
+
+
 def test_a_component_that_its_package_does_not_register(packages):
     item = note(packages, "own", "own::Camra", container="/box")
     assert item.why.endswith("registers no class of this name: did you mean own::Camera?")

@@ -107,6 +107,23 @@ def test_a_component_that_is_not_here_is_noted_unless_it_joins_nothing(launched,
     assert [note.what for note in graph.unresolved] == noted
 
 
+def test_a_component_with_a_model_has_a_node_beside_its_manager(launched):
+    plugin = "dynamixel_hardware_interface/DynamixelHardware"
+    renamed = f'{plugin}</plugin><param name="reboot_dxl_srv_name">/again</param><plugin>x'
+    for manager, namespace in (
+        (OWN, ""),
+        (OWN.replace("exec=", 'namespace="left" exec='), "/left"),
+    ):
+        graph = launched(manager, renamed)
+        assert graph.unresolved == ()
+        node = f"{namespace}/dynamixel_hardware_interface"
+        services = {each.name for each in graph.services if each.node == node and not each.implicit}
+        own = {f"{node}/{name}" for name in ("get_dxl_data", "set_dxl_data", "set_dxl_torque")}
+        assert services == {"/again", *own}
+        processes = {each.name: each.process for each in graph.nodes}
+        assert processes[node] == processes[f"{namespace}/controller_manager"] != ""
+
+
 def test_a_description_that_is_not_known_is_noted(launched):
     nodes = OWN.replace("arm.urdf", "none.urdf")
     graph = launched(nodes)

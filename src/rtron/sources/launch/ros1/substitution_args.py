@@ -62,7 +62,7 @@ class SubstitutionArgs:
         if name == "dirname":
             return self.folder
         if name == "optenv" and arguments:
-            return self._optenv(arguments[0], " ".join(arguments[1:]))
+            return str(self._optenv(arguments[0], " ".join(arguments[1:])))
         if name == "optenv" or len(arguments) != 1:
             raise ValueError(f"$({command}) takes one word")
         calls: Mapping[str, Callable[[str], str]] = {
@@ -113,8 +113,10 @@ class SubstitutionArgs:
             raise UnresolvableError(f"environment variable {name} is not set")
         return value
 
-    def _optenv(self, name: str, default: str = "") -> str:
-        return look_up(self.environ, name, default) or ""
+    def _optenv(self, name: str, default: Value = "") -> Value:
+        """Return a variable, else the default as it is: in an expression it may be a number."""
+        value = look_up(self.environ, name, str(default))
+        return value if name in self.environ else default
 
     def _find(self, package: str) -> str:
         if package not in self.packages:

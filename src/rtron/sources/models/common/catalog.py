@@ -40,6 +40,10 @@ class ModelCatalog:
         """Return the model of a ros_control controller type."""
         return self.by_name.get(("controller", type))
 
+    def hardware(self, plugin: str) -> Model | None:
+        """Return the model of a hardware component of ros2_control."""
+        return self.by_name.get(("hardware", plugin))
+
     def find(self, name: str) -> Model | None:
         """Return a model by `kind:name`, or a part by its name."""
         kind, colon, rest = name.partition(":")

@@ -22,6 +22,7 @@ MODEL_KINDS = (
     "component",
     "gazebo_plugin",
     "controller",
+    "hardware",
     "costmap_layer",
     "plugin",
     "part",
@@ -122,6 +123,7 @@ class Model(BaseModel):
     component: Names = ()
     gazebo_plugin: Names = ()
     controller: Names = ()
+    hardware: Names = ()
     costmap_layer: Names = ()
     plugin: Names = ()
     part: Names = ()

@@ -33,6 +33,7 @@ _NOT_UNDERSTOOD = (
     "the build files of its package name its program in a way that is not understood, or behind a "
     "return() under no condition"
 )
+_NOT_FOLLOWED = "commands that are not followed make programs of its package"
 _NOT_READ = "its package is here, and what this program is written in is not read"
 _NO_LIBRARY = "its package is here, and registers it in a library that is not made there"
 _NO_FILES = "its package is here, and none of the sources of this program: generated or missing"
@@ -133,7 +134,9 @@ def _why_not_read(node: AppNode, workspace: Workspace) -> str:
     if node.container and node.type in workspace.component_names(node.package):
         return _NO_LIBRARY
     is_named = is_in_build_files(workspace.files(node.package), node.type)
-    return _NOT_UNDERSTOOD if is_named else ""
+    contents = workspace.contents(node.package)
+    is_open = contents is not None and contents.is_open
+    return _NOT_UNDERSTOOD if is_named else _NOT_FOLLOWED if is_open else ""
 
 
 def _with_nearest(why: str, name: str, names: Collection[str]) -> str:

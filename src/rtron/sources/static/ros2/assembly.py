@@ -127,7 +127,8 @@ def _process(name: str, started: AppNode) -> str:
 
 def _remap_rules(created: CreatedNode, part: NodePart) -> RemapRules:
     of_process = part.node.process_remap_rules if created.uses_global_arguments else ()
-    return RemapRules((*created.remaps, *of_process), created.name)
+    distribution = dict(part.node.site.environ).get("ROS_DISTRO", "")
+    return RemapRules((*created.remaps, *of_process), created.name, distribution)
 
 
 def _activated_nodes(name: str, part: NodePart) -> Iterator[str]:

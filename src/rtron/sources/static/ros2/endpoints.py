@@ -19,6 +19,8 @@ _SERVICES: Mapping[DeclarationKind, type[Service | ServiceClient]] = {
     DeclarationKind.SERVICE: Service,
     DeclarationKind.SERVICE_CLIENT: ServiceClient,
 }
+_REMAPS_ACTIONS = "kilted"
+"""The first distribution in which the name of an action can be remapped (ros2/rcl, 1170)."""
 _SEND_GOAL = f"/_action/{Ros2ActionEntity.SEND_GOAL.value}"
 
 
@@ -28,11 +30,21 @@ class RemapRules:
 
     rules: tuple[RemapRule, ...]
     node: str
+    distribution: str = ""
 
     def __call__(self, name: str) -> str:
         """Return the name that a declared name stands for."""
         fitting = (r.target for r in remaps_for_node(self.rules, self.node) if r.source == name)
         return next(fitting, name)
+
+    def action(self, name: str) -> str:
+        """Return the name that a declared action stands for: that of its service for goals.
+
+        Since Kilted, or where it is not known, a rule for the action itself counts, too.
+        """
+        if not self.distribution or self.distribution >= _REMAPS_ACTIONS:
+            name = self(name)
+        return self(name + _SEND_GOAL).removesuffix(_SEND_GOAL)
 
 
 def graph_entities(
@@ -47,8 +59,7 @@ def graph_entities(
             entity_type = _SERVICES[declared.kind]
             yield entity_type(node=node, name=name, type=declared.type, implicit=implicit)
         elif declared.kind in ROLES:
-            name = rules(declared.name + _SEND_GOAL).removesuffix(_SEND_GOAL)
-            role = ROLES[declared.kind]
+            name, role = rules.action(declared.name), ROLES[declared.kind]
             yield Action(node=node, name=name, type=declared.type, role=role)
 
 

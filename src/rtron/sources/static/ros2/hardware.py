@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
-from rtron.sources.declaration import HardwareDescription
-from rtron.sources.models import ModelCatalog
+from rtron.sources.declaration import HardwareDescription, NodeInterface, NodeSite
+from rtron.sources.models import Model, ModelCatalog, node_interface
 from rtron.sources.models.common.schema import NodeRole
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import InterpretationTask, TaskKind
@@ -58,12 +58,25 @@ class HardwareParts:
             yield part.with_missing_note(f"hardware of {name}", str(error))
             return
         for plugin, hardware in found:
-            task = self._task(plugin, hardware, manager)
+            task, model = self._task(plugin, hardware, manager), self.models.hardware(plugin)
             if task is not None:
                 yield replace(part, task=task)
+            elif model is not None:
+                yield replace(part, interface=self._interface(model, hardware, manager, name))
             elif plugin not in _JOINS_NOTHING:
                 what = f"hardware {hardware.name} ({plugin})"
                 yield part.with_missing_note(what, "no source of it is here: what it joins is not")
+
+    def _interface(
+        self, model: Model, hardware: HardwareDescription, manager: NodePart, name: str
+    ) -> NodeInterface:
+        """Return what a model says of a component: a node beside its manager's."""
+        site = manager.node.site
+        own = NodeSite(
+            name=expand_name(model.name, name), ros=2, environ=site.environ, settings=site.settings
+        )
+        values = {"values": dict(hardware.parameters)}
+        return node_interface(model, own, values, self.models).with_location(manager.node.evidence)
 
     def _task(
         self, plugin: str, hardware: HardwareDescription, manager: NodePart

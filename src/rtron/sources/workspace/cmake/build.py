@@ -38,7 +38,8 @@ class TargetBuilder:
 class PackageBuild:
     """The targets, folders and installed scripts of one package.
 
-    `left_out_by` is why a build with the defaults does not come to what is read now.
+    `left_out_by` is why a build with the defaults does not come to what is read now. With
+    `is_open`, commands of its own make programs of which nothing is known.
     """
 
     files: PackageFiles
@@ -50,6 +51,7 @@ class PackageBuild:
     exports: dict[tuple[str, Path], None] = field(default_factory=dict)
     left_out: dict[str, LeftOut] = field(default_factory=dict)
     left_out_by: LeftOut | None = None
+    is_open: bool = False
     unresolved: list[UnresolvedItem] = field(default_factory=list)
 
     def add_unresolved(self, what: str, why: str, evidence: Evidence) -> None:

@@ -73,6 +73,7 @@ def evaluate_package(
         components=tuple(build.components.values()),
         plugin_descriptions=tuple(build.exports),
         left_out=build.left_out,
+        is_open=build.is_open,
         unresolved=tuple(build.unresolved),
     )
 
@@ -317,6 +318,7 @@ class CMakeEvaluator:
         package = self.build.files.folder
         sources = (Path(normpath(after)) for word, after in pairwise(words) if word == "SOURCE_DIR")
         folder = next((f for f in sources if f.is_relative_to(package)), None)
+        self.build.is_open |= folder is None
         if folder is None or folder in self._superbuilt:
             return
         self._superbuilt.add(folder)
