@@ -50,6 +50,21 @@ FILTERED = (
 """
 )
 
+LOOP = f"""
+/wheels wheels own
+    pub /odom nav_msgs/msg/Odometry
+/ekf robot_localization third_party
+    sub /odom nav_msgs/msg/Odometry
+    pub /odom/fused nav_msgs/msg/Odometry
+/controller controller own
+    sub {{}} nav_msgs/msg/Odometry
+    pub /cmd_vel_raw {TWIST}
+/smoother smoother own
+    sub /cmd_vel_raw {TWIST}
+    sub {{}} nav_msgs/msg/Odometry
+    pub /cmd_vel {TWIST}
+"""
+
 GOALS = """
 /mission mission own
     client /navigate_to_pose nav2_msgs/action/NavigateToPose
@@ -129,6 +144,10 @@ PAIRS = {
     "bypassed_node": (
         small_graph(FILTERED.format("/scan")),
         small_graph(FILTERED.format("/scan_filtered")),
+    ),
+    "mixed_odometry": (
+        small_graph(LOOP.format("/odom/fused", "/odom")),
+        small_graph(LOOP.format("/odom/fused", "/odom/fused")),
     ),
     "shared_output": (
         with_fact("shared_output", "/image", "", "/left", "/right"),
