@@ -178,11 +178,16 @@ def duplicate_nodes(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
 
 
 def _node_identity(part: NodePart) -> Hashable:
-    """Return what is alike; a node that is not named may take its name from its arguments."""
+    """Return what is alike; a node that is not named may take its name from its arguments.
+
+    Nodes of one name are two of one name whatever their remaps; those of a program that was not
+    read may call themselves as they like.
+    """
     node, site = part.node, part.node.site
+    is_named = site.has_launch_name or not part.is_unread
     return (
         node_name(part),
         node.evidence,
-        node.process_remap_rules,
+        () if is_named else node.process_remap_rules,
         () if site.has_launch_name else site.args,
     )
