@@ -564,6 +564,29 @@ class TestDoubleFrame:
         assert the_finding("double_frame", frame_facts(*facts)).level is FindingLevel.REGULAR
 
 
+class TestUnreachedListener:
+    @pytest.mark.parametrize(
+        ("sent", "level", "hint"),
+        [
+            ("/left/tf_static", "regular", "; /flange sends /left/tf_static"),
+            ("/tf_static", "pedantic", ""),
+        ],
+    )
+    def test_it_is_likely_where_a_node_sends_the_remapped_transforms(self, sent, level, hint):
+        kind = WiringFactKind.UNREACHED_LISTENER
+        facts = tuple(
+            WiringFact(kind=kind, subject="/tool", value=f"/left/{name}", others=(f"/{name}",))
+            for name in ("tf", "tf_static")
+        )
+        text = f"/flange tf2_ros own\n    pub {sent} tf2_msgs/msg/TFMessage\n"
+        finding = the_finding("unreached_listener", small_graph(text, wiring=facts))
+        assert finding.level == level
+        assert finding.summary == (
+            "the transform listener of /tool does not get /left/tf and /left/tf_static"
+        )
+        assert finding.cause.endswith(f"it subscribes /tf and /tf_static{hint}")
+
+
 class TestDuplicateNode:
     def graph(self, *starts):
         """Return a graph with a fact for each node and the files that start it."""
