@@ -13,6 +13,8 @@ class WiringFactKind(StringEnum):
     """A node's name that is started more than once; others are the programs."""
     IDLE_REMAP = "idle_remap"
     """A remap from the subject to the value, which changes nothing; others use the subject."""
+    UNUSED_REMAP = "unused_remap"
+    """A remap from the subject to the value, of which no name of others, who get it, is known."""
     UNREACHED_LISTENER = "unreached_listener"
     """A node that remaps transforms to the value; its listener, a node too, gets others instead."""
     SHARED_OUTPUT = "shared_output"

@@ -82,9 +82,7 @@ class Ros2Assembly(GraphBuilder):
     ) -> None:
         rules = part.node.process_remap_rules if created.uses_global_arguments else ()
         remaps = {r.source: r.target for r in remaps_for_node(rules, created.name)}
-        is_known = not (part.is_unread or part.model)
-        names = {each.name for each in declared} if is_known else None
-        self.remap_uses.add(created.name, remaps, names, part.node.evidence)
+        self.remap_uses.add(part, created.name, remaps, {each.name for each in declared})
 
     def _note_output(self, part: NodePart, end: Endpoint) -> None:
         if not end.implicit:
