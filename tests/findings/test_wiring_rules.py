@@ -640,6 +640,29 @@ class TestIdleRemap:
         assert finding.level is FindingLevel.PEDANTIC
         assert finding.cause == "no node that gets it uses the name; their source was read whole"
 
+    @pytest.mark.parametrize(
+        ("source", "target", "level"),
+        [
+            ("/left/ponts", "/b", "regular"),
+            ("/points", "/b", "regular"),
+            ("/left/ponts", "/left/points", "pedantic"),  # it would change nothing either
+            ("/roofs", "/b", "pedantic"),  # another node's
+        ],
+    )
+    def test_a_near_name_that_lacks_its_other_end_is_meant(self, source, target, level):
+        text = self.WIRED.replace(f"/roof {self.IMAGE}", "/roof sensor_msgs/msg/Imu")
+        kinds = ("unused_remap", "idle_remap")
+        finding = the_finding("idle_remap", self.graph(source, target, text=text, kinds=kinds))
+        assert finding.level == level
+        remedy = "did you mean /left/points? Else remove the remap"
+        assert (finding.remedy == remedy) is (level == "regular")
+
+    def test_a_near_name_with_both_ends_is_not_meant(self):
+        more = f"/other camera own\n    pub /left/points {self.IMAGE}\n"
+        kinds = ("unused_remap", "idle_remap")
+        graph = self.graph("/points", "/b", text=self.WIRED + more, kinds=kinds)
+        assert the_finding("idle_remap", graph).level is FindingLevel.PEDANTIC
+
     def test_a_remap_that_is_joined_is_one_finding(self):
         kinds = ("unused_remap", "idle_remap")
         assert the_finding("idle_remap", self.graph("/roof", "/left/points", kinds=kinds))

@@ -9,7 +9,9 @@ a topic without its other end, of the same type:
 - its ends are exchanged: the node uses the new name, which has no other end, and the old name is a
   topic of other nodes that lacks this one;
 - the old name is written wrong: the new name is a topic of other nodes that lacks an end, and the
-  node has one topic that could be it and has no other end.
+  node has one topic that could be it and has no other end;
+- the old name is near that of a topic of the node that has no other end, and the source of every
+  node that gets the remap was read whole.
 
 Else it is shown from the level `pedantic` on: where other nodes of the app use the old name, or a
 name below it, and where the source of every node that gets it was read whole, without plugins, and
@@ -69,15 +71,23 @@ class _Joined(NamedTuple):
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each remap without effect."""
-    joined = dict[str, Finding]()
+    joined, nodes = dict[str, Finding](), dict[str, tuple[str, ...]]()
     for fact in app.graph.wiring:
         if fact.kind is WiringFactKind.UNUSED_REMAP and fact.subject not in _OF_ALL:
+            nodes[fact.subject] = (*nodes.get(fact.subject, ()), *fact.others)
             for pair in (*_reversed(app, fact), *_misnamed(app, fact))[:1]:
                 joined.setdefault(fact.subject, _joined_finding(app, fact, pair))
     yield from joined.values()
     for group in wiring_groups(app.graph, WiringFactKind.IDLE_REMAP):
         if group.subject not in (*_OF_ALL, *joined):
-            yield _finding(group)
+            yield _finding(group, _near(app, group, nodes.get(group.subject, ())))
+
+
+def _near(app: AppFacts, group: WiringGroup, nodes: Iterable[str]) -> list[str]:
+    """Return the near names without another end of nodes that were read whole."""
+    ends = (_loose_ends(app, nodes, direction) for direction in Direction if not group.others)
+    near = {topic for topics in ends for topic in topics if is_near(group.subject, topic)}
+    return sorted(near.difference(group.values))
 
 
 def _reversed(app: AppFacts, fact: WiringFact) -> Iterator[_Joined]:
@@ -157,20 +167,21 @@ def _nodes(app: AppFacts, topic: str, direction: Direction) -> tuple[str, ...]:
     return app.publishers(topic) if direction is Direction.PUBLISH else app.readers(topic)
 
 
-def _finding(group: WiringGroup) -> Finding:
+def _finding(group: WiringGroup, near: list[str]) -> Finding:
     users = group.others[:_MOST_USERS]
     others = f"{join_names(users)} {conjugate(users, 'use')} it or one below it"
+    remedy = "write the whole name that the node uses, or remove the remap"
     return make_finding(
         RULE.name,
         group.subject,
         summary=f"the remap of {group.subject} to {join_names(group.values)} changes nothing",
         cause="no node that gets it uses the name; "
         + (others if users else "their source was read whole"),
-        remedy="write the whole name that the node uses, or remove the remap",
+        remedy=f"did you mean {near[0]}? Else remove the remap" if near else remedy,
         consequence=Consequence.FAILURE,
-        certainty=Certainty.POSSIBLE,
-        level=FindingLevel.PEDANTIC,
-        topics=(group.subject, *group.values),
+        certainty=Certainty.LIKELY if near else Certainty.POSSIBLE,
+        level=FindingLevel.REGULAR if near else FindingLevel.PEDANTIC,
+        topics=(group.subject, *group.values, *near[:1]),
         evidence=group.evidence,
     )
 
