@@ -133,6 +133,10 @@ PAIRS = {
     "missing_program": (_with_missing("slam/slam"), _with_missing("")),
     "duplicate_node": (with_fact("duplicate_node", "/base"), small_graph(SCAN)),
     "idle_remap": (with_fact("idle_remap", "/a", "/b", "/base"), small_graph(SCAN)),
+    "unreached_listener": (
+        with_fact("unreached_listener", "/left/tool", "/left/tf", "/tf"),
+        small_graph(SCAN),
+    ),
     "unread_parameter": (
         with_fact("misspelt_parameter", "/base", "max_v", "max_vel"),
         small_graph(SCAN),

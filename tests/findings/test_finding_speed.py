@@ -28,12 +28,18 @@ def namesakes(size):
     return ends + [("/laser", f"/laser{i}/scan", PUB) for i in range(size)]
 
 
-def seconds(ends):
+def commands(size):
+    """Everybody sends a command of its own that nobody reads, or obeys one that nobody sends."""
+    ends = [(f"/n{i}", f"/nav{i}/cmd_vel", PUB) for i in range(size)]
+    return ends + [(f"/base{i}", f"/base{i}/chassis", SUB) for i in range(size)]
+
+
+def seconds(ends, type="a/B"):
     graph = InteractionGraph(
         app="big",
         ros=2,
         endpoints=tuple(
-            Endpoint(node=n, topic=t, type="a/B", direction=d, qos=OFFERED[d]) for n, t, d in ends
+            Endpoint(node=n, topic=t, type=type, direction=d, qos=OFFERED[d]) for n, t, d in ends
         ),
     )
 
@@ -48,4 +54,9 @@ def seconds(ends):
 @pytest.mark.parametrize("shape", [crowd, hub, namesakes])
 def test_ten_times_the_endpoints_take_ten_times_as_long(shape):
     small, large = seconds(shape(500)), seconds(shape(5000))
+    assert large < 30 * small
+
+
+def test_it_is_so_with_loose_commands():
+    small, large = (seconds(commands(size), "geometry_msgs/Twist") for size in (500, 5000))
     assert large < 30 * small

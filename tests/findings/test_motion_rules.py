@@ -327,7 +327,10 @@ class TestLostCommand:
     def test_it_says_who_is_not_heard_and_what_is(self):
         finding = the_finding("lost_command", small_graph(self.LOST))
         assert finding.summary == "what /nav commands on /cmd_vel reaches nobody"
-        assert finding.cause == ("no node of this launch subscribes it; /base obeys /base/cmd_vel")
+        assert finding.cause == (
+            "no node of this launch subscribes it; "
+            "/base obeys /base/cmd_vel, which nobody publishes"
+        )
         assert finding.remedy == "remap /cmd_vel to /base/cmd_vel"
         assert (finding.severity, finding.level) == (Severity.MEDIUM, FindingLevel.REGULAR)
 
@@ -356,7 +359,7 @@ class TestLostCommand:
         "other",
         [
             "/robot2/cmd_vel",  # another robot's
-            "/base/motor",  # another name
+            "/base/motor_odom",  # no command
         ],
     )
     def test_a_command_beside_it_is_another_one(self, other):
@@ -393,7 +396,8 @@ class TestLostCommand:
         assert not found("lost_command", small_graph(text))
 
     @pytest.mark.parametrize(
-        ("base", "level"), [("/base_cmd_vel", "pedantic"), ("/chassis", "regular")]
+        ("base", "level"),
+        [("/base_cmd_vel", "pedantic"), ("/chassis", "pedantic"), ("/base/odom", "regular")],
     )
     def test_who_commands_nobody_does_not_drive_the_robot(self, base, level):
         text = self.NEAR.replace("/base_cmd_vel", base) + f"/joy joy own\n pub /cmd_vel {TWIST}\n"
@@ -422,6 +426,106 @@ class TestLostCommand:
     def test_a_display_that_shows_it_is_a_reader(self):
         text = self.LOST + f"/rviz rviz2 third_party\n    sub /cmd_vel {TWIST}\n"
         assert not found("lost_command", small_graph(text))
+
+
+class TestLooseCommand:
+    """A command that nobody reads, and an obeyed topic that nobody sends, of unlike names."""
+
+    NAV = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
+    WHEELS = f"/base driver own\n    sub /chassis {TWIST}\n"
+
+    def lost(self, *texts, **keys):
+        return [finding.topics for finding in found("lost_command", small_graph(*texts, **keys))]
+
+    def test_the_two_are_one_finding(self):
+        graph = small_graph(self.NAV + self.WHEELS)
+        finding = the_finding("lost_command", graph)
+        assert finding.summary == "what /nav commands on /cmd_vel reaches nobody"
+        assert finding.cause == (
+            "no node of this launch subscribes it; /base obeys /chassis, which nobody publishes"
+        )
+        assert finding.remedy == "remap /cmd_vel to /chassis"
+        assert (finding.certainty, finding.level) == (Certainty.LIKELY, FindingLevel.REGULAR)
+        assert not found("open_command", graph)
+        assert not found("unmatched_topic", graph)
+
+    @pytest.mark.parametrize(
+        "more",
+        [
+            f"/joy joy own\n    pub /chassis {TWIST}\n",  # somebody sends it
+            f"/log log own\n    sub /cmd_vel {TWIST}\n",  # somebody reads it
+            f"/arm arm own\n    sub /crane {TWIST}\n",  # which of two is meant?
+            f"/joy joy own\n    pub /auto {TWIST}\n/base driver own\n    sub /auto {TWIST}\n",
+            f"/nav nav own\n    pub /auto {TWIST}\n/log log own\n    sub /auto {TWIST}\n",
+        ],
+    )
+    def test_they_are_not_joined_where_one_has_its_other_end_or_the_pair_is_not_clear(self, more):
+        assert self.lost(self.NAV + self.WHEELS)
+        assert not self.lost(self.NAV + self.WHEELS + more)
+
+    @pytest.mark.parametrize(
+        ("lost", "obeyed", "is_joined"),
+        [
+            ("/joy_cmd_vel", "/base/chassis", True),
+            ("/left_arm/cmd_vel", "/right_arm/cmd_vel", False),
+            ("/left/arm_cmd", "/right/arm_cmd", False),
+            ("/cmd_vel_1", "/cmd_vel_2", False),
+            ("/wheels/measured_vel", "/chassis", False),
+            ("/cmd_vel", "/chassis/estimated_vel", False),
+        ],
+    )
+    def test_twins_and_measurements_are_not_joined(self, lost, obeyed, is_joined):
+        text = self.NAV.replace("/cmd_vel", lost) + self.WHEELS.replace("/chassis", obeyed)
+        assert bool(self.lost(text)) is is_joined
+
+    def test_nodes_of_two_robots_are_not_joined(self):
+        text = self.NAV.replace("/nav", "/alice/nav") + self.WHEELS.replace("/base", "/{}/base")
+        assert self.lost(text.replace("/{}", "/alice"))
+        assert not self.lost(text.replace("/{}", "/bob"))
+
+    @pytest.mark.parametrize(("name", "is_joined"), [("/twist", False), ("/cmd_vel", True)])
+    def test_who_tells_where_it_moved_commands_by_a_name_alone(self, name, is_joined):
+        driver = f"/nav nav own\n    pub {name} {TWIST}\n    pub /odom nav_msgs/msg/Odometry\n"
+        assert bool(self.lost(driver + self.WHEELS)) is is_joined
+        alone = driver.partition("    pub /odom")[0]
+        assert self.lost(alone + self.WHEELS)
+
+    def test_a_plain_type_says_too_little(self):
+        text = (self.NAV + self.WHEELS.replace("/chassis", "/mast/cmd")).replace(
+            TWIST, "std_msgs/msg/Float64"
+        )
+        assert not self.lost(text)
+
+    def test_what_behaviors_of_a_stack_may_obey_is_not_meant(self):
+        behaviors = f"/behaviors nav2_behaviors own\n    sub /chassis {TWIST}\n"
+        behaviors += f"    pub /auto {TWIST}\n/base driver own\n    sub /auto {TWIST}\n"
+        assert not self.lost(self.NAV + behaviors)
+        assert self.lost(self.NAV + behaviors.replace("nav2_behaviors", "nav2_collision_monitor"))
+
+    @pytest.mark.parametrize(
+        ("node", "package", "is_joined"),
+        [
+            ("/camera", "realsense2_camera", True),
+            ("/rplidar", "rplidar_ros", True),
+            ("/base_driver", "acme_base", False),
+            ("/mixer", "acme", False),
+        ],
+    )
+    def test_a_node_that_was_not_read_weakens_what_it_may_join(self, node, package, is_joined):
+        text = f"{self.NAV}{self.WHEELS}{node} {package} third_party\n"
+        graph = small_graph(text, unread=(node,))
+        assert bool(found("lost_command", graph)) is is_joined
+        assert bool(found("open_command", graph)) is not is_joined
+
+    @pytest.mark.parametrize(
+        ("type", "is_joined"), [(TWIST, False), ("", False), ("sensor_msgs/msg/Image", True)]
+    )
+    @pytest.mark.parametrize("direction", Direction)
+    def test_a_name_known_in_part_weakens_topics_of_its_type(self, direction, type, is_joined):
+        end = Endpoint(node="/mix", topic="/{?}", type=type, direction=direction)
+        graph = small_graph(self.NAV + self.WHEELS)
+        graph = replace(graph, endpoints=(*graph.endpoints, end))
+        assert bool(found("lost_command", graph)) is is_joined
 
 
 class TestPowerCommand:

@@ -209,10 +209,12 @@ class TestUnmatchedTopic:
         text = self.MISSPELT.replace("/nav nav ", "/nav rviz2 ")
         assert not found("unmatched_topic", small_graph(text))
 
-    def test_commands_belong_to_open_command_unless_a_name_is_near(self):
+    def test_commands_belong_to_open_command_or_to_lost_command(self):
         assert not found("unmatched_topic", small_graph(BASE))
         near = small_graph(BASE + f"/nav nav own\n pub /nav/cmd_vel {TWIST}\n")
-        assert the_finding("unmatched_topic", near).severity is Severity.MEDIUM
+        assert the_finding("lost_command", near).severity is Severity.MEDIUM
+        assert not found("unmatched_topic", near)
+        assert not found("open_command", near)
 
     @pytest.mark.parametrize(
         ("ros", "topic"),
@@ -261,15 +263,16 @@ class TestUnmatchedTopic:
         mux = f"/mux mux own\n    sub /cmd_vel_nav {TWIST}\n    pub /mixed {TWIST}\n"
         smoother = f"/smoother s own\n    sub /mixed {TWIST}\n    pub /cmd_vel {TWIST}\n"
         assert not found("unmatched_topic", small_graph(mux + smoother))
-        apart = smoother.replace("/mixed", "/other")
+        apart = smoother.replace("/mixed", "/other") + f"/log log own\n    sub /cmd_vel {TWIST}\n"
         assert found("unmatched_topic", small_graph(mux + apart))[0].topics[1:] == ("/cmd_vel",)
 
     def test_no_reader_is_led_past_a_multiplexer(self):
         base = f"/base driver own\n    sub /cmd_vel_safe {TWIST}\n"
         nav = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
         mux = f"/mux mux own\n    sub /cmd_vel {TWIST}\n    pub /mixed {TWIST}\n"
-        assert found("unmatched_topic", small_graph(base + nav))
-        assert not found("unmatched_topic", small_graph(base + nav + mux))
+        log = f"/log log own\n    sub /cmd_vel {TWIST}\n"
+        assert found("unmatched_topic", small_graph(base + nav + log))
+        assert not found("unmatched_topic", small_graph(base + nav + log + mux))
 
 
 class TestNoServer:
@@ -572,6 +575,135 @@ class TestDoubleFrame:
             for kind in ("possible_double_frame", "double_fixed_frame", "double_frame")
         ]
         assert the_finding("double_frame", frame_facts(*facts)).level is FindingLevel.REGULAR
+
+
+class TestIdleRemap:
+    IMAGE = "sensor_msgs/msg/Image"
+    WIRED = (
+        f"/camera camera own\n    pub /roof {IMAGE}\n"
+        f"/tracker tracker own\n    sub /left/points {IMAGE}\n"
+    )
+
+    def graph(self, source, target, *nodes, text=WIRED, kinds=("unused_remap",), **keys):
+        facts = tuple(
+            WiringFact(kind=WiringFactKind(kind), subject=source, value=target, others=others)
+            for kind, others in zip(kinds, (nodes or ("/tracker",), ()), strict=False)
+        )
+        return small_graph(text, wiring=facts, **keys)
+
+    def test_exchanged_ends(self):
+        finding = the_finding("idle_remap", self.graph("/roof", "/left/points"))
+        assert finding.summary == (
+            "the remap of /roof to /left/points changes nothing: /tracker subscribes /left/points, "
+            "which nobody publishes"
+        )
+        assert finding.cause == (
+            "/camera publishes /roof, which nobody subscribes; "
+            "no node that gets the remap uses its old name"
+        )
+        assert finding.remedy == "exchange its ends"
+        assert (finding.certainty, finding.level) == (Certainty.LIKELY, FindingLevel.REGULAR)
+
+    def test_exchanged_ends_at_the_publisher(self):
+        finding = the_finding("idle_remap", self.graph("/left/points", "/roof", "/camera"))
+        assert finding.summary.endswith("/camera publishes /roof, which nobody subscribes")
+        assert finding.remedy == "exchange its ends"
+
+    @pytest.mark.parametrize("source", ["/points", "/left/ponts", "/unlike"])
+    def test_a_name_that_the_node_does_not_use(self, source):
+        finding = the_finding("idle_remap", self.graph(source, "/roof"))
+        assert finding.remedy == "remap /left/points instead"
+        assert finding.topics == (source, "/roof", "/left/points")
+
+    @pytest.mark.parametrize(
+        "more",
+        [
+            f"/other camera own\n    pub /left/points {IMAGE}\n",
+            f"/other tracker own\n    sub /roof {IMAGE}\n",
+            f"/tracker tracker own\n    sub /right {IMAGE}\n    sub /rear {IMAGE}\n",
+        ],
+    )
+    def test_topics_with_both_ends_and_a_choice_are_not_joined(self, more):
+        source = "/unlike"
+        assert found("idle_remap", self.graph(source, "/roof"))
+        assert not found("idle_remap", self.graph(source, "/roof", text=self.WIRED + more))
+
+    def test_of_several_topics_the_near_one_is_meant(self):
+        more = f"/tracker tracker own\n    sub /right {self.IMAGE}\n"
+        graph = self.graph("/points", "/roof", text=self.WIRED + more)
+        assert the_finding("idle_remap", graph).remedy == "remap /left/points instead"
+
+    def test_another_type_and_another_node_are_not_joined(self):
+        text = self.WIRED.replace(f"/roof {self.IMAGE}", "/roof sensor_msgs/msg/Imu")
+        assert not found("idle_remap", self.graph("/roof", "/left/points", text=text))
+        assert not found("idle_remap", self.graph("/unlike", "/roof", "/camera"))
+
+    def test_what_was_not_read_may_be_the_other_end(self):
+        graph = self.graph(
+            "/roof", "/left/points", text=self.WIRED + FIRMWARE, unread=("/firmware",)
+        )
+        assert not found("idle_remap", graph)
+
+    def test_that_nobody_uses_the_name_is_for_the_pedantic(self):
+        kinds = ("unused_remap", "idle_remap")
+        finding = the_finding("idle_remap", self.graph("/a", "/b", kinds=kinds))
+        assert finding.level is FindingLevel.PEDANTIC
+        assert finding.cause == "no node that gets it uses the name; their source was read whole"
+
+    @pytest.mark.parametrize(
+        ("source", "target", "level"),
+        [
+            ("/left/ponts", "/b", "regular"),
+            ("/points", "/b", "regular"),
+            ("/left/ponts", "/left/points", "pedantic"),  # it would change nothing either
+            ("/roofs", "/b", "pedantic"),  # another node's
+        ],
+    )
+    def test_a_near_name_that_lacks_its_other_end_is_meant(self, source, target, level):
+        text = self.WIRED.replace(f"/roof {self.IMAGE}", "/roof sensor_msgs/msg/Imu")
+        kinds = ("unused_remap", "idle_remap")
+        finding = the_finding("idle_remap", self.graph(source, target, text=text, kinds=kinds))
+        assert finding.level == level
+        remedy = "did you mean /left/points? Else remove the remap"
+        assert (finding.remedy == remedy) is (level == "regular")
+
+    def test_a_near_name_with_both_ends_is_not_meant(self):
+        more = f"/other camera own\n    pub /left/points {self.IMAGE}\n"
+        kinds = ("unused_remap", "idle_remap")
+        graph = self.graph("/points", "/b", text=self.WIRED + more, kinds=kinds)
+        assert the_finding("idle_remap", graph).level is FindingLevel.PEDANTIC
+
+    def test_a_remap_that_is_joined_is_one_finding(self):
+        kinds = ("unused_remap", "idle_remap")
+        assert the_finding("idle_remap", self.graph("/roof", "/left/points", kinds=kinds))
+
+    @pytest.mark.parametrize("kind", ["unused_remap", "idle_remap"])
+    def test_transforms_do_not_count(self, kind):
+        text = self.WIRED.replace("/roof", "/tf")
+        assert not found("idle_remap", self.graph("/tf", "/left/points", text=text, kinds=(kind,)))
+
+
+class TestUnreachedListener:
+    @pytest.mark.parametrize(
+        ("sent", "level", "hint"),
+        [
+            ("/left/tf_static", "regular", "; /flange sends /left/tf_static"),
+            ("/tf_static", "pedantic", ""),
+        ],
+    )
+    def test_it_is_likely_where_a_node_sends_the_remapped_transforms(self, sent, level, hint):
+        kind = WiringFactKind.UNREACHED_LISTENER
+        facts = tuple(
+            WiringFact(kind=kind, subject="/tool", value=f"/left/{name}", others=(f"/{name}",))
+            for name in ("tf", "tf_static")
+        )
+        text = f"/flange tf2_ros own\n    pub {sent} tf2_msgs/msg/TFMessage\n"
+        finding = the_finding("unreached_listener", small_graph(text, wiring=facts))
+        assert finding.level == level
+        assert finding.summary == (
+            "the transform listener of /tool does not get /left/tf and /left/tf_static"
+        )
+        assert finding.cause.endswith(f"it subscribes /tf and /tf_static{hint}")
 
 
 class TestDuplicateNode:

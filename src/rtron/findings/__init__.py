@@ -31,6 +31,7 @@ from rtron.findings.wiring import (
     topic_parameter,
     type_mismatch,
     unmatched_topic,
+    unreached_listener,
     unread_parameter,
 )
 from rtron.risks import RiskLists, default_lists
@@ -62,6 +63,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     missing_program.RULE,
     duplicate_node.RULE,
     idle_remap.RULE,
+    unreached_listener.RULE,
     unread_parameter.RULE,
     topic_parameter.RULE,
     bypassed_node.RULE,

@@ -1,11 +1,13 @@
 """What the rules of findings ask of an app: its graph, what was not read, and what moves it."""
 
+import re
 from collections import defaultdict
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 from functools import cached_property
 from itertools import chain
+from typing import TypeVar, cast
 
 from rtron.risks.graph_facts import GraphFacts, evidence_of
 from rtron.vocabulary import (
@@ -40,6 +42,13 @@ _UNREAD_FILES = ("include", "launch ", "component", "composable", "robot_descrip
 _OF_PX4 = {Direction.SUBSCRIBE: "/fmu/in/", Direction.PUBLISH: "/fmu/out/"}
 """What the autopilot subscribes and publishes (PX4: uXRCE-DDS), whose firmware no scan reads."""
 _UNREAD_ACTIONS = "what it starts is not known"
+_MOVES_NOTHING = re.compile(
+    r"(?:camera|lidar|laser|image|video|imu|gps|gnss|map|map_server|mapping|slam|localization)s?"
+    r"|realsense2?|rplidar|velodyne|ouster|hokuyo|urg|depthai|zed|usbcam|amcl|cartographer|rtabmap"
+    r"|ekf|rviz2?|description|tf2?|yolo\w*|detector|detection|audio|speech|led|leds|diagnostics?"
+)
+"""Words in the names of what neither sends commands of motion nor obeys them."""
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -47,6 +56,15 @@ class AppFacts:
     """The facts of a graph; message types are in ROS 1 spelling throughout."""
 
     facts: GraphFacts
+    _answers: dict[object, object] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+
+    def once(self, question: Callable[["AppFacts"], _T]) -> _T:
+        """Return what a function makes of the app; it is called once only."""
+        if question not in self._answers:
+            self._answers[question] = question(self)
+        return cast("_T", self._answers[question])
 
     @property
     def graph(self) -> InteractionGraph:
@@ -141,8 +159,8 @@ class AppFacts:
 
     def open_readers(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that subscribe names known in part, one of which may be this topic."""
-        subscribers = (end for end in self.graph.endpoints if end.direction is Direction.SUBSCRIBE)
-        nodes = {end.node for end in subscribers if fits_open_name(topic, [end.topic])}
+        subscribers = self._open_ends[Direction.SUBSCRIBE]
+        nodes = {end.node for end in subscribers if self._may_be(end, topic)}
         return tuple(sorted(nodes - self.facts.viewers - set(self.publishers(topic))))
 
     def types(self, topic: str, direction: Direction) -> dict[str, list[Endpoint]]:
@@ -167,9 +185,28 @@ class AppFacts:
         """Return whether an end that is missing may be one that was not read, or not wholly."""
         if direction is Direction.PUBLISH and topic in self._unread_publishers:
             return True
-        if _OF_PX4[direction] in topic:
+        if _OF_PX4[direction] in topic or self._has_unread_calls:
             return True
-        return not self.is_whole or fits_open_name(topic, self._open_names[direction])
+        is_open = any(self._may_be(end, topic) for end in self._open_ends[direction])
+        return is_open or any(self._may_join(each, topic) for each in self._unread)
+
+    @cached_property
+    def _unread(self) -> tuple[str, ...]:
+        """The names of what was not read: nodes with their packages, and launch files."""
+        packages = (self.nodes[name].package for name in self.unread_nodes)
+        nodes = map("/".join, zip(self.unread_nodes, packages, strict=True))
+        return (*nodes, *self.unread_files)
+
+    def _may_join(self, unread: str, topic: str) -> bool:
+        """Return whether what was not read may have an end of a topic: no camera sends commands."""
+        words = re.split(r"\W|_", unread.lower()) if self.is_motion(topic) else ()
+        return not any(map(_MOVES_NOTHING.fullmatch, words))
+
+    def _may_be(self, end: Endpoint, topic: str) -> bool:
+        """Return whether an endpoint whose name is known in part may be one of a topic."""
+        types = self.facts.topic(topic).types
+        is_of_type = not types or _is_unknown(end.type) or normalise_type(end.type) in types
+        return is_of_type and fits_open_name(topic, [end.topic])
 
     def consequence(self, topic: str, deaf_nodes: Iterable[str]) -> Consequence:
         """Return what follows where nodes do not get a topic; viewers do not move the robot."""
@@ -184,7 +221,7 @@ class AppFacts:
         the topic may have a publisher whose name is not known, none is near.
         """
         types = tuple(types)
-        if fits_open_name(topic, self._open_names[Direction.PUBLISH]):
+        if any(self._may_be(end, topic) for end in self._open_ends[Direction.PUBLISH]):
             return []
         sent = [self._sent[type] for type in types if type in self._sent]
         if sum(map(len, sent)) > _MOST_COMPARED:
@@ -219,11 +256,11 @@ class AppFacts:
         return any(normalise_type(end.type) in types for end in endpoints)
 
     @cached_property
-    def _open_names(self) -> dict[Direction, tuple[str, ...]]:
-        """The topics whose names are known in part."""
+    def _open_ends(self) -> dict[Direction, tuple[Endpoint, ...]]:
+        """The endpoints whose names are known in part."""
         endpoints = [end for end in self.graph.endpoints if "{" in end.topic]
         return {
-            direction: tuple(dict.fromkeys(e.topic for e in endpoints if e.direction is direction))
+            direction: tuple(end for end in endpoints if end.direction is direction)
             for direction in Direction
         }
 

@@ -4,7 +4,8 @@
 
 Topics that command motion, that a node of the app obeys and that no node of the app publishes. One
 finding names them all. Inputs of an arbiter do not count while another input is in use, nor do the
-inputs that a stack such as Nav2 always has. It is shown from the level `pedantic` on: who commands
+inputs that a stack such as Nav2 always has, nor what a lost command likely means (`lost_command`).
+It is shown from the level `pedantic` on: who commands
 is most often another launch file, or a person who starts teleoperation by hand.
 
 ## Why it matters
@@ -25,6 +26,7 @@ topics with an empty GRCN, or do not let them leave the machine.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.loose_topics import lost_commands
 from rtron.findings.motion.arbiter import arbiters, is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
@@ -33,11 +35,11 @@ from rtron.wording import conjugate, join_names
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield one finding with all motion topics that a node obeys and nobody publishes."""
-    spare = _spare_inputs(app)
+    others = _spare_inputs(app).union(lost_commands(app).values())
     topics = [
         topic
         for topic in app.motion_topics
-        if app.readers(topic) and not app.publishers(topic) and topic not in spare
+        if app.readers(topic) and not app.publishers(topic) and topic not in others
     ]
     topics = [topic for topic in topics if not is_one_stack(app, app.readers(topic))]
     if not topics:

@@ -30,8 +30,8 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.loose_topics import lost_commands
 from rtron.findings.motion.arbiter import arbiters, is_one_stack
-from rtron.findings.motion.lost_command import obeyed_instead
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 from rtron.wording import both_or_all, conjugate, join_names
@@ -114,7 +114,7 @@ def _finding(
 def _is_harmless(app: AppFacts, topic: str) -> bool:
     """Return whether commands are requests, done one by one, or reach nobody (`lost_command`)."""
     is_request = app.facts.topic(topic).type in _REQUESTS
-    return is_request or bool(obeyed_instead(app, topic))
+    return is_request or topic in lost_commands(app)
 
 
 def _command(app: AppFacts, topic: str) -> str:

@@ -2,8 +2,9 @@
 
 ## What it finds
 
-A node name that the launch files start at several places, or several times. The nodes of the tool
-`ros2` do not count. Viewers, such as RViz, are shown from the level `pedantic` on.
+A node name that the launch files start at several places, or several times: by a loop, or by a file
+that is included twice, whatever the remaps of each. The nodes of the tool `ros2` do not count.
+Viewers, such as RViz, are shown from the level `pedantic` on.
 
 ## Why it matters
 
@@ -12,7 +13,8 @@ both run, and services, parameters and tools reach one of them, nobody knows whi
 
 ## Remedy
 
-Give the nodes different names or namespaces, or start the node in one launch file only.
+Give the nodes different names or namespaces (in a loop one made of what the loop runs over), or
+start the node in one launch file only.
 
 ## Example
 

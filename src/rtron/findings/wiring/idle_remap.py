@@ -2,33 +2,51 @@
 
 ## What it finds
 
-A remap whose old name no node that gets it uses, while other nodes of the app use that name,
-or a name below it. A remap in a group is idle only if no node of the group has a use for it.
+A remap whose old name no node that gets it uses. A remap in a group is idle only if no node of the
+group has a use for it. It is likely a fault, and shown at the default level, where it is joined to
+a topic without its other end, of the same type:
+
+- its ends are exchanged: the node uses the new name, which has no other end, and the old name is a
+  topic of other nodes that lacks this one;
+- the old name is written wrong: the new name is a topic of other nodes that lacks an end, and the
+  node has one topic that could be it and has no other end;
+- the old name is near that of a topic of the node that has no other end, and the source of every
+  node that gets the remap was read whole.
+
+Else it is shown from the level `pedantic` on: where other nodes of the app use the old name, or a
+name below it, and where the source of every node that gets it was read whole, without plugins, and
+uses no such name. What was not read may use any name.
 
 ## Why it matters
 
 The remap was meant for somebody. Remaps compare whole names: one of `camera/left` does not change
-`camera/left/image_raw`, and one that stands behind a node does not reach it.
+`camera/left/image_raw`, one of `/commands` does not change `/left/commands`, and one that stands
+behind a node does not reach it.
 
 ## Remedy
 
-Write the name that the node uses, or move the remap before the node.
+Write the name that the node uses first and the new one second, or move the remap before the node.
 
 ## Example
 
-`<remap from="camera/left" to="left_camera"/>`, and the camera publishes `/camera/left/image_raw`.
+`<remap from="/roof_lidar" to="/points"/>`: `/localizer` subscribes `/points`, which nobody
+publishes, and `/scanner` publishes `/roof_lidar`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import chain
+from typing import NamedTuple
 
-from rtron.findings.app_facts import AppFacts
+from rtron.findings.app_facts import AppFacts, is_near
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import WiringGroup, wiring_groups
 from rtron.vocabulary import (
     Certainty,
     Consequence,
+    Direction,
     Finding,
     FindingLevel,
+    WiringFact,
     WiringFactKind,
 )
 from rtron.wording import conjugate, join_names
@@ -36,28 +54,134 @@ from rtron.wording import conjugate, join_names
 _OF_ALL = ("/tf", "/tf_static")
 """Launch files often remap them for every node, be it one that uses them or not."""
 _MOST_USERS = 3
+_VERBS = {Direction.PUBLISH: "publish", Direction.SUBSCRIBE: "subscribe"}
+_OTHER = {
+    Direction.PUBLISH: Direction.SUBSCRIBE,
+    Direction.SUBSCRIBE: Direction.PUBLISH,
+}
+
+
+class _Joined(NamedTuple):
+    """A topic that a node uses without another end, and the one that its remap should lead to."""
+
+    used: str
+    wanted: str
+    direction: Direction
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each remap without effect."""
+    joined, nodes = dict[str, Finding](), dict[str, tuple[str, ...]]()
+    for fact in app.graph.wiring:
+        if fact.kind is WiringFactKind.UNUSED_REMAP and fact.subject not in _OF_ALL:
+            nodes[fact.subject] = (*nodes.get(fact.subject, ()), *fact.others)
+            for pair in (*_reversed(app, fact), *_misnamed(app, fact))[:1]:
+                joined.setdefault(fact.subject, _joined_finding(app, fact, pair))
+    yield from joined.values()
     for group in wiring_groups(app.graph, WiringFactKind.IDLE_REMAP):
-        if group.subject not in _OF_ALL:
-            yield _finding(group)
+        if group.subject not in (*_OF_ALL, *joined):
+            yield _finding(group, _near(app, group, nodes.get(group.subject, ())))
 
 
-def _finding(group: WiringGroup) -> Finding:
+def _near(app: AppFacts, group: WiringGroup, nodes: Iterable[str]) -> list[str]:
+    """Return the near names without another end of nodes that were read whole."""
+    ends = (_loose_ends(app, nodes, direction) for direction in Direction if not group.others)
+    near = {topic for topics in ends for topic in topics if is_near(group.subject, topic)}
+    return sorted(near.difference(group.values))
+
+
+def _reversed(app: AppFacts, fact: WiringFact) -> Iterator[_Joined]:
+    """Yield the pair of a remap whose ends are exchanged."""
+    for direction in Direction:
+        is_used = fact.value in _loose_ends(app, fact.others, direction)
+        if is_used and _fit(app, fact.value, fact.subject, direction):
+            yield _Joined(fact.value, fact.subject, direction)
+
+
+def _misnamed(app: AppFacts, fact: WiringFact) -> Iterator[_Joined]:
+    """Yield the pair of a remap whose old name is not the one that the node uses."""
+    for direction in Direction:
+        loose = _loose_ends(app, fact.others, direction)
+        fitting = [topic for topic in loose if _fit(app, topic, fact.value, direction)]
+        near = [topic for topic in fitting if _means(fact.subject, topic)]
+        if len(near or fitting) == 1:
+            yield _Joined((near or fitting)[0], fact.value, direction)
+
+
+def _means(written: str, used: str) -> bool:
+    return used.endswith(written) or is_near(written, used)
+
+
+def _loose_ends(app: AppFacts, nodes: Iterable[str], direction: Direction) -> list[str]:
+    """Return the topics that nodes use in one direction, and that certainly lack another end."""
+    graph, other = app.graph, _OTHER[direction]
+    ends_of = graph.published_by if direction is Direction.PUBLISH else graph.subscribed_by
+    topics = {end.topic for end in chain.from_iterable(map(ends_of, nodes)) if not end.implicit}
+    return sorted(
+        topic
+        for topic in topics
+        if "{" not in topic
+        and not _has_end(app, topic, other)
+        and not app.may_have_other_end(topic, other)
+    )
+
+
+def _fit(app: AppFacts, used: str, wanted: str, direction: Direction) -> bool:
+    """Return whether a topic of other nodes lacks an end as one that is used, of its type."""
+    other = _OTHER[direction]
+    if _has_end(app, wanted, direction) or not _nodes(app, wanted, other):
+        return False
+    types = app.types(used, direction).keys() & app.types(wanted, other).keys()
+    return bool(types) and not app.may_have_other_end(wanted, direction)
+
+
+def _has_end(app: AppFacts, topic: str, direction: Direction) -> bool:
+    is_published = direction is Direction.PUBLISH
+    return bool(app.publishers(topic) if is_published else app.graph.subscribers(topic))
+
+
+def _joined_finding(app: AppFacts, fact: WiringFact, pair: _Joined) -> Finding:
+    other = _OTHER[pair.direction]
+    verb, other_verb = (conjugate((), _VERBS[each]) for each in (pair.direction, other))
+    of_used = [node for node in _nodes(app, pair.used, pair.direction) if node in fact.others]
+    of_wanted = _nodes(app, pair.wanted, other)
+    is_reversed = pair.wanted == fact.subject
+    return make_finding(
+        RULE.name,
+        fact.subject,
+        summary=f"the remap of {fact.subject} to {fact.value} changes nothing: "
+        f"{join_names(of_used)} {conjugate(of_used, _VERBS[pair.direction])} {pair.used}, "
+        f"which nobody {other_verb}",
+        cause=f"{join_names(of_wanted)} {conjugate(of_wanted, _VERBS[other])} {pair.wanted}, "
+        f"which nobody {verb}; no node that gets the remap uses its old name",
+        remedy="exchange its ends" if is_reversed else f"remap {pair.used} instead",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY,
+        nodes=(*of_used, *of_wanted),
+        topics=(fact.subject, fact.value, pair.used),
+        evidence=fact.evidence,
+    )
+
+
+def _nodes(app: AppFacts, topic: str, direction: Direction) -> tuple[str, ...]:
+    return app.publishers(topic) if direction is Direction.PUBLISH else app.readers(topic)
+
+
+def _finding(group: WiringGroup, near: list[str]) -> Finding:
     users = group.others[:_MOST_USERS]
+    others = f"{join_names(users)} {conjugate(users, 'use')} it or one below it"
+    remedy = "write the whole name that the node uses, or remove the remap"
     return make_finding(
         RULE.name,
         group.subject,
         summary=f"the remap of {group.subject} to {join_names(group.values)} changes nothing",
         cause="no node that gets it uses the name; "
-        f"{join_names(users)} {conjugate(users, 'use')} it or one below it",
-        remedy="write the whole name that the node uses, or remove the remap",
+        + (others if users else "their source was read whole"),
+        remedy=f"did you mean {near[0]}? Else remove the remap" if near else remedy,
         consequence=Consequence.FAILURE,
-        certainty=Certainty.POSSIBLE,
-        level=FindingLevel.PEDANTIC,
-        topics=(group.subject, *group.values),
+        certainty=Certainty.LIKELY if near else Certainty.POSSIBLE,
+        level=FindingLevel.REGULAR if near else FindingLevel.PEDANTIC,
+        topics=(group.subject, *group.values, *near[:1]),
         evidence=group.evidence,
     )
 
@@ -65,7 +189,7 @@ def _finding(group: WiringGroup) -> Finding:
 RULE = FindingRule(
     name="idle_remap",
     title="A remap changes nothing",
-    consequence="failure: possible",
+    consequence="failure: likely where it leaves a topic without its other end, else possible",
     since="0.2.0",
     check=check,
 )

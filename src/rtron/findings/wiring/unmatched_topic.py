@@ -6,7 +6,8 @@ A topic with a subscriber and no publisher. Where another topic of the same type
 the finding names it: most often a remap, a namespace or a slip of the pen parts the two. Then it is
 likely, if nobody else subscribes that one and all nodes were read. Else it is possible, and shown
 from the level `pedantic` on. No other topic is named that is made of this one, that another node
-forwards as a command, or where a publisher's name that is known in part may be this topic.
+forwards as a command, or where a publisher's name that is known in part may be this topic. What a
+lost command likely means is left to `lost_command`.
 
 ## Why it matters
 
@@ -24,6 +25,7 @@ Remap one of the names to the other, or start the node that publishes.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.loose_topics import lost_commands
 from rtron.findings.motion.arbiter import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (
@@ -43,9 +45,9 @@ from rtron.wording import conjugate, join_names
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each topic that is subscribed and not published."""
-    of_actions = set(_action_topics(app.graph))
+    others = {*_action_topics(app.graph), *lost_commands(app).values()}
     for topic in app.explicit_topics:
-        if _is_unmatched(app, topic) and topic not in of_actions:
+        if _is_unmatched(app, topic) and topic not in others:
             near = [
                 other
                 for other in app.near_topics(topic, app.types(topic, Direction.SUBSCRIBE))

@@ -47,9 +47,44 @@ def test_a_remap_that_changes_no_name_is_noted_where_others_use_it(folder, remap
     assert remaps == {(f"/{remap}", "/elsewhere"): ("/outside",)}
 
 
-@pytest.mark.parametrize("remap", ["chatter", "unknown", "camera/le"])
-def test_one_that_changes_a_name_or_that_nobody_uses_is_not(folder, remap):
-    assert idle(scan_remapped(folder, remap)) == {}
+@pytest.mark.parametrize("remap", ["unknown", "camera/le"])
+def test_one_that_nobody_uses_is_noted_where_the_nodes_are_read_whole(folder, remap):
+    graph = scan_remapped(folder, remap)
+    assert idle(graph) == {(f"/{remap}", "/elsewhere"): ()}
+    (fact,) = facts_of(graph, "unused_remap")
+    assert (fact.subject, fact.value, fact.others) == (f"/{remap}", "/elsewhere", ("/inside",))
+
+
+@pytest.mark.parametrize(
+    ("more", "is_noted"),
+    [
+        ("", True),
+        ('<param name="unknown" value="1"/>', False),  # a remap is of parameters, too
+        ('<param name="/elsewhere" value="1"/>', False),
+        ('<node pkg="nowhere" type="gone" name="gone"/>', False),
+        # a remap of a group, for the nodes of all its namespaces
+        (
+            '<group ns="deep"><remap from="unknown" to="elsewhere"/>{}</group>'.format(
+                '<node pkg="robot" type="user.py" name="user"/>'
+            ),
+            False,
+        ),
+    ],
+)
+def test_parameters_and_namespaces_may_have_a_use_for_a_remap(folder, more, is_noted):
+    path = folder / "robot/scripts/user.py"
+    path.write_text(TALK.format("unknown"))
+    path.chmod(0o755)
+    scan_remapped(folder, "unknown")
+    add_to_group(folder, more)
+    remaps = idle(scan(folder, "remapped.launch").graph)
+    assert (("/unknown", "/elsewhere") in remaps) is is_noted
+
+
+def test_one_that_changes_a_name_is_not(folder):
+    graph = scan_remapped(folder, "chatter")
+    assert idle(graph) == {}
+    assert not facts_of(graph, "unused_remap")
 
 
 def test_a_remap_of_a_group_is_used_if_one_node_uses_it(folder):
@@ -73,7 +108,7 @@ def test_a_name_known_in_part_may_be_that_of_the_remap(folder, name, is_idle):
 
 @pytest.mark.parametrize("behind", ["", '<node pkg="robot" type="gone" name="gone" if="false"/>'])
 def test_a_remap_behind_all_that_starts_reaches_nobody(folder, behind):
-    scan_remapped(folder, "unknown")
+    scan_remapped(folder, "chatter")
     path = folder / "robot/launch/remapped.launch"
     remap = f'<remap from="camera/left" to="left"/>{behind}</launch>'
     path.write_text(path.read_text().replace("</launch>", remap))

@@ -239,3 +239,29 @@ def test_a_command_that_loads_nothing_is_noted(commanded, line):
 def test_a_command_into_a_container_that_is_not_here_is_noted(commanded):
     graph = commanded(CALL.replace("/far/box", "/none"))
     assert any("its container is /none" in note.why for note in graph.unresolved)
+
+
+LISTENER = """    listener_ = std::make_shared<tf2_ros::TransformListener>(*buffer_{});
+    helper_ ="""
+
+
+@pytest.mark.parametrize(
+    ("argument", "of_container", "own", "is_noted"),
+    [
+        ("", "", "moved", True),
+        (", this", "", "moved", False),
+        ("", "moved", "", False),
+        ("", "/moved", "/moved", False),
+    ],
+)
+def test_a_component_s_remap_of_transforms_does_not_reach_a_node_that_it_makes(
+    scanned, tmp_path, argument, of_container, own, is_noted
+):
+    source = CELL.replace("    helper_ =", LISTENER.format(argument), 1)
+    (tmp_path / "cell.cpp").write_text(source)
+    given, remap = (f'<remap from="/tf" to="{to}"/>' if to else "" for to in (of_container, own))
+    launch = LAUNCH.format(box=BOX, given=given, named="", own=remap)
+    noted = [fact for fact in scanned(launch).wiring if fact.kind == "unreached_listener"]
+    found = [(fact.subject, fact.value, fact.others) for fact in noted]
+    assert found == ([("/written/cell", "/written/moved", ("/tf",))] if is_noted else [])
+    assert all(place.line for fact in noted for place in fact.evidence)

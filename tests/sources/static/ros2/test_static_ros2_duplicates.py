@@ -54,10 +54,17 @@ def test_a_node_that_names_itself_at_random_is_not(repeated_nodes):
     assert repeated_nodes(f'<node {frames} args="0 0 0 0 0 0 a b"/>') == []
 
 
-def test_what_it_calls_itself_is_said_and_remaps_tell_it_apart(repeated_nodes):
+def test_what_it_calls_itself_is_said_whatever_its_remaps(repeated_nodes):
     joy = '<node pkg="joy_linux" exec="joy_linux_node"{}</node>'
     assert repeated_nodes(joy.format(">")) == ["/joy_node"]
-    assert repeated_nodes(joy.format('><remap from="joy" to="$(var which)"/>')) == []
+    assert repeated_nodes(joy.format('><remap from="joy" to="$(var which)"/>')) == ["/joy_node"]
+
+
+def test_remaps_tell_apart_what_may_call_itself_as_it_likes(repeated_nodes):
+    remap = '<remap from="joy" to="$(var which)"/>'
+    unread = f'<node pkg="nowhere" exec="gone"{{}}>{remap}</node>'
+    assert repeated_nodes(unread.format("")) == []
+    assert repeated_nodes(unread.format(' name="keys"')) == ["/keys"]
 
 
 def test_nodes_on_conditions_that_are_not_known_may_exclude_each_other(repeated_nodes):

@@ -56,10 +56,29 @@ def remap(source, target):
 
 
 def test_a_remap_that_changes_no_name_is_found_where_others_use_it(facts):
-    left = remap("left/image", "a") + remap("nothing", "b")
-    right = remap("image", "left/image")
+    left, right = remap("left/image", "a"), remap("image", "left/image")
     assert facts("idle_remap", left=left, right=right) == [("/left/image", "/a", "/right")]
     assert facts("idle_remap", left=remap("image", "a"), right="") == []
+
+
+UNREAD = '<node pkg="nowhere" exec="gone" name="gone">{}</node>'
+CONTROLLERS = '<node pkg="controller_manager" exec="ros2_control_node">{}</node>'
+
+
+@pytest.mark.parametrize(
+    ("more", "kinds"),
+    [
+        ("", ["unused_remap", "idle_remap"]),
+        (UNREAD, []),
+        # a model may lack what its node has, too
+        (CONTROLLERS, ["unused_remap"]),
+    ],
+)
+def test_one_that_nobody_uses_is_found_where_the_nodes_are_read_whole(facts, more, kinds):
+    idle = remap("nothing", "b")
+    for kind in ("unused_remap", "idle_remap"):
+        found = [fact[:2] for fact in facts(kind, more.format(idle), left=idle)]
+        assert found == [("/nothing", "/b")] * (kind in kinds)
 
 
 def test_what_instances_share_while_their_other_topics_differ_is_found(facts):

@@ -11,6 +11,7 @@ from rtron.vocabulary import Evidence, WiringFact, WiringFactKind
 
 TRANSFORMS = "/tf"
 """The topic of transforms, before remaps; who remaps it remaps /tf_static too."""
+TRANSFORM_TOPICS = (TRANSFORMS, "/tf_static")
 _LIFECYCLE = "/change_state"
 _Frame: TypeAlias = tuple[str, str]
 """The topic that a transform goes to, and its child frame."""

@@ -82,6 +82,14 @@ class NodePart:
         is_open = bool(notes or explicit) and not is_named
         return self.task is not None and (TOO_LARGE in notes or is_open)
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether its source tells all that it joins: nothing is open, and it loads no plugin."""
+        interface = self.interface
+        is_source = self.task is not None and self.model is None and bool(interface.declarations)
+        is_open = interface.unresolved or interface.plugins or interface.runtime_starts
+        return is_source and not is_open and not any("{" in d.name for d in interface.declarations)
+
     def with_missing_note(self, what: str, why: str, missing: str = "") -> "NodePart":
         """Return the part with a note instead of an interface; its nodes keep their names."""
         note = UnresolvedItem(what=what, why=why, missing=missing, evidence=(self.node.evidence,))

@@ -31,49 +31,79 @@ class RemapUses:
 
     _nodes: dict[_Remap, dict[str, Evidence]] = field(default_factory=lambda: defaultdict(dict))
     _used: set[_Remap] = field(default_factory=set)
+    _of_models: set[_Remap] = field(default_factory=set)
+    _of_open_nodes: set[_Remap] = field(default_factory=set)
 
     def add(
-        self,
-        node: str,
-        remaps: Mapping[str, str],
-        names: Collection[str] | None,
-        location: Evidence,
+        self, part: NodePart, node: str, remaps: Mapping[str, str], names: Collection[str]
     ) -> None:
-        """Note the remaps of a node that declares `names`; None, or a hole in one, may be any."""
+        """Note the remaps of a node of a part, which declares `names`.
+
+        A node that was not read, or a hole in a name, may use any; a model of ROS 2 may lack some.
+        """
         for remap in remaps.items():
-            self._nodes[remap][node] = location
-            if names is None or remap[0] in names or fits_open_name(remap[0], names):
+            self._nodes[remap][node] = part.node.evidence
+            if part.is_unread or remap[0] in names or fits_open_name(remap[0], names):
                 self._used.add(remap)
+            if part.model and part.node.site.ros > 1:
+                self._of_models.add(remap)
+            if not part.is_whole or any(remap[0].startswith(f"{name}/") for name in names):
+                self._of_open_nodes.add(remap)
 
     def add_behind_all(self, remap: LaunchRemap) -> None:
         """Note a remap that no node gets."""
         self._nodes[remap.source, remap.target].setdefault("", remap.evidence)
+        self._of_open_nodes.add((remap.source, remap.target))
 
     @property
     def sources(self) -> set[str]:
         """The names that remaps lead away from."""
         return {source for source, _ in self._nodes}
 
-    def idle(self, endpoints: Iterable[Endpoint]) -> Iterator[WiringFact]:
-        """Yield a fact for each idle remap whose name, or one below it, other nodes use."""
+    def idle(
+        self, endpoints: Iterable[Endpoint], parameters: Collection[str] = ()
+    ) -> Iterator[WiringFact]:
+        """Yield facts for each idle remap: who gets it, and who else uses its name, or one below.
+
+        That nobody uses the name is noted where those who get it were read whole. It may be one of
+        `parameters`, too.
+        """
         users: dict[str, set[str]] = defaultdict(set)
         for end in endpoints:
             users[end.topic].add(end.node)
-        for (source, target), nodes in self._nodes.items():
+        used_names = {(_last(source), _last(target)) for source, target in self._used}
+        for remap, nodes in self._nodes.items():
+            source, target = remap
+            if source == target or remap in self._used:
+                continue
             others = {
                 node
                 for topic, of_topic in users.items()
                 if topic == source or topic.startswith(f"{source}/")
                 for node in of_topic - nodes.keys()
             }
-            if others and source != target and (source, target) not in self._used:
-                yield WiringFact(
-                    kind=WiringFactKind.IDLE_REMAP,
-                    subject=source,
-                    value=target,
-                    others=tuple(sorted(others)),
-                    evidence=tuple(dict.fromkeys(nodes.values())),
-                )
+            yield _fact(WiringFactKind.UNUSED_REMAP, remap, nodes, nodes.values())
+            is_used = (_last(source), _last(target)) in used_names
+            is_parameter = not {source, target}.isdisjoint(parameters)
+            may_be_used = is_used or is_parameter or remap in self._of_open_nodes
+            if remap not in self._of_models and (others or not may_be_used):
+                yield _fact(WiringFactKind.IDLE_REMAP, remap, others, nodes.values())
+
+
+def _fact(
+    kind: WiringFactKind, remap: _Remap, others: Iterable[str], places: Iterable[Evidence]
+) -> WiringFact:
+    return WiringFact(
+        kind=kind,
+        subject=remap[0],
+        value=remap[1],
+        others=tuple(sorted(filter(None, others))),
+        evidence=tuple(dict.fromkeys(places)),
+    )
+
+
+def _last(name: str) -> str:
+    return name.rpartition("/")[2]
 
 
 @dataclass(slots=True)

@@ -112,7 +112,7 @@ def _assemble(
     for part in (*parts, *simulation.parts(parts)):
         assembly.add_part(part)
     assembly.add_clock(parts, launch_trees.parameters)
-    assembly.add_wiring_facts(launch_trees.trees)
+    assembly.add_wiring_facts(launch_trees.trees, launch_trees.parameters)
     assembly.add_parameters(launch_trees.parameters)
     assembly.add_wiring(*unread_parameters(parts, launch_trees.parameters))
     assembly.add_unresolved(*(note for tree in launch_trees.trees for note in tree.unresolved))

@@ -83,15 +83,14 @@ class Assembly(GraphBuilder):
         remaps = {**process_remaps, **dict(part.node.site.remaps)}
         self._declare(part, ProcessRemaps(remaps))
         self.frames.add(part, remaps.get(TRANSFORMS, TRANSFORMS))
-        names = None if part.is_unread else _declared_names(part)
-        self.remap_uses.add(part.owner, remaps, names, part.node.evidence)
+        self.remap_uses.add(part, part.owner, remaps, _declared_names(part))
 
-    def add_wiring_facts(self, trees: Iterable[LaunchTree]) -> None:
+    def add_wiring_facts(self, trees: Iterable[LaunchTree], parameters: ParameterTree) -> None:
         """Note the remaps that change no name of the app, and outputs and frames in common."""
         for tree in trees:
             for remap in tree.remaps_behind_all:
                 self.remap_uses.add_behind_all(remap)
-        self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
+        self.add_wiring(*self.remap_uses.idle(self.endpoints.values(), parameters.leaves))
         self.add_wiring(*self.program_outputs.shared())
         self.add_wiring(*self.frames.facts())
 

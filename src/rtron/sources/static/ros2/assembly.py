@@ -10,7 +10,12 @@ from itertools import islice
 
 from rtron.sources.declaration import CreatedNode, Declaration
 from rtron.sources.static.common.app_node import AppNode, may_both_start
-from rtron.sources.static.common.frames import TRANSFORMS, FrameBroadcasters, node_name
+from rtron.sources.static.common.frames import (
+    TRANSFORM_TOPICS,
+    TRANSFORMS,
+    FrameBroadcasters,
+    node_name,
+)
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import TaskKind
@@ -30,6 +35,8 @@ from rtron.vocabulary import (
 from rtron.vocabulary.remap_rules import expand_name, remaps_for_node
 
 _LIFECYCLE_MANAGER = "nav2_lifecycle_manager"
+_OWN_LISTENER = "/transform_listener_impl_"
+"""How a node is called that a TransformListener makes for itself (tf2_ros)."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -59,6 +66,7 @@ class Ros2Assembly(GraphBuilder):
         for created in islice(_created_nodes(part), 1):
             self.frames.add(part, _remap_rules(created, part)(TRANSFORMS))
             self.frames.activated.update(_activated_nodes(created.name, part))
+        self.add_wiring(*_unreached_listeners(part))
         for parameter in part.interface.parameters:
             if "{" not in parameter.name:
                 self.parameters[parameter.node, parameter.name] = parameter
@@ -74,9 +82,7 @@ class Ros2Assembly(GraphBuilder):
     ) -> None:
         rules = part.node.process_remap_rules if created.uses_global_arguments else ()
         remaps = {r.source: r.target for r in remaps_for_node(rules, created.name)}
-        is_known = not (part.is_unread or part.model)
-        names = {each.name for each in declared} if is_known else None
-        self.remap_uses.add(created.name, remaps, names, part.node.evidence)
+        self.remap_uses.add(part, created.name, remaps, {each.name for each in declared})
 
     def _note_output(self, part: NodePart, end: Endpoint) -> None:
         if not end.implicit:
@@ -123,6 +129,23 @@ def _process(name: str, started: AppNode) -> str:
     """Return the node in whose process a node runs, empty if it is its own."""
     process = started.container or started.name
     return "" if process == name else process
+
+
+def _unreached_listeners(part: NodePart) -> Iterator[WiringFact]:
+    """Yield a fact for each topic of transforms that a node remaps, but not for its listener."""
+    created = list(_created_nodes(part))
+    for listener in (each for each in created[1:] if _OWN_LISTENER in each.name):
+        rules = _remap_rules(created[0], part), _remap_rules(listener, part)
+        for topic in TRANSFORM_TOPICS:
+            remapped, heard = (of_node(topic) for of_node in rules)
+            if remapped not in (topic, heard):
+                yield WiringFact(
+                    kind=WiringFactKind.UNREACHED_LISTENER,
+                    subject=created[0].name,
+                    value=remapped,
+                    others=(heard,),
+                    evidence=(part.node.evidence, *listener.evidence),
+                )
 
 
 def _remap_rules(created: CreatedNode, part: NodePart) -> RemapRules:
@@ -179,11 +202,16 @@ def duplicate_nodes(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
 
 
 def _node_identity(part: NodePart) -> Hashable:
-    """Return what is alike; a node that is not named may take its name from its arguments."""
+    """Return what is alike; a node that is not named may take its name from its arguments.
+
+    Nodes of one name are two of one name whatever their remaps; those of a program that was not
+    read may call themselves as they like.
+    """
     node, site = part.node, part.node.site
+    is_named = site.has_launch_name or not part.is_unread
     return (
         node_name(part),
         node.evidence,
-        node.process_remap_rules,
+        () if is_named else node.process_remap_rules,
         () if site.has_launch_name else site.args,
     )

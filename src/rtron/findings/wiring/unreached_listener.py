@@ -1,0 +1,67 @@
+"""A remap of /tf does not reach a transform listener.
+
+## What it finds
+
+A component whose remaps move `/tf` or `/tf_static`, and whose TransformListener is a node of its
+own: `TransformListener(buffer)` without the component's node makes one. In ROS 2 a component's
+remaps are for that component alone, and those of its container for the nodes that it makes beside.
+Where no node of the launch publishes the remapped topic, the level is `pedantic`.
+
+## Why it matters
+
+The listener subscribes the names that the remap should have replaced. Every transform that the
+component asks for fails, or is another robot's, and no node fails.
+
+## Remedy
+
+Give the listener the component's node, `TransformListener(buffer, node)`, or write the remap at the
+container, too.
+
+## Example
+
+`/left/tool_pose` remaps `/tf_static` to `/left/tf_static`; its listener subscribes `/tf_static`.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.findings.wiring_groups import WiringGroup, wiring_groups
+from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, WiringFactKind
+from rtron.wording import conjugate, join_names
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each node whose remap of transforms its listener does not get."""
+    for group in wiring_groups(app.graph, WiringFactKind.UNREACHED_LISTENER):
+        yield _finding(app, group)
+
+
+def _finding(app: AppFacts, group: WiringGroup) -> Finding:
+    sent = [topic for topic in group.values if app.publishers(topic)]
+    names = join_names(group.values)
+    senders = sorted({node for topic in sent for node in app.publishers(topic)})
+    hint = f"; {join_names(senders)} {conjugate(senders, 'send')} {join_names(sent)}"
+    return make_finding(
+        RULE.name,
+        group.subject,
+        summary=f"the transform listener of {group.subject} does not get {names}",
+        cause="it is a node of its own, which remaps of a component do not reach: it subscribes "
+        f"{join_names(group.others)}{hint if sent else ''}",
+        remedy="give the listener the component's node, or remap at the container, too",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY if sent else Certainty.POSSIBLE,
+        level=None if sent else FindingLevel.PEDANTIC,
+        nodes=(group.subject,),
+        topics=(*group.values, *group.others),
+        evidence=group.evidence,
+    )
+
+
+RULE = FindingRule(
+    name="unreached_listener",
+    title="A remap of /tf does not reach a transform listener",
+    consequence="failure: likely, possible where nobody publishes the remapped topic",
+    since="0.2.0",
+    check=check,
+)
