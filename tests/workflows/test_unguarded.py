@@ -8,13 +8,14 @@ from notation import graph_of
 from rtron.vocabulary import Mode, NodeParameter, Service
 from rtron.workflows.plan import propose
 from rtron.workflows.scan import scan_graph
-from rtron.workflows.unguarded import last_command_topics, unguarded_commands
+from rtron.workflows.unguarded import last_commands, unguarded
 
 TWIST = "geometry_msgs/Twist"
 NAV = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
 BASE = f"/base driver own\n    sub /cmd_vel {TWIST}\n"
 ARM = "/arm arm own\n    server /arm/follow control_msgs/FollowJointTrajectory\n"
 PICK = "/pick pick own\n    client /arm/follow control_msgs/FollowJointTrajectory\n"
+LAND = "/base driver own\n    sub /land std_msgs/Empty\n"
 KILL = Service(node="/base", name="/base/kill", type="std_srvs/Trigger")
 
 
@@ -33,7 +34,8 @@ def enforced(plan):
         (NAV.replace(TWIST, "x/DriveCmd") + BASE.replace(TWIST, "x/DriveCmd"), ["/cmd_vel"]),
         (NAV.replace("/cmd_vel", "/estop") + BASE.replace("/cmd_vel", "/estop"), []),
         (NAV + NAV.replace("/nav ", "/joy ") + BASE, ["/cmd_vel"]),
-        (NAV, []),
+        (NAV, ["/cmd_vel"]),
+        (NAV.replace("/cmd_vel", "/odom"), []),
         (BASE, ["/cmd_vel"]),
         (NAV.replace("/cmd_vel", "/odom") + BASE, ["/cmd_vel"]),
         (BASE + "    sub /base/vision_pose geometry_msgs/PoseStamped\n", ["/cmd_vel"]),
@@ -41,12 +43,12 @@ def enforced(plan):
 )
 def test_the_last_command_is_guarded_whoever_sends_it(text, topics):
     found = scan(text)
-    assert sorted(last_command_topics(found.inventory, found.app)) == topics
+    assert sorted(last_commands(found)) == topics
     assert enforced(propose(found).plan) == topics
 
 
 def told(found, plan):
-    return [(each.location, each.message) for each in unguarded_commands(plan, found.inventory)]
+    return [(each.location, each.message) for each in unguarded(plan, found)]
 
 
 def test_what_a_plan_cannot_guard_is_left_out_with_the_reason():
@@ -68,11 +70,8 @@ def test_a_topic_that_a_plan_only_observes_is_told():
     observing = replace(plan, grcn=grcn, msrcn=None)
     assert told(found, plan) == []
     assert told(found, observing) == [
-        ("base", "/cmd_vel: no coordination node enforces who commands it")
+        ("base", "/cmd_vel: its coordination node only observes: `mode: enforce` guards it")
     ]
-
-
-LAND = "/base driver own\n    sub /land std_msgs/Empty\n"
 
 
 def test_whoever_wants_to_stop_the_robot_may():
@@ -83,7 +82,7 @@ def test_whoever_wants_to_stop_the_robot_may():
     assert enforced(plan) == ["/cmd_vel"]
     assert told(found, plan) == []
     lands = scan(LAND + LAND.replace("/base", "/pilot").replace("sub", "pub"))
-    assert last_command_topics(lands.inventory, lands.app) == frozenset()
+    assert last_commands(lands) == {}
 
 
 def test_an_action_is_guarded_by_its_goals():
@@ -103,10 +102,67 @@ def test_parameters_are_no_commands_of_a_plan():
     assert told(found, propose(found).plan) == []
 
 
-def test_a_command_that_nobody_here_obeys_tells_what_to_give():
-    found = scan(NAV)
-    why = "what obeys it is not in this launch: give its launch file too"
-    assert told(found, propose(found).plan) == [("base", f"/cmd_vel: {why}")]
+PAST = (
+    "whoever subscribes reads the public /cmd_vel, where any node can publish past the guard, "
+    "which only warns of it"
+)
+
+
+def test_a_command_that_leaves_the_launch_is_guarded_and_the_way_past_it_told():
+    proposed = propose(scan(NAV))
+    (grcn,) = proposed.plan.grcn
+    assert ([flow.publisher for flow in grcn.flows], grcn.successors) == (["/nav"], ())
+    assert proposed.omitted == ()
+    (doubt,) = proposed.doubts
+    assert doubt.location == "GRCN grcn_cmd_vel"
+    assert doubt.message == f"nobody in this launch obeys it: {PAST}"
+
+
+def unread(text, *names):
+    graph = graph_of("app", text)
+    nodes = tuple(replace(node, unread=node.name in names) for node in graph.nodes)
+    return scan_graph(replace(graph, nodes=nodes))
+
+
+@pytest.mark.parametrize(
+    "package", ["rosbridge_server", "foxglove_bridge", "mqtt_bridge", "micro_ros_agent"]
+)
+def test_a_node_that_was_not_read_may_obey_but_none_that_speaks_for_others(package):
+    text = NAV + "/serial driver own\n/door " + package + " third_party\n"
+    proposed = propose(unread(text, "/serial", "/door"))
+    (grcn,) = proposed.plan.grcn
+    assert grcn.successors == ("/serial",)
+    (doubt,) = proposed.doubts
+    assert doubt.message == f"that /serial (not read) obeys it is a guess; if not, {PAST}"
+
+
+def test_nobody_is_guessed_where_a_node_is_known_to_obey():
+    proposed = propose(unread(NAV + BASE + "/camera cam own\n", "/camera"))
+    assert [grcn.successors for grcn in proposed.plan.grcn] == [("/base",)]
+    assert proposed.doubts == ()
+
+
+def test_a_node_that_publishes_what_it_obeys_is_told():
+    proposed = propose(scan(BASE + f"    pub /cmd_vel {TWIST}\n" + NAV))
+    assert [each.message for each in proposed.doubts][-1] == (
+        "/base publishes what it obeys: what it sends itself does not pass the guard"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "services", "why"),
+    [
+        ("/chat chat own\n    pub /chatter std_msgs/String\n", (), "nothing that was read moves"),
+        ("/base driver own\n", (KILL,), "/base/kill: a plan cannot guard services: whoever"),
+        (LAND, (), "/land: a plan leaves switches and signals open: who stops the robot may"),
+    ],
+)
+def test_a_plan_that_guards_nothing_says_why_for_each_thing(text, services, why):
+    found = scan(text, services=services)
+    proposed = propose(found)
+    assert enforced(proposed.plan) == []
+    assert len(proposed.omitted) == max(1, len(found.inventory))
+    assert proposed.omitted[0].message.startswith(why)
 
 
 def test_a_command_that_nobody_here_sends_is_kept_for_whom_the_plan_will_name():

@@ -1,4 +1,4 @@
-"""What in a valid plan has no effect, and where the order of its flows is a guess."""
+"""What in a valid plan has no effect or is a guess, and where it leaves a way past the guard."""
 
 from collections.abc import Iterable, Iterator
 
@@ -16,9 +16,12 @@ from rtron.vocabulary import (
     Plan,
     PolicyName,
     StopProfile,
+    Stream,
     StreamKind,
+    build_streams,
     matches_node,
 )
+from rtron.wording import conjugate, join_names
 
 _AMONG_COMMANDS = "pictures and point clouds are carried beside commands, which wait for them"
 _BY_PRIORITY = (PolicyName.PREEMPTION, PolicyName.PRIORITY_QUEUE)
@@ -87,6 +90,36 @@ def order_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
         is_ordered = grcn.mode is Mode.ENFORCE and grcn.policy in _BY_PRIORITY
         if unknown and is_ordered and len(grcn.flows) > 1 and _is_as_proposed(grcn):
             yield _doubt(grcn, unknown)
+
+
+def open_way_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
+    """Yield a warning for each way past the guard of commands that it stands before."""
+    unread = frozenset(node.name for node in graph.nodes if node.unread)
+    for stream in build_streams(plan):
+        is_command = stream.stages[0].settings.kind is StreamKind.COMMAND and not stream.action
+        if stream.mode is Mode.ENFORCE and is_command:
+            known = {end.node for end in graph.subscribers(stream.topic)}
+            where = f"{stream.stages[0].coordination_kind} {stream.stages[0].id}"
+            ways = (*_unclosed_outputs(stream, unread - known), *_self_deliveries(stream))
+            yield from (_warning(where, way) for way in ways)
+
+
+def _unclosed_outputs(stream: Stream, unread: frozenset[str]) -> Iterator[str]:
+    successors = stream.successors
+    public = f"whoever subscribes reads the public {stream.topic}"
+    rest = f"{public}, where any node can publish past the guard, which only warns of it"
+    if not successors:
+        yield f"nobody in this launch obeys it: {rest}"
+    elif unread.issuperset(successors):
+        verb = conjugate(successors, "obey")
+        yield f"that {join_names(successors)} (not read) {verb} it is a guess; if not, {rest}"
+
+
+def _self_deliveries(stream: Stream) -> Iterator[str]:
+    for publisher in (flow.publisher for flow in stream.flows):
+        if any(matches_node(publisher, name) for name in stream.successors):
+            what = "publishes what it obeys"
+            yield f"{publisher} {what}: what it sends itself does not pass the guard"
 
 
 def _is_known(publisher: str, known: Iterable[str]) -> bool:

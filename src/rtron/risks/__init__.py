@@ -62,8 +62,7 @@ def _without_collection() -> Iterator[None]:
 
 
 def _report(facts: GraphFacts, risks: tuple[Risk, ...], not_run: dict[str, str]) -> RiskReport:
-    unread_commands = tuple(filter(facts.is_unread_command, facts.published_topics))
-    topics = sorted({*unread_commands, *(topic for risk in risks for topic in risk.topics)})
+    topics = sorted({topic for risk in risks for topic in risk.topics})
     classes = {topic: facts.classify(topic) for topic in topics}
     return RiskReport(
         app=facts.graph.app,
@@ -72,5 +71,4 @@ def _report(facts: GraphFacts, risks: tuple[Risk, ...], not_run: dict[str, str])
         not_run=not_run,
         topic_classes=classes,
         viewers=tuple(sorted(facts.viewers)),
-        unread_commands=unread_commands,
     )

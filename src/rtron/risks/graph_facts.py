@@ -104,12 +104,6 @@ class GraphFacts:
             and not self.lists.ignores_topic(name)
         )
 
-    def is_unread_command(self, name: str) -> bool:
-        """Tell whether a topic commands motion, has several publishers and no known reader."""
-        topic = self.topic(name)
-        is_contended = len(topic.publishers) > 1 and not topic.successors
-        return is_contended and self.is_motion_command(name)
-
     def type_of(self, endpoint: Endpoint) -> str:
         """Return an endpoint's type; where it keeps it open, that of its topic if there is one."""
         known = _known_type(endpoint.type)

@@ -55,8 +55,7 @@ class RiskReport:
     """The risks of an app, their number by kind, and the rules that could not run and why.
 
     `topic_classes` has every topic of a risk. `viewers` are the nodes that only record or show
-    what they subscribe: they are nobody's successors. `unread_commands` are the topics that command
-    motion, have several publishers and no known reader: a plan guards them, too.
+    what they subscribe: they are nobody's successors.
     """
 
     app: str
@@ -65,4 +64,3 @@ class RiskReport:
     not_run: Mapping[str, str] = field(default_factory=dict)
     topic_classes: Mapping[str, TopicClass] = field(default_factory=dict)
     viewers: tuple[str, ...] = ()
-    unread_commands: tuple[str, ...] = ()

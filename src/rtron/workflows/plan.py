@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.coherence import guards_nothing
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import PlanProblem
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
@@ -12,10 +11,9 @@ from rtron.planning.tuning import tune_plan
 from rtron.sources.bag.file_type import is_bag
 from rtron.sources.run_json import read_run
 from rtron.vocabulary import MeasuredRun, Plan, TuningProposal
-from rtron.vocabulary.inventory import Means
 from rtron.workflows.check_plan import plan_doubts
 from rtron.workflows.scan import ScanResult
-from rtron.workflows.unguarded import last_command_topics, unguarded_commands, unguarded_topics
+from rtron.workflows.unguarded import last_commands, unguarded
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +27,11 @@ class ProposedPlan:
 
 def propose(scan: ScanResult) -> ProposedPlan:
     """Return the plan that the risks of an app ask for, and the commands next to its hardware."""
-    plan = propose_plan(scan.graph, scan.report, last_command_topics(scan.inventory, scan.app))
-    if guards_nothing(plan):
-        requests = unguarded_commands(plan, scan.inventory, (Means.SERVICE, Means.ACTION))
-        omitted = (*unguarded_topics(plan, scan), *requests)
-    else:
-        unnamed = unguardable_topics(scan.graph, scan.report)
-        omitted = (*unnamed, *unguarded_commands(plan, scan.inventory))
+    plan = propose_plan(scan.graph, scan.report, last_commands(scan))
+    commands = {each.name for mover in scan.inventory for each in mover.last_commands}
+    unnamed = unguardable_topics(scan.graph, scan.report)
+    others = (each for each in unnamed if each.location not in commands)
+    omitted = (*others, *unguarded(plan, scan))
     return ProposedPlan(plan, omitted, tuple(plan_doubts(plan, scan.graph)))
 
 

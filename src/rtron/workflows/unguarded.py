@@ -1,120 +1,102 @@
-"""What could move the robot and is in no coordination node of a plan, and why."""
+"""What moves the robot: which commands a plan is to guard, and why it does not guard the others."""
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping
 
-from rtron.findings.app_facts import AppFacts
+from rtron.coherence import guards_nothing
+from rtron.findings.motion.network_bridge import carriers
 from rtron.planning.problem import PlanProblem, ProblemLevel
-from rtron.planning.proposal.policy_defaults import unguardable_topics
-from rtron.vocabulary import GRCN, Domain, GuardedTopic, Mode, Plan, build_streams
+from rtron.vocabulary import Mode, Plan, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
 from rtron.wording import join_names
 from rtron.workflows.scan import ScanResult
 
-_MOVING = (Domain.PLANNING, Domain.CONTROL)
 
-
-def unguarded_topics(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanProblem, ...]:
-    """Return a warning for each topic that could move the robot, of a plan that guards nothing.
-
-    The `scan` adds the topics of the app that the plan does not have.
-    """
-    problems = {each.location: each for each in (*_planned(plan), *_of_app(scan))}
-    omitted = unguardable_topics(scan.graph, scan.report) if scan else ()
-    problems |= {each.location: each for each in omitted}
-    return tuple(problems[location] for location in sorted(problems))
-
-
-def last_command_topics(movers: Iterable[Mover], app: AppFacts) -> frozenset[str]:
-    """Return the topics that nodes next to the hardware obey.
+def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
+    """Return the topics that nodes next to the hardware obey, each with who may obey it unread.
 
     Switches, limits and mere signals are not among them: a stop, a reset or an order to land must
-    come from anyone. Where nobody in the app sends one, its type and name must say that it commands
-    motion: a driver hears measurements, too.
+    come from anyone. Where one side of a topic is not in the app, its type and name must say that
+    it commands motion: a driver hears, and sends, measurements, too. Where that is who obeys, each
+    node that was not read may do it, but none that carries what others send: its remaps would
+    lead the others past the guard.
     """
-    moving = (mover for mover in movers if mover.thing not in NO_MOTION)
+    moving = (mover for mover in scan.inventory if mover.thing not in NO_MOTION)
     commands = (each for mover in moving for each in mover.last_commands)
     topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
-    return frozenset(
-        each.name
+    guesses = tuple(node for node in scan.app.unread_nodes if node not in carriers(scan.app))
+    return {
+        each.name: () if each.receivers else guesses
         for each in topics
-        if each.receivers and (each.senders or app.is_motion(each.name))
-    )
+        if (each.receivers and each.senders) or scan.app.is_motion(each.name)
+    }
 
 
-def unguarded_commands(
-    plan: Plan, movers: Iterable[Mover], kinds: Collection[Means] = tuple(Means)
-) -> tuple[PlanProblem, ...]:
-    """Return a warning for each thing whose last commands no coordination node enforces."""
-    guarded = {stream.topic for stream in build_streams(plan) if stream.mode is Mode.ENFORCE}
+def unguarded(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanProblem, ...]:
+    """Return a warning for each thing whose last commands no coordination node enforces.
+
+    Of a plan that guards nothing it says for all of the inventory why. Without a `scan` of the app
+    only the topics that the plan observes are known.
+    """
+    modes = {stream.topic: stream.mode for stream in reversed(build_streams(plan))}
+    if scan is None:
+        topics = (topic for topic, mode in modes.items() if mode is Mode.OBSERVE)
+        return tuple(_warning(topic, _OBSERVED) for topic in sorted(topics))
+    is_void = guards_nothing(plan)
+    if is_void and not scan.inventory:
+        return (_warning(plan.app or "app", _NOTHING_MOVES),)
     return tuple(
-        PlanProblem(ProblemLevel.WARNING, str(mover.thing), f"{join_names(names)}: {why}")
-        for mover in movers
-        for why, names in _left(_not_left_open(mover), kinds, guarded).items()
+        _warning(str(mover.thing), f"{join_names(names)}: {why}")
+        for mover in scan.inventory
+        for why, names in _reasons(mover, modes, is_void=is_void).items()
     )
 
 
-def _not_left_open(mover: Mover) -> Iterator[Command]:
-    """Yield the last commands but the topics of stops: who wants to stop the robot may."""
-    for each in mover.last_commands:
-        if not (mover.thing is Thing.STOP and each.means is Means.TOPIC):
-            yield each
-
-
-def _left(
-    commands: Iterable[Command], kinds: Collection[Means], guarded: Collection[str]
-) -> dict[str, list[str]]:
+def _reasons(mover: Mover, modes: Mapping[str, Mode], *, is_void: bool) -> dict[str, list[str]]:
     """Return the names of commands that are not guarded, by why; an action is by its goals."""
     names: dict[str, list[str]] = defaultdict(list)
-    for each in commands:
-        goals = f"{each.name}/goal" if each.means is Means.ACTION else each.name
-        is_guarded = each.means is not Means.SERVICE and not {each.name, goals}.isdisjoint(guarded)
-        if each.means in kinds and each.means in _WHY_UNGUARDED and not is_guarded:
-            names[_why(each)].append(each.name)
+    for each in mover.last_commands if is_void else _to_be_guarded(mover):
+        mode = modes.get(each.name) or modes.get(f"{each.name}/goal")
+        if each.means is Means.SERVICE or mode is not Mode.ENFORCE:
+            names[_why(mover.thing, each, mode)].append(each.name)
+    if is_void and not mover.last_commands:
+        names[_UNREAD] += mover.drivers
     return names
 
 
-def _why(command: Command) -> str:
-    if command.means is Means.TOPIC and not command.receivers:
-        return "what obeys it is not in this launch: give its launch file too"
-    if command.means is Means.TOPIC and not command.senders:
-        return (
-            "nobody in this launch sends it, but any node can: give the launch file of who should"
-        )
-    return _WHY_UNGUARDED[command.means]
+def _to_be_guarded(mover: Mover) -> Iterator[Command]:
+    """Yield the last commands but parameters and the topics of stops: who wants to stop may."""
+    for each in mover.last_commands:
+        is_stop = mover.thing is Thing.STOP and each.means is Means.TOPIC
+        if each.means is not Means.PARAMETER and not is_stop:
+            yield each
 
 
+def _why(thing: Thing, command: Command, mode: Mode | None) -> str:
+    if mode and command.means is not Means.SERVICE:
+        return _OBSERVED
+    if command.means is not Means.TOPIC:
+        return _WHY_UNGUARDED[command.means]
+    if "{" in command.name:
+        return "no plan can guard it: its whole name is not known"
+    if thing in NO_MOTION or command.type in SIGNALS:
+        return "a plan leaves switches and signals open: who stops the robot may be anyone"
+    if command.receivers and command.senders:
+        return _WHY_UNGUARDED[Means.TOPIC]
+    missing = "sends" if command.receivers else "obeys"
+    return f"nobody in this launch {missing} it: give the launch file of who should"
+
+
+def _warning(where: str, why: str) -> PlanProblem:
+    return PlanProblem(ProblemLevel.WARNING, where, why)
+
+
+_OBSERVED = "its coordination node only observes: `mode: enforce` guards it"
+_NOTHING_MOVES = "nothing that was read moves a robot: give the launch file and source of what does"
+_UNREAD = "not read, so what moves it is not known: give its source"
 _WHY_UNGUARDED = {
     Means.TOPIC: "no coordination node enforces who commands it",
     Means.ACTION: "no coordination node enforces who sends its goals",
     Means.SERVICE: "a plan cannot guard services: whoever reaches it can call it",
+    Means.PARAMETER: "a plan cannot guard parameters: any node can set them",
 }
-
-
-def _planned(plan: Plan) -> Iterator[PlanProblem]:
-    parts: Iterable[GRCN | GuardedTopic] = (
-        *(grcn for grcn in plan.grcn if grcn.domain in _MOVING),
-        *(plan.rsrcn.vflows if plan.rsrcn else ()),
-        *(plan.msrcn.aflows if plan.msrcn else ()),
-    )
-    for part in parts:
-        yield _unguarded(part.topic, [flow.publisher for flow in part.flows], part.successors)
-
-
-def _of_app(scan: ScanResult | None) -> Iterator[PlanProblem]:
-    if scan:
-        for topic in scan.app.motion_topics:
-            yield _unguarded(topic, scan.app.publishers(topic), scan.app.readers(topic))
-
-
-def _unguarded(topic: str, publishers: Sequence[str], readers: Sequence[str]) -> PlanProblem:
-    why = "its coordination node only observes: `mode: enforce` guards it"
-    if "{" in topic:
-        why = "cannot be guarded: its name is not known"
-    elif not publishers:
-        why = "no node is known to publish it: give the launch file of who should"
-    elif not readers:
-        why = "no node is known to subscribe it: give the launch file of what obeys it"
-    elif len(publishers) == 1:
-        why = f"only {publishers[0]} publishes it: `mode: enforce` keeps every other node out"
-    return PlanProblem(ProblemLevel.WARNING, topic, why)

@@ -56,7 +56,8 @@ def test_a_topic_with_a_hole_in_its_name_is_said_to_be_left_out(rtron, graph_fil
     graph_file.write_text(json.dumps(document))
     ran = rtron("plan", graph_file)
     assert ran.code == 1
-    assert "Left out (1)\n  warning  {prefix}/cmd_vel" in ran.out
+    why = "no plan can guard it: its whole"
+    assert f"Left out (1)\n  warning  base\n           {{prefix}}/cmd_vel: {why}" in ran.out
 
 
 def test_a_command_with_one_publisher_is_guarded_too(rtron, graph_file):
@@ -85,6 +86,10 @@ def without_reader(document):
     document["endpoints"] = document["endpoints"][1:2]
 
 
+def without_motion(document):
+    document["endpoints"] = []
+
+
 def without_publisher(document):
     document["endpoints"] = document["endpoints"][2:]
 
@@ -96,8 +101,8 @@ def without_name(document):
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        (without_reader, "no node is known to subscribe it"),
-        (without_name, "its coordination node only observes: `mode: enforce` guards it"),
+        (without_motion, "small\n           nothing that was read moves a robot"),
+        (without_name, "base\n           /cmd_vel: its coordination node only observes: `mode:"),
     ],
 )
 def test_a_plan_that_guards_nothing_says_why_and_no_next_step(rtron, graph_file, change, why):
@@ -107,8 +112,27 @@ def test_a_plan_that_guards_nothing_says_why_and_no_next_step(rtron, graph_file,
     ran = rtron("plan", graph_file)
     assert (ran.code, ran.err) == (1, "")
     assert ran.out.startswith("This plan guards nothing: ")
-    assert f"  warning  /cmd_vel\n           {why}" in ran.out
+    assert f"  warning  {why}" in ran.out
     assert "Next" not in ran.out
+
+
+def test_what_leaves_the_launch_is_guarded_and_the_way_past_it_told(rtron, graph_file, tmp_path):
+    document = json.loads(graph_file.read_text())
+    without_reader(document)
+    graph_file.write_text(json.dumps(document))
+    plan_file = tmp_path / "leaving.yaml"
+    ran = rtron("plan", graph_file, "-o", plan_file)
+    assert (ran.code, ran.err, "\nNext\n" in ran.out) == (0, "", True)
+    doubt = "  warning  GRCN grcn_cmd_vel\n           nobody in this launch obeys it: whoever"
+    assert f"To decide (1)\n{doubt}" in ran.out
+    checked = rtron("check", plan_file, "--graph", graph_file)
+    assert (checked.code, doubt in checked.out, "1 problem" in checked.out) == (0, True, True)
+    (grcn,) = read_plan(plan_file).grcn
+    assert (grcn.mode, [flow.publisher for flow in grcn.flows], grcn.successors) == (
+        Mode.ENFORCE,
+        ["/planner"],
+        (),
+    )
 
 
 def test_what_nobody_here_publishes_is_guarded_and_to_be_decided(rtron, graph_file):

@@ -65,6 +65,23 @@ def test_a_base_with_its_commanders():
     assert mover.open_commands == ()
 
 
+GPS = "/gps gps third_party\n    pub /fix sensor_msgs/msg/NavSatFix\n    pub /vel {type}\n"
+
+
+@pytest.mark.parametrize("type", [TWIST, "geometry_msgs/msg/TwistStamped"])
+@pytest.mark.parametrize("name", ["wheel_vel", "vel_raw", "fix_velocity", "odom_twist"])
+def test_a_velocity_that_was_measured_is_no_command(name, type):
+    assert inventory(f"/board board own\n    pub /{name} {type}\n") == ()
+
+
+def test_what_a_node_that_measures_tells_of_its_velocity_is_no_command():
+    assert inventory(GPS.format(type=TWIST)) == ()
+    assert names(the_mover(GPS.format(type=TWIST).replace("/vel", "/cmd_vel")).commands)
+    assert names(the_mover(GPS.format(type=TWIST) + BASE.replace("/cmd_vel", "/vel")).commands)
+    wheels = "/board board own\n    pub /wheel_velocity_cmd std_msgs/msg/Float64\n"
+    assert names(the_mover(wheels).commands) == ["/wheel_velocity_cmd"]
+
+
 def test_a_base_that_nobody_here_drives_is_open():
     assert names(the_mover(BASE).open_commands) == ["/cmd_vel"]
 

@@ -1,6 +1,7 @@
 """The words of an inventory, as text and as JSON."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -118,6 +119,21 @@ def test_who_goes_past_an_arbiter_is_said_apart():
     )
     found = rows(thing=Thing.BASE, commands=(direct, behind), drivers=("/b",), arbiters=("/mux",))
     assert found[1] == "sent by /rogue directly, and by /nav through /mux"
+
+
+def test_who_only_tells_a_sender_does_not_send_through_the_arbiter():
+    key = Command(
+        means=Means.TOPIC, name="/key_vel", receivers=("/mux",), senders=("/teleop",), hops=1
+    )
+    joy = Command(
+        means=Means.TOPIC, name="/joy", receivers=("/teleop",), senders=("/joy_node",), hops=2
+    )
+    commands = (CMD_VEL, NAV, key, joy)
+    found = rows(thing=Thing.BASE, commands=commands, drivers=("/base",), arbiters=("/mux",))
+    assert found[1].startswith("sent by /nav and /teleop through /mux, told by /joy_node; ")
+    pad = replace(joy, type="sensor_msgs/Joy", receivers=("/mux",))
+    found = rows(thing=Thing.BASE, commands=(CMD_VEL, pad), drivers=("/base",), arbiters=("/mux",))
+    assert found[1] == "sent by /mux, told by /joy_node"
 
 
 def test_services_and_goals():

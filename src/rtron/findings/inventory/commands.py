@@ -6,7 +6,7 @@ from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.command_topics import CommandTopics
+from rtron.findings.inventory.command_topics import COMMAND_NAMES, CommandTopics
 from rtron.findings.inventory.forwarding import Forwarding
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.requests import actions, services
@@ -45,11 +45,17 @@ class AppCommands:
             receivers = command.receivers
             is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
             is_sent = command.senders and (thing not in SWITCHES or _is_of_autopilot(topic))
-            has_sides = bool(receivers or is_sent) and not self.forwarding.is_feedback(topic)
+            is_report = self.forwarding.is_feedback(topic) or self._is_reading(command)
+            has_sides = bool(receivers or is_sent) and not is_report
             if topic in self.topics.locks or (
                 has_sides and not (is_vague or self._is_forwarded(command))
             ):
                 yield self._as_driven(thing, command)
+
+    def _is_reading(self, command: Command) -> bool:
+        """Return whether what nobody here obeys is a reading: its senders tell how they move."""
+        is_open = not command.receivers and not COMMAND_NAMES.search(command.name)
+        return is_open and bool(command.senders) and all(map(self.roles.estimates, command.senders))
 
     def _last_requests(self) -> Iterator[tuple[Thing, Command]]:
         graph = self.app.graph

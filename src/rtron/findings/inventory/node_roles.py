@@ -26,6 +26,7 @@ _LISTENERS = re.compile(
     r"|lights?|lcd|sound|gui"
 )
 """Words in the names of nodes that hear commands and obey none."""
+_READINGS = frozenset({"nav_msgs/Odometry", "sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
 
 
@@ -79,6 +80,11 @@ class NodeRoles:
         types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
         obeyed = (end.topic for end in self.app.graph.subscribed_by(node))
         return not types.isdisjoint(_MEASURED) and not any(map(self.app.is_motion, obeyed))
+
+    def estimates(self, node: str) -> bool:
+        """Return whether a node tells where it is or how it moves."""
+        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
+        return not types.isdisjoint(_READINGS)
 
     def obeys(self, node: str) -> bool:
         """Return whether a node that hears a command may obey it: an estimator only listens."""

@@ -76,12 +76,18 @@ _HARMLESS = re.compile(
 )
 """Last names of what reads, shows or estimates."""
 _SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps))")
+_TWIST = "geometry_msgs/Twist"
 _ESTIMATES = re.compile(
     r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?"
     r"|navsat|gnss|gps|imu|vicon|mocap)/"
     r"|(?:^|[/_])(?:image|compressed|points|depth)(?:[/_]|$)"
 )
 """Namespaces of what is measured, and words of what is seen."""
+_MEASURED_TWIST = re.compile(
+    r"(?:wheels?|encoders?|real|true|sensed|estimated|ground_truth|feedback)_?(?:vel\w*|speeds?|twist)"
+    r"|(?:vel|velocity|speed|twist|fix)_(?:raw|meas\w*|actual|real|est\w*|feedback|fb|velocity)"
+)
+"""Names of velocities that were measured, where each is a whole Twist, not one of a wheel."""
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps"
     r"|record\w*|snapshot|photo|video|camera|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
@@ -132,7 +138,9 @@ def is_harmless(name: str, type: str) -> bool:
     """Return whether a name or a type says that something is read, shown or estimated."""
     last = _last_part(name)
     is_named = (_HARMLESS.search(last) and not _SETS.match(last)) or _ESTIMATES.search(name)
-    return bool(is_named or _HARMLESS_TYPES.match(_plain_type(type)))
+    type = _plain_type(type)
+    is_measured = type.startswith(_TWIST) and _MEASURED_TWIST.fullmatch(last)
+    return bool(is_named or is_measured or _HARMLESS_TYPES.match(type))
 
 
 def may_be_command(name: str, type: str) -> bool:

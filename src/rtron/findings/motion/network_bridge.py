@@ -47,6 +47,8 @@ _BRIDGES = {
     "tcp_ros_bridge": "TCP clients can publish on every topic",
     "ros_tcp_endpoint": "TCP clients can publish on every topic",
 }
+_CARRIERS = frozenset({*_BRIDGES, "mqtt_bridge", "mqtt_client", "domain_bridge", "micro_ros_agent"})
+"""Packages whose nodes speak on any topic for others; remaps move what these say, or nothing."""
 _LINKS = {"mavros": ("gcs_url", "a ground station on its link commands the vehicle")}
 """Nodes that forward commands only where a parameter opens a link (wiki.ros.org/mavros)."""
 _LINK_TOPIC = "/mavlink_source"
@@ -135,6 +137,11 @@ def bridges(app: AppFacts) -> list[str]:
     """Return the nodes that are bridges, and the packages of those that are only included."""
     nodes = [node.name for node in app.graph.nodes if node.package in _BRIDGES]
     return [*nodes, *_included_bridges(app)]
+
+
+def carriers(app: AppFacts) -> frozenset[str]:
+    """Return the nodes that publish and subscribe for others, which are not nodes of the app."""
+    return frozenset(node.name for node in app.graph.nodes if node.package in _CARRIERS)
 
 
 def _included_bridges(app: AppFacts) -> dict[str, list[UnresolvedItem]]:

@@ -1,7 +1,7 @@
 """The app that a plan is made for: a graph and its risks, with the answers that planning needs."""
 
-from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from rtron.messages.common.definition_registry import DefinitionRegistry
@@ -31,16 +31,18 @@ _MOVING = (Domain.PLANNING, Domain.CONTROL)
 class AppModel:
     """A graph and the report on it; the goals of ROS 2's actions are topics here, too.
 
-    `last_commands` are the topics that nodes next to the hardware obey.
+    `last_commands` are those of `propose_plan`.
     """
 
     graph: InteractionGraph
     report: RiskReport
-    last_commands: Collection[str] = ()
+    last_commands: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @staticmethod
     def from_graph(
-        graph: InteractionGraph, report: RiskReport, last_commands: Collection[str] = ()
+        graph: InteractionGraph,
+        report: RiskReport,
+        last_commands: Mapping[str, tuple[str, ...]],
     ) -> "AppModel":
         """Return the site of a graph as it was read."""
         return AppModel(with_goal_topics(graph), report, last_commands)
@@ -101,15 +103,13 @@ class AppModel:
         """Return the nodes that the output goes to.
 
         A viewer gets it on the public name, unless it publishes the topic too: a remap then moves
-        both its ends. Where no reader of a command is known, every node that was not read may be
-        it: a remap of a name that a node does not use does nothing.
+        both its ends. A node that was not read may obey a last command: a remap of a name that it
+        does not use does nothing.
         """
         publishers = self.publishers(topic)
         viewers_only = self.viewers.difference(publishers)
         nodes = {e.node for e in self.graph.subscribers(topic)} - viewers_only
-        if topic in self.report.unread_commands:
-            unread = {node.name for node in self.graph.nodes if node.unread}
-            nodes = unread - self.viewers - set(publishers)
+        nodes |= set(self.last_commands.get(topic, ())).difference(publishers)
         return tuple(sorted(filter(NODE_NAME.matches, nodes)))
 
     def type_of(self, topic: str) -> str:
@@ -137,8 +137,8 @@ class AppModel:
 
         Only contending topics of Planning and Control; an action as a whole, by its goals; and
         only where nodes are known to publish and to listen, each by its whole name, since whom the
-        plan does not name is stopped. A command that nobody is known to read counts all the same,
-        and so does a last command that nobody is known to publish: strangers are kept out.
+        plan does not name is stopped. A last command counts though one of the two is not known: the
+        guard decides what leaves the app, and keeps out whoever is not in the plan.
         """
         topic_class = self.classify(topic)
         is_action_part = topic in self.action_parts and topic != self.goal_topic_of(topic)
@@ -150,9 +150,8 @@ class AppModel:
             return False
         endpoints = (e for name in self._client_topics(topic) for e in self.graph.publishers(name))
         are_named = all(NODE_NAME.matches(e.node) for e in endpoints)
-        has_reader = topic in self.report.unread_commands or self.successors(topic)
-        has_publisher = topic in self.last_commands or self.publishers(topic)
-        return are_named and bool(has_publisher and has_reader)
+        is_last = topic in self.last_commands
+        return are_named and (is_last or bool(self.publishers(topic) and self.successors(topic)))
 
     def _client_topics(self, topic: str) -> tuple[str, ...]:
         """Return the topic, with that of the cancels if it is an action's goals."""

@@ -139,7 +139,8 @@ def _topic_per_frame(app: AppModel, risk: Risk, node: str) -> str:
 
 def _topics_with_successors(app: AppModel, role: RiskRole) -> list[str]:
     topics = {topic for risk in app.risks(role) for topic in risk.topics}
-    return sorted(topic for topic in topics if app.can_guard(topic) and app.successors(topic))
+    obeyed = (t for t in topics if t in app.last_commands or app.successors(t))
+    return sorted(filter(app.can_guard, obeyed))
 
 
 def _is_velocity(app: AppModel, topic: str) -> bool:

@@ -9,14 +9,15 @@ The defaults (paper sections 5.3 and 7.2):
 | an action                           | as its goals | as above: it is one unit             |
 | the last command before the hardware | enforce | Preemption, whoever publishes it        |
 | merging, Perception, Drivers, Others | observe | Block, no bit set                        |
-| nobody is known to publish or listen | observe | as above                                 |
+| else nobody is known to publish or listen | observe | as above                            |
 
 Two kinds of topics have Block wherever they belong: cancels, because they never wait, and a state
 with at most one publisher, because there is nothing to arrange, only strangers to keep out.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 from rtron.planning.plan_file.defaults import node_id, with_distinct_ids
 from rtron.planning.plan_file.fields import ANY_TEXT, NODE_NAME, TOPIC_NAME
@@ -55,12 +56,15 @@ _ORDER = (Domain.CONTROL, Domain.PLANNING, Domain.PERCEPTION, Domain.DRIVERS, Do
 
 
 def propose_plan(
-    graph: InteractionGraph, report: RiskReport, last_commands: Collection[str] = ()
+    graph: InteractionGraph,
+    report: RiskReport,
+    last_commands: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
 ) -> Plan:
     """Return a plan with a GRCN for each topic of a general risk, and the others as risks ask.
 
-    `last_commands` are topics that nodes next to the hardware obey: each has a GRCN though only
-    one node, or none, is known to publish it, which keeps others out.
+    `last_commands` are topics that nodes next to the hardware obey, or that leave the app, each
+    with the nodes that may obey it and were not read. Each has a GRCN though only one node, or
+    none, is known to publish or to obey it, which keeps others out.
     """
     app = AppModel.from_graph(graph, report, last_commands)
     found = (_grcn(app, name) for name in _risky_topics(app) if app.can_guard(name))
@@ -79,7 +83,7 @@ def propose_plan(
 
 def unguardable_topics(graph: InteractionGraph, report: RiskReport) -> tuple[PlanProblem, ...]:
     """Return a warning for each risky topic, and each publisher of one, that no plan can guard."""
-    app = AppModel.from_graph(graph, report)
+    app = AppModel.from_graph(graph, report, {})
     risky = sorted({topic for risk in report.risks for topic in risk.topics})
     nodes = sorted({e.node for topic in risky for e in app.graph.publishers(topic)})
     unnamed = [topic for topic in risky if not TOPIC_NAME.matches(topic)]
@@ -100,7 +104,7 @@ def unguardable_topics(graph: InteractionGraph, report: RiskReport) -> tuple[Pla
 def _risky_topics(app: AppModel) -> list[str]:
     general = (RiskKind.GR_ST, RiskKind.GR_MT)
     risky = {topic for r in app.report.risks if r.kind in general for topic in r.topics}
-    risky.update(app.report.unread_commands, app.last_commands)
+    risky.update(app.last_commands)
     topics = {_guarded_unit(app, topic, risky) for topic in risky}
     return sorted(topics, key=lambda topic: (_ORDER.index(app.classify(topic).domain), topic))
 

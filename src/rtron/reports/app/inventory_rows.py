@@ -9,6 +9,7 @@ from rtron.vocabulary.inventory import Command, Means, Mover, Stops
 from rtron.wording import conjugate, join_names
 
 _SHOWN = 4
+_JOY = "sensor_msgs/Joy"
 _NUMBER = re.compile(r"-?[0-9]{1,9}")
 
 
@@ -85,12 +86,21 @@ def _sources(mover: Mover, last: Sequence[Command]) -> str:
     arbiters = [node for node in mover.arbiters if node in sources]
     between = [*dict.fromkeys([*filter(forwarders.__contains__, direct), *arbiters])]
     behind = [node for node in sources if node not in (*direct, *between)]
-    if arbiters and behind:
+    into = (each for each in mover.commands if not set(between).isdisjoint(each.receivers))
+    passed = [node for node in _senders(c for c in into if c.type != _JOY) if node in behind]
+    if arbiters and passed:
         past = [node for node in direct if node not in between]
         passing = f"{_all(past)} directly, and by " if past else ""
-        return f"{passing}{_all(behind)} through {_all(between)}"
-    by = f", told by {_all([n for n in sources if n not in direct])}" if sources != direct else ""
-    return f"{_all(direct) or 'nobody in this launch'}{by}"
+        behind_them = _instructed_by(node for node in behind if node not in passed)
+        return f"{passing}{_all(passed)} through {_all(between)}{behind_them}"
+    behind_them = _instructed_by(node for node in sources if node not in direct)
+    return f"{_all(direct) or 'nobody in this launch'}{behind_them}"
+
+
+def _instructed_by(nodes: Iterable[str]) -> str:
+    """Return who tells senders what to command, and sends no command to what obeys it."""
+    names = _all(list(nodes))
+    return f", told by {names}" if names else ""
 
 
 def _all(names: Sequence[str]) -> str:

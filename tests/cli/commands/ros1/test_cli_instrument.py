@@ -72,7 +72,7 @@ def test_the_graph_tells_what_a_plan_that_guards_nothing_lacks(
 ):
     plan_file.write_text("schema: rtron.plan/1\napp: small\nros: 1\n")
     ran = instrument("rate:=9", "--graph", graph_file)
-    assert (ran.code, "  warning  /cmd_vel\n" in ran.out) == (1, True)
+    assert (ran.code, "  warning  base\n           /cmd_vel: no coord" in ran.out) == (1, True)
 
 
 def test_what_cannot_be_enforced_is_1_until_it_is_accepted(instrument, launch_file, plan_file):

@@ -163,6 +163,12 @@ def test_a_name_of_ours_with_somebody_else_is_an_impostor_wherever_it_is(topic):
     assert braked == (CMD_VEL,)
 
 
+def test_who_takes_the_name_of_the_guard_brakes_a_command_that_leaves_the_launch():
+    leaving = replace(base_plan(), grcn=(replace(base_plan().grcn[0], successors=()),))
+    (alarm, braked) = found(*GUARDS, publisher(CMD_VEL, GRCN, ROGUE), plan=leaving)[0]
+    assert (alarm.kind, braked) == (AlarmKind.IMPOSTOR, (CMD_VEL,))
+
+
 def test_the_guards_and_the_supervisors_names_are_ours_too():
     for name, braked in ((GUARD_NODE, ()), (SUPERVISOR_NODE, (CMD_VEL,))):
         ((alarm, past),) = found(*CLOSED, publisher("/rosout", name, ROGUE))

@@ -55,7 +55,9 @@ class ExpectedGraph:
         self.outputs = dict(pair for stream in enforced for pair in _outputs(stream))
         self._cells = plan.cell
         self.celled = frozenset(
-            each.topic for each in enforced if all(map(self.is_in_cell, each.successors))
+            each.topic
+            for each in enforced
+            if each.successors and all(map(self.is_in_cell, each.successors))
         )
         self.types = {each.topic: normalise_type(each.type) for each in enforced}
         self.enforcing_nodes = frozenset(
