@@ -14,6 +14,7 @@ from finding_graphs import (
 )
 
 from rtron.vocabulary import (
+    Durability,
     QoS,
     Reliability,
     Resolution,
@@ -49,6 +50,22 @@ FILTERED = (
     sub {} sensor_msgs/msg/LaserScan
 """
 )
+
+STOP = """
+/board board own
+    pub /hardware/stop_state std_msgs/msg/Bool
+/pad pad own
+    sub /hardware/stop_state std_msgs/msg/Bool
+"""
+LATCHED = QoS(durability=Durability.TRANSIENT_LOCAL)
+
+
+def latched_state(requested: QoS, text: str = STOP, topic: str = "/hardware/stop_state"):
+    """Return a graph in which /board latches a state, sends it seldom, and others read it."""
+    kind = WiringFactKind.STATE_PUBLISHER
+    fact = WiringFact(kind=kind, subject=topic, value="/board")
+    return with_qos(small_graph(text, wiring=(fact,)), LATCHED, requested)
+
 
 LOOP = f"""
 /wheels wheels own
@@ -122,6 +139,7 @@ PAIRS = {
         with_qos(small_graph(SCAN), BEST_EFFORT, RELIABLE),
         with_qos(small_graph(SCAN), RELIABLE, BEST_EFFORT),
     ),
+    "missed_state": (latched_state(RELIABLE), latched_state(LATCHED)),
     "unmatched_topic": (
         small_graph(ODOMETRY.format("filterd")),
         small_graph(ODOMETRY.format("filtered")),
@@ -161,6 +179,7 @@ PAIRS = {
         with_fact("double_frame", "base_link", "odom", "/ekf", "/base"),
         small_graph(SCAN),
     ),
+    "stray_frame": (with_fact("stray_frame", "laser_1", "laser", "/laser"), small_graph(SCAN)),
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=True)),

@@ -193,7 +193,7 @@ class CreatedNode:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrameBroadcast:
-    """A transform that a node broadcasts: its child frame, and its parent frame if it is known.
+    """A transform that a node broadcasts: its child frame and its parent frame, empty if not known.
 
     `is_fixed` says that it never changes. `is_certain` says that no parameter whose value is not
     known decides whether the node broadcasts it.
@@ -207,12 +207,21 @@ class FrameBroadcast:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FrameStamp:
+    """A frame that a node writes into the header of a message, and where."""
+
+    frame: str
+    evidence: Evidence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NodeInterface:
     """All that one node declares, and what of it could not be found out.
 
     `nodes` are those of a process of ROS 2, in the order they are made, `parameters` theirs.
-    `frames` are the transforms whose child frames are known, `plugins` those classes that a model
-    says to be loaded, and that have no model themselves: each has a note called like its class.
+    `frames` are the transforms, `stamps` the frames of its messages as far as they are known,
+    `plugins` those classes that a model says to be loaded, and that have no model themselves: each
+    has a note called like its class.
     """
 
     nodes: tuple[CreatedNode, ...] = ()
@@ -221,6 +230,7 @@ class NodeInterface:
     unresolved: tuple[UnresolvedItem, ...] = ()
     parameters: tuple[NodeParameter, ...] = ()
     frames: tuple[FrameBroadcast, ...] = ()
+    stamps: tuple[FrameStamp, ...] = ()
     plugins: tuple[LoadedPlugin, ...] = ()
 
     def with_location(self, location: Evidence) -> "NodeInterface":

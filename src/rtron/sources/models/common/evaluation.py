@@ -208,15 +208,10 @@ class _ModelWalk:
     def _add_frame(
         self, entry: ModelEntry, child: str, scope: ModelScope, use: _UseContext
     ) -> None:
-        """Record a transform; one whose child frame is not known is left out."""
-        expressions = ModelExpressions(scope)
-        name = expressions.text(child)
-        if expressions.has_unknown or has_placeholder(name) or len(self.frames) >= MAX_ITEMS:
-            return
-        parent = expressions.text(entry.parent)
+        """Record a transform."""
         frame = FrameBroadcast(
-            child=name,
-            parent="" if expressions.has_unknown or has_placeholder(parent) else parent,
+            child=_known_text(child, scope) if len(self.frames) < MAX_ITEMS else "",
+            parent=_known_text(entry.parent, scope),
             is_fixed=entry.fixed,
             is_certain=not use.uncertain,
             evidence=_evidence_of(entry, use),
@@ -310,6 +305,13 @@ def _declaration(
         resolution=Resolution.SYMBOLIC if symbolic else Resolution.MODEL,
         evidence=_evidence_of(entry, use),
     )
+
+
+def _known_text(template: str, scope: ModelScope) -> str:
+    """Return a text as it is in a scope; empty if not all of it is known."""
+    expressions = ModelExpressions(scope)
+    text = expressions.text(template)
+    return "" if expressions.has_unknown or has_placeholder(text) else text
 
 
 def _evidence_of(entry: ModelEntry, use: _UseContext) -> tuple[Evidence, ...]:

@@ -1,11 +1,13 @@
-"""TF frames that several nodes of an app broadcast."""
+"""TF frames of an app: those that several nodes broadcast, and those that nobody does."""
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from itertools import chain
 from typing import TypeAlias
 
-from rtron.sources.declaration import FrameBroadcast
+from rtron.sources.declaration import Declaration, DeclarationKind, FrameBroadcast
 from rtron.sources.static.common.node_part import NodePart
 from rtron.vocabulary import Evidence, WiringFact, WiringFactKind
 
@@ -13,6 +15,9 @@ TRANSFORMS = "/tf"
 """The topic of transforms, before remaps; who remaps it remaps /tf_static too."""
 TRANSFORM_TOPICS = (TRANSFORMS, "/tf_static")
 _LIFECYCLE = "/change_state"
+_NEAR_RATIO = 0.8
+_SHORT = 2
+"""Names of so many letters are in many others."""
 _Frame: TypeAlias = tuple[str, str]
 """The topic that a transform goes to, and its child frame."""
 
@@ -34,17 +39,27 @@ class _Broadcaster:
 class FrameBroadcasters:
     """Which nodes broadcast each frame; each node once, by the first transform that counts.
 
-    `activated` are the managed nodes that are activated when the app starts.
+    `activated` are the managed nodes that are activated when the app starts, `stamps` the frames of
+    messages, with the nodes that send them. `is_whole` says that all transforms are known.
     """
 
+    ros: int
     activated: set[str] = field(default_factory=set)
+    stamps: dict[str, dict[str, Evidence]] = field(default_factory=lambda: defaultdict(dict))
+    is_whole: bool = True
     _nodes: dict[_Frame, dict[Hashable, _Broadcaster]] = field(
         default_factory=lambda: defaultdict(dict)
     )
 
     def add(self, part: NodePart, topic: str) -> None:
         """Note the frames of a part of a node, whose transforms go to a topic."""
-        for frame in part.interface.frames if "{" not in topic else ():
+        frames = [frame for frame in part.interface.frames if frame.child]
+        sends = any(_sends_transforms(each) for each in part.interface.declarations)
+        self.is_whole &= topic == TRANSFORMS and len(frames) == len(part.interface.frames)
+        self.is_whole &= bool(frames) or not sends
+        for stamp in part.interface.stamps:
+            self.stamps[stamp.frame].setdefault(node_name(part), stamp.evidence)
+        for frame in frames if "{" not in topic else ():
             known = self._nodes[topic, frame.child.strip("/")]
             first = known.get(_identity(part))
             is_certain = frame.is_certain and not part.node.is_uncertain
@@ -61,8 +76,46 @@ class FrameBroadcasters:
                 frame = child if topic == TRANSFORMS else f"{child} on {topic}"
                 yield from _facts(_kind(certain), frame, counted)
 
+    def strays(self) -> Iterator[WiringFact]:
+        """Yield a fact for each frame of messages that no transform has, if a near one is there.
+
+        tf2 takes no frame with a slash before it; tf, which nodes of ROS 1 may use, leaves it out.
+        """
+        known = {child: list(nodes.values()) for (_, child), nodes in self._nodes.items()}
+        parents = {each.frame.parent for nodes in known.values() for each in nodes}
+        transformed = sorted(known.keys() | parents - {""})
+        for frame, nodes in sorted(self.stamps.items()) if self.is_whole else ():
+            used = frame.strip("/") if self.ros == 1 else frame
+            near = _near_frame(used, transformed) if used and used not in transformed else ""
+            starts = [each.start for each in known.get(near, ())]
+            if near:
+                yield WiringFact(
+                    kind=WiringFactKind.STRAY_FRAME,
+                    subject=frame,
+                    value=near,
+                    others=tuple(nodes),
+                    evidence=(*nodes.values(), *starts),
+                )
+
     def _is_certain(self, node: _Broadcaster) -> bool:
         return node.frame.is_certain and (not node.is_managed or node.node in self.activated)
+
+
+def _sends_transforms(declaration: Declaration) -> bool:
+    is_sent = declaration.kind is DeclarationKind.PUBLISH
+    return is_sent and declaration.name in {TRANSFORMS, f"{TRANSFORMS}_static"}
+
+
+def _near_frame(frame: str, others: Sequence[str]) -> str:
+    """Return a frame with words or a namespace more or less, or one that is a slip away."""
+    inside = (other for other in others if _extends(frame, other) or _extends(other, frame))
+    return next(chain(inside, get_close_matches(frame, others, 1, _NEAR_RATIO)), "")
+
+
+def _extends(longer: str, shorter: str) -> bool:
+    before, found, behind = longer.partition(shorter)
+    is_part = (not before or before[-1] in "_/") and (not behind or behind[0] in "_/")
+    return bool(found) and is_part and len(shorter) > _SHORT
 
 
 def _broadcaster(part: NodePart, frame: FrameBroadcast) -> _Broadcaster:

@@ -39,7 +39,7 @@ class Assembly(GraphBuilder):
     started_nodes: dict[str, AppNode] = field(default_factory=dict)
     remap_uses: RemapUses = field(default_factory=RemapUses)
     program_outputs: ProgramOutputs = field(default_factory=ProgramOutputs)
-    frames: FrameBroadcasters = field(default_factory=FrameBroadcasters)
+    frames: FrameBroadcasters = field(default_factory=lambda: FrameBroadcasters(ros=1))
 
     def add_node(self, node: AppNode) -> None:
         """Add a node; another one of its name takes its place in ROS, and is noted here."""
@@ -92,7 +92,7 @@ class Assembly(GraphBuilder):
                 self.remap_uses.add_behind_all(remap)
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values(), parameters.leaves))
         self.add_wiring(*self.program_outputs.shared())
-        self.add_wiring(*self.frames.facts())
+        self.add_wiring(*self.frames.facts(), *self.frames.strays())
 
     def add_clock(self, parts: Iterable[NodePart], parameters: ParameterTree) -> None:
         """Let every node that is one of ROS follow simulated time, where that is set."""

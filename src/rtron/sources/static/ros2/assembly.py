@@ -47,7 +47,7 @@ class Ros2Assembly(GraphBuilder):
     ros: int = 2
     remap_uses: RemapUses = field(default_factory=RemapUses)
     program_outputs: ProgramOutputs = field(default_factory=ProgramOutputs)
-    frames: FrameBroadcasters = field(default_factory=FrameBroadcasters)
+    frames: FrameBroadcasters = field(default_factory=lambda: FrameBroadcasters(ros=2))
     _started: dict[str, AppNode] = field(default_factory=dict)
 
     def add_part(self, part: NodePart) -> None:
@@ -92,7 +92,7 @@ class Ros2Assembly(GraphBuilder):
         """Note what is wired in vain or twice: remaps, parameters; outputs and frames."""
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
         self.add_wiring(*self.program_outputs.shared())
-        self.add_wiring(*self.frames.facts())
+        self.add_wiring(*self.frames.facts(), *self.frames.strays())
         values = (
             (f"{each.node}/{each.name}", each.value, self._started[each.node].evidence)
             for each in self.parameters.values()

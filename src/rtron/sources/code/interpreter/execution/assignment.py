@@ -34,6 +34,11 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import Attr, Expr, Index, Name, SequenceExpr, Star
+from rtron.sources.declaration import FrameStamp
+from rtron.vocabulary import Evidence
+
+STAMPED = "frame_id"
+"""The field of a message's header that names its frame (std_msgs/Header)."""
 
 
 def assign(machine: AbstractMachine, target: Expr, value: Value, frame: StackFrame) -> None:
@@ -93,10 +98,26 @@ def _unpack_parts(target: SequenceExpr, value: Value) -> tuple[Value, ...]:
 def _assign_member(machine: AbstractMachine, target: Attr, value: Value, frame: StackFrame) -> None:
     owners = options(machine.evaluate(target.owner, frame))
     at = Arguments(line=machine.line, frame=frame)
+    if target.name == STAMPED and _owner_name(target) == "header":
+        _note_stamp(machine, owners, value, at.evidence)
     for owner in owners:
         before = owner.fields.get(target.name) if isinstance(owner, _OBJECTS) else None
         new = value if len(owners) == 1 or before is None else join([before, value])
         assign_member(machine, owner, target.name, new, at)
+
+
+def _owner_name(target: Attr) -> str:
+    owner = target.owner
+    return owner.name if isinstance(owner, Attr) else owner.id if isinstance(owner, Name) else ""
+
+
+def _note_stamp(
+    machine: AbstractMachine, headers: tuple[Value, ...], value: Value, place: Evidence
+) -> None:
+    """Note the frame of a message, if it is known; what names a child frame too is a transform."""
+    is_transform = any(isinstance(each, Instance) for each in headers)
+    if isinstance(value, Scalar) and isinstance(value.value, str) and not is_transform:
+        machine.recorder.add_stamp(FrameStamp(frame=str(value.value), evidence=place))
 
 
 def assign_member(

@@ -20,6 +20,7 @@ from rtron.sources.declaration import (
     Declaration,
     DeclarationKind,
     FrameBroadcast,
+    FrameStamp,
     NodeInterface,
     NodeSite,
     RuntimeStart,
@@ -60,6 +61,7 @@ class DeclarationRecorder:
     _nodes: dict[str, CreatedNode] = field(default_factory=dict)
     _parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
     _frames: dict[FrameBroadcast, None] = field(default_factory=dict)
+    _stamps: dict[FrameStamp, None] = field(default_factory=dict)
     _undecided_parameters: int = 0
     _undecided_conditions: int = 0
     _starts: dict[RuntimeStart, None] = field(default_factory=dict)
@@ -155,9 +157,16 @@ class DeclarationRecorder:
 
     def add_frame(self, frame: FrameBroadcast) -> None:
         """Record a transform that the node broadcasts."""
-        if not self.muted and len(self._frames) < MAX_DECLARATIONS:
+        if not self.muted:
             is_certain = frame.is_certain and not self._undecided_parameters
-            self._frames[replace(frame, is_certain=is_certain)] = None
+            found = replace(frame, is_certain=is_certain)
+            is_full = len(self._frames) >= MAX_DECLARATIONS
+            self._frames[FrameBroadcast(child="") if is_full else found] = None
+
+    def add_stamp(self, stamp: FrameStamp) -> None:
+        """Record a frame of a message, unless a parameter that is not known decides on it."""
+        if not (self.muted or self._undecided_parameters) and len(self._stamps) < MAX_DECLARATIONS:
+            self._stamps[stamp] = None
 
     def add_node(self, made: CreatedNode) -> None:
         """Record a node that the process makes."""
@@ -200,6 +209,7 @@ class DeclarationRecorder:
         self._nodes.update({made.name: made for made in other.nodes})
         self._parameters.update({(each.node, each.name): each for each in other.parameters})
         self._frames.update(dict.fromkeys(other.frames))
+        self._stamps.update(dict.fromkeys(other.stamps))
         self._starts.update(dict.fromkeys(other.runtime_starts))
         self._unresolved.update(dict.fromkeys(other.unresolved))
 
@@ -216,6 +226,7 @@ class DeclarationRecorder:
             unresolved=tuple(self._unresolved),
             parameters=tuple(self._parameters.values()),
             frames=tuple(self._frames),
+            stamps=tuple(self._stamps),
         )
 
     def _add_declaration(self, declared: Declaration) -> None:

@@ -28,14 +28,13 @@ def _send_transform(
     child, parent = arguments.get(3, "child"), arguments.get(4, "parent")
     sent = [(child, parent)] if child else map(_frames, _messages(arguments.get(0, "transform")))
     for name, below in sent:
-        if known := _known_text(name):
-            frame = FrameBroadcast(
-                child=known,
-                parent=_known_text(below),
-                is_fixed=is_fixed,
-                evidence=(arguments.evidence,),
-            )
-            machine.recorder.add_frame(frame)
+        frame = FrameBroadcast(
+            child=_known_text(name),
+            parent=_known_text(below),
+            is_fixed=is_fixed,
+            evidence=(arguments.evidence,),
+        )
+        machine.recorder.add_frame(frame)
     return NONE
 
 

@@ -1,0 +1,65 @@
+"""Messages name a frame that is in no transform.
+
+## What it finds
+
+A frame that the source of a node writes into the header of a message (`header.frame_id`), as a
+constant or from parameters with the values of the launch, and that no transform of the launch has,
+where a near one is there: with a suffix, a prefix or a namespace more or less, or a few letters
+off. In ROS 2 so is a frame with a slash before it, which tf2 does not take.
+
+All transforms must be known: those of broadcasters in source, of `static_transform_publisher`, of
+the robot description and of the nodes that RTron has models of. Where one is not, where a node or
+a file was not read, or where transforms go to several topics, the rule is silent.
+
+## Why it matters
+
+Whoever transforms the messages waits for a transform that never comes, and drops them: no map, no
+obstacles, a fused pose without the sensor.
+
+## Remedy
+
+Give the messages and the transform one name.
+
+## Example
+
+The driver of a laser stamps its scans with `pico_1`; the static transform is for `pico`.
+"""
+
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.findings.wiring_groups import WiringGroup, wiring_groups
+from rtron.vocabulary import Certainty, Consequence, Finding, WiringFactKind
+from rtron.wording import conjugate, join_names
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each frame of messages that is in no transform."""
+    for group in wiring_groups(app.graph, WiringFactKind.STRAY_FRAME) if app.is_whole else ():
+        yield _finding(group)
+
+
+def _finding(group: WiringGroup) -> Finding:
+    near = group.values[0]
+    return make_finding(
+        RULE.name,
+        group.subject,
+        summary=f"{join_names(group.others)} {conjugate(group.others, 'send')} messages in the "
+        f"frame {group.subject}, which is in no transform",
+        cause=f"the transforms of this launch have {near}",
+        remedy=f"did you mean {near}? Give the messages and the transform one name",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY,
+        nodes=group.others,
+        evidence=group.evidence,
+    )
+
+
+RULE = FindingRule(
+    name="stray_frame",
+    title="Messages name a frame that is in no transform",
+    consequence="failure: likely",
+    since="0.2.0",
+    check=check,
+)

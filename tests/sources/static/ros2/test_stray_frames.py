@@ -1,0 +1,109 @@
+"""Frames of messages that no transform of an app has, in both generations of ROS."""
+
+import pytest
+
+from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.sources.static.ros1.app import scan_app
+from rtron.sources.static.ros2.app import scan_ros2_app
+
+NODES = {
+    1: """#!/usr/bin/env python3
+import rospy
+from sensor_msgs.msg import LaserScan
+rospy.init_node("laser")
+pub = rospy.Publisher("scan", LaserScan, queue_size=1)
+scan = LaserScan()
+scan.header.frame_id = "{}"
+pub.publish(scan)
+""",
+    2: """#!/usr/bin/env python3
+import rclpy
+from rclpy.node import Node
+from sensor_msgs.msg import LaserScan
+rclpy.init()
+node = Node("laser")
+pub = node.create_publisher(LaserScan, "scan", 1)
+scan = LaserScan()
+scan.header.frame_id = "{}"
+pub.publish(scan)
+""",
+}
+KEYS = {1: "type", 2: "exec"}
+
+
+@pytest.fixture
+def strays(tmp_path):
+    """Return the stray frames of an app whose laser has one frame and whose launch has another."""
+
+    def scan(stamped, *transforms, ros=2, more=""):
+        (tmp_path / "package.xml").write_text("<package><name>app</name></package>")
+        script = tmp_path / "scripts/laser.py"
+        script.parent.mkdir(exist_ok=True)
+        script.write_text(NODES[ros].format(stamped))
+        script.chmod(0o755)
+        fixed = "".join(
+            f'<node pkg="tf2_ros" {KEYS[ros]}="static_transform_publisher" name="t{index}" '
+            f'args="0 0 0 0 0 0 base_link {child}"/>'
+            for index, child in enumerate(transforms)
+        )
+        launch = tmp_path / "app.launch.xml"
+        launch.write_text(
+            f'<launch><node pkg="app" {KEYS[ros]}="laser.py" name="laser"/>{fixed}{more}</launch>'
+        )
+        options = ScanOptions(workers=1)
+        if ros == 1:
+            graph = scan_app([tmp_path], [(launch, {})], {}, options).graph
+        else:
+            graph = scan_ros2_app([tmp_path], [(launch, {})], {}, options)
+        facts = [fact for fact in graph.wiring if fact.kind == "stray_frame"]
+        assert all(fact.others == ("/laser",) for fact in facts)
+        return [(fact.subject, fact.value, len(fact.evidence)) for fact in facts]
+
+    return scan
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+@pytest.mark.parametrize(
+    ("stamped", "near"),
+    [
+        ("pico_1", "pico"),
+        ("front_pico", "pico"),
+        ("robot/pico", "pico"),
+        ("pico", "pico_link"),
+        ("laser_frane", "laser_frame"),
+    ],
+)
+def test_a_frame_that_is_near_one_of_a_transform(strays, ros, stamped, near):
+    assert strays(stamped, "wheel", near, ros=ros) == [(stamped, near, 2)]
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+@pytest.mark.parametrize("stamped", ["pico", "base_link", "sonar", "li", ""])
+def test_one_that_is_known_or_like_none_is_not_found(strays, ros, stamped):
+    assert strays(stamped, "pico", "x_li", ros=ros) == []
+
+
+def test_a_slash_before_it_is_for_ros_1_alone(strays):
+    assert strays("/pico", "pico", ros=1) == []
+    assert strays("/pico", "pico", ros=2) == [("/pico", "pico", 2)]
+
+
+def test_the_parent_of_a_frame_is_near_too(strays):
+    assert strays("base_link_1", "pico") == [("base_link_1", "base_link", 1)]
+
+
+REALSENSE = '<node pkg="realsense2_camera" exec="realsense2_camera_node" name="camera"/>'
+UNKNOWN = '<node pkg="tf2_ros" exec="static_transform_publisher" args="{}" name="x"/>'
+MOVED = '<group><set_remap from="/tf" to="/a/tf"/>{}</group>'
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        REALSENSE,
+        UNKNOWN.format("0 0 0 0 0 0 base_link $(command x)"),
+        MOVED.format(UNKNOWN.format("0 0 0 0 0 0 base_link mast")),
+    ],
+)
+def test_nothing_is_found_where_not_all_transforms_are_known(strays, more):
+    assert strays("pico_1", "pico", more=more) == []
