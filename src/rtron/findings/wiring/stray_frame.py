@@ -5,7 +5,8 @@
 A frame that the source of a node writes into the header of a message (`header.frame_id`), as a
 constant or from parameters with the values of the launch, and that no transform of the launch has,
 where a near one is there: with a suffix, a prefix or a namespace more or less, or a few letters
-off. In ROS 2 so is a frame with a slash before it, which tf2 does not take.
+off. In ROS 2 so is a frame with a slash before it, which tf2 does not take. In ROS 1 a transform
+may have the frame below a prefix, as `tf_prefix` makes it.
 
 All transforms must be known: those of broadcasters in source, of `static_transform_publisher`, of
 the robot description and of the nodes that RTron has models of. Where one is not, where a node or

@@ -88,6 +88,11 @@ def test_a_slash_before_it_is_for_ros_1_alone(strays):
     assert strays("/pico", "pico", ros=2) == [("/pico", "pico", 2)]
 
 
+def test_a_prefix_before_the_transform_is_for_ros_2_alone(strays):
+    assert strays("pico", "robot/pico", ros=1) == []
+    assert strays("pico", "robot/pico", ros=2) == [("pico", "robot/pico", 2)]
+
+
 def test_the_parent_of_a_frame_is_near_too(strays):
     assert strays("base_link_1", "pico") == [("base_link_1", "base_link", 1)]
 
@@ -102,6 +107,7 @@ MOVED = '<group><set_remap from="/tf" to="/a/tf"/>{}</group>'
     [
         REALSENSE,
         UNKNOWN.format("0 0 0 0 0 0 base_link $(command x)"),
+        UNKNOWN.format("0 0 0 0 0 0 $(command x) mast"),
         MOVED.format(UNKNOWN.format("0 0 0 0 0 0 base_link mast")),
     ],
 )

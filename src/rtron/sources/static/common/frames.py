@@ -55,7 +55,8 @@ class FrameBroadcasters:
         """Note the frames of a part of a node, whose transforms go to a topic."""
         frames = [frame for frame in part.interface.frames if frame.child]
         sends = any(_sends_transforms(each) for each in part.interface.declarations)
-        self.is_whole &= topic == TRANSFORMS and len(frames) == len(part.interface.frames)
+        is_known = all(frame.child and frame.parent for frame in part.interface.frames)
+        self.is_whole &= is_known and topic == TRANSFORMS
         self.is_whole &= bool(frames) or not sends
         for stamp in part.interface.stamps:
             self.stamps[stamp.frame].setdefault(node_name(part), stamp.evidence)
@@ -79,14 +80,14 @@ class FrameBroadcasters:
     def strays(self) -> Iterator[WiringFact]:
         """Yield a fact for each frame of messages that no transform has, if a near one is there.
 
-        tf2 takes no frame with a slash before it; tf, which nodes of ROS 1 may use, leaves it out.
+        tf2 takes no frame with a slash before it. tf, which nodes of ROS 1 may use, leaves it out,
+        and looks below the prefix that a node has.
         """
         known = {child: list(nodes.values()) for (_, child), nodes in self._nodes.items()}
         parents = {each.frame.parent for nodes in known.values() for each in nodes}
         transformed = sorted(known.keys() | parents - {""})
         for frame, nodes in sorted(self.stamps.items()) if self.is_whole else ():
-            used = frame.strip("/") if self.ros == 1 else frame
-            near = _near_frame(used, transformed) if used and used not in transformed else ""
+            near = _near_frame(frame, transformed) if not self._has(frame, transformed) else ""
             starts = [each.start for each in known.get(near, ())]
             if near:
                 yield WiringFact(
@@ -96,6 +97,12 @@ class FrameBroadcasters:
                     others=tuple(nodes),
                     evidence=(*nodes.values(), *starts),
                 )
+
+    def _has(self, frame: str, transformed: Sequence[str]) -> bool:
+        """Return whether a frame is in a transform, or none at all."""
+        if self.ros > 1:
+            return not frame or frame in transformed
+        return any(f"/{each}".endswith(f"/{frame.strip('/')}") for each in ("", *transformed))
 
     def _is_certain(self, node: _Broadcaster) -> bool:
         return node.frame.is_certain and (not node.is_managed or node.node in self.activated)

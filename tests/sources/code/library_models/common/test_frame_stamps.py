@@ -44,6 +44,8 @@ def test_the_launch_gives_its_value():
     [
         ("scan.header.frame_id", ["laser"]),
         ("header.frame_id", ["laser"]),
+        ("unknown().header.frame_id", ["laser"]),
+        ("unknown().frame_id", []),
         ("scan.frame_id", []),
         ("scan.header.stamp", []),
         ("frame_id", []),
