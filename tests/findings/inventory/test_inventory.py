@@ -396,6 +396,7 @@ def with_program(graph, node, package, executable):
     return replace(graph, nodes=tuple(nodes))
 
 
+JOINTS = ("joint_trajectory_controller", "joint_trajectory_controller/Controller")
 DIFF_DRIVE = ("diff_drive_controller", "diff_drive_controller/DiffDriveController")
 
 
@@ -663,3 +664,47 @@ def test_hardware_stands_in_the_process_of_its_manager_whatever_that_calls_itsel
 def all_names(graph):
     movers = take_inventory(app_facts(graph))
     return [name for mover in movers for name in names(mover.commands)]
+
+
+@pytest.mark.parametrize(
+    ("package", "thing"),
+    [("twist_controller", Thing.ARM), ("diff_drive_controller", Thing.BASE)],
+)
+def test_a_controller_of_no_base_moves_the_arm_beside_it(package, thing):
+    text = f"/twist t own\n    sub /twist/commands {TWIST}\n"
+    graph = with_program(small_graph(text), "/twist", package, f"{package}/Controller")
+    (mover,) = take_inventory(app_facts(graph))
+    assert mover.thing is Thing.BASE
+    arm = "/arm a own\n    sub /arm/joint_trajectory trajectory_msgs/msg/JointTrajectory\n"
+    graph = with_program(small_graph(text + arm), "/twist", package, f"{package}/Controller")
+    graph = with_program(graph, "/arm", *JOINTS)
+    movers = {each.drivers: each.thing for each in take_inventory(app_facts(graph))}
+    assert movers == {("/twist",): thing, ("/arm",): Thing.ARM}
+    graph = with_program(small_graph(TWO_DRIVERS + arm), "/arm", *JOINTS)
+    assert [each.thing for each in take_inventory(app_facts(graph))] == [Thing.BASE, Thing.ARM]
+
+
+@pytest.mark.parametrize(
+    ("node", "package"),
+    [("/navsat/nmea_serial_node", "nmea_comms"), ("/rosserial_message_info", "rosserial_python")],
+)
+def test_a_sensor_that_was_not_read_moves_nothing(node, package):
+    text = f"{node} {package} third_party\n"
+    assert inventory(text + FIRMWARE, unread=(node,)) == ()
+    found = inventory(text + FIRMWARE, unread=(node, "/firmware"))
+    assert [each.drivers for each in found] == [("/firmware",)]
+    found = inventory(TWO_DRIVERS + text + FIRMWARE, unread=(node, "/firmware"))
+    assert found[0].unread == ("/firmware",)
+
+
+def test_a_server_of_goals_takes_them_from_a_topic_too():
+    text = """
+/navigator n third_party
+    server /navigate_to_pose nav2_msgs/action/NavigateToPose
+    sub /goal_pose geometry_msgs/msg/PoseStamped
+    sub /scan sensor_msgs/msg/LaserScan
+"""
+    mover = the_mover(text)
+    assert names(mover.commands) == ["/navigate_to_pose", "/goal_pose"]
+    assert names(mover.last_commands) == ["/navigate_to_pose"]
+    assert mover.arbiters == ()

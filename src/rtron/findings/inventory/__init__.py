@@ -8,7 +8,7 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
-from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles
+from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles, is_no_driver
 from rtron.findings.inventory.stopping import stopping
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
@@ -65,7 +65,11 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
     """
     listed = {node for mover in movers for node in mover.drivers}
     listed |= {*bridges(app)}
-    packages = {node: app.nodes[node].package for node in app.unread_nodes if node not in listed}
+    packages = {
+        node: app.nodes[node].package
+        for node in app.unread_nodes
+        if node not in listed and not is_no_driver(app.nodes[node])
+    }
     named = [n for n, p in packages.items() if p in FIRMWARE_PACKAGES or moves(n, p)]
     has_driver = any(mover.drivers or mover.unread for mover in movers)
     if unread := named or (() if has_driver else tuple(packages)):
@@ -107,7 +111,11 @@ def _merged(
 
 def _unread_parts(app: AppFacts) -> tuple[str, ...]:
     """Return the nodes that were not read, else the first launch file that starts more."""
-    nodes = tuple(node for node in app.unread_nodes if node not in bridges(app))
+    nodes = tuple(
+        node
+        for node in app.unread_nodes
+        if node not in bridges(app) and not is_no_driver(app.nodes[node])
+    )
     return nodes or tuple(name for name in app.unread_files if ".launch" in name)[:1]
 
 
@@ -115,7 +123,8 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     topics = [each for each in last if each.means is Means.TOPIC]
     streamed = [each for each in topics if each.type not in SIGNALS]
     behind = list(commands.forwarding.behind(topics))
-    everything = _distinct([*last, *(command for _, command in behind)])
+    goals = commands.forwarding.goals(each for each in last if each.means is Means.ACTION)
+    everything = _distinct([*last, *(command for _, command in behind), *goals])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
     end = (

@@ -4,6 +4,7 @@ import re
 from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles
@@ -17,6 +18,10 @@ COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
 _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
 _ORDERS = SIGNALS | {"std_msgs/String"}
+_OF_BASE = re.compile(
+    "drive|steer|wheel|base|chassis|omni|mecanum|ackermann|tricycle|bicycle", re.IGNORECASE
+)
+"""Words in the classes of controllers that move a base: beside an arm, others move that."""
 _JOY = "sensor_msgs/Joy"
 _HANDS = frozenset({_JOY, "visualization_msgs/InteractiveMarkerFeedback"})
 """What a person does: with a joystick, and with a marker in a viewer."""
@@ -46,9 +51,26 @@ class CommandTopics:
         if topic in self.locks or self.app.is_stop(topic):
             return Thing.STOP
         thing = self._things.get(topic) or Thing.DEVICE
+        if thing is Thing.BASE and self._has_arm and self._moves_tool(topic):
+            return Thing.ARM
         nodes = (*self.app.publishers(topic), *self.app.readers(topic))
         named = filter(None, map(thing_of_node, nodes)) if thing is Thing.DEVICE else ()
         return next(iter(named), thing)
+
+    @cached_property
+    def _has_arm(self) -> bool:
+        """Whether a controller of ros2_control moves an arm."""
+        followed = (topic for topic, thing in self._things.items() if thing is Thing.ARM)
+        return any(
+            map(self.roles.is_controller, chain.from_iterable(map(self.app.readers, followed)))
+        )
+
+    def _moves_tool(self, topic: str) -> bool:
+        """Return whether those that obey a topic are controllers of no base."""
+        readers = self.app.readers(topic)
+        programs = [self.app.nodes[node].executable for node in readers if node in self.app.nodes]
+        is_controlled = bool(readers) and all(map(self.roles.is_controller, readers))
+        return is_controlled and not any(map(_OF_BASE.search, programs))
 
     @cached_property
     def ranks(self) -> dict[str, dict[str, str]]:

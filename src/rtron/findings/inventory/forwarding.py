@@ -38,6 +38,13 @@ class Forwarding:
                     visited.update(further)
                     pending += [(each, hops + 1) for each in further]
 
+    def goals(self, actions: Iterable[Command]) -> Iterator[Command]:
+        """Yield the topics from which the servers of actions take goals, too."""
+        for node in dict.fromkeys(node for each in actions for node in each.receivers):
+            for topic in () if self.topics.roles.drives(node) else self.topics.inputs.get(node, ()):
+                if not self.is_feedback(topic):
+                    yield self.topics.command(topic, 1)
+
     def decides(self, node: str) -> bool:
         """Return whether a node decides between commands: an arbiter, or one that takes several."""
         return node in self.topics.ranks or len(self.topics.inputs.get(node, ())) > 1

@@ -27,6 +27,10 @@ _LISTENERS = re.compile(
 )
 """Words in the names of nodes that hear commands and obey none."""
 _READINGS = frozenset({"nav_msgs/Odometry", "sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
+_SENSORS = re.compile(
+    r"(?:^|[/_-])(?:nmea|navsat|gnss|gps|imu|lidar|camera|message_info)(?:[/_-]|$)"
+)
+"""Words in the names of what measures, whatever port it opens; rosserial's node for types, too."""
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
 
 
@@ -117,6 +121,11 @@ class NodeRoles:
         types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
         is_unread = node in self.app.unread_nodes
         return self.drives(node) or is_unread or not types.isdisjoint(_MOVED)
+
+
+def is_no_driver(node: Node) -> bool:
+    """Return whether a node that was not read is called like a sensor, by itself or its package."""
+    return bool(_SENSORS.search(node.name) or _SENSORS.search(node.package))
 
 
 def _is_named_listener(node: Node) -> bool:

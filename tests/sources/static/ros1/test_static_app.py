@@ -199,3 +199,16 @@ def test_what_starts_ever_new_launches_ends(folder, monkeypatch):
     assert {node.name for node in graph.nodes} == {"/boss0", "/boss1", "/boss2"}
     notes = {note.what: note.why for note in graph.unresolved}
     assert notes["node /boss3"] == "launch files start each other more than 3 levels deep"
+
+
+def test_an_argument_that_one_of_several_launch_files_declares_is_declared(tmp_path):
+    paths = [tmp_path / name for name in ("a.launch", "b.launch")]
+    paths[0].write_text("<launch/>")
+    paths[1].write_text('<launch><arg name="joystick" default="0"/></launch>')
+
+    def notes(name):
+        wanted = [(path, {name: "1"}) for path in paths]
+        return [note.what for note in scan_app([tmp_path], wanted, {}, ONE).graph.unresolved]
+
+    assert notes("joystick") == []
+    assert notes("joystik") == ["launch argument joystik"]

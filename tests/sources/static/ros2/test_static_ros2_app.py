@@ -202,3 +202,16 @@ def test_what_is_not_understood_in_build_files_of_its_packages_is_noted(tmp_path
     found = {note.what: (note.evidence[0].file, note.evidence[0].line) for note in notes}
     assert found["my_node(x …)"] == (f"{tmp_path}/p/CMakeLists.txt", 5)
     assert found["program p/arm"] == (f"{tmp_path}/p/CMakeLists.txt", 2)
+
+
+def test_an_argument_that_one_of_several_launch_files_declares_is_declared(tmp_path):
+    paths = [tmp_path / name for name in ("a.launch.xml", "b.launch.xml")]
+    paths[0].write_text("<launch/>")
+    paths[1].write_text('<launch><arg name="joystick" default="0"/></launch>')
+
+    def notes(name):
+        wanted = [(path, {name: "1"}) for path in paths]
+        return [note.what for note in scan_ros2_app([tmp_path], wanted, {}, ONE).unresolved]
+
+    assert notes("joystick") == []
+    assert notes("joystik") == ["launch argument joystik"]

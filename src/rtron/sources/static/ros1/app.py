@@ -116,8 +116,9 @@ def _assemble(
     assembly.add_parameters(launch_trees.parameters)
     assembly.add_wiring(*unread_parameters(parts, launch_trees.parameters))
     assembly.add_unresolved(*(note for tree in launch_trees.trees for note in tree.unresolved))
-    for (_, passed), tree in zip(launch_trees.requested, launch_trees.trees, strict=False):
-        assembly.add_unresolved(*undeclared_arguments(passed, tree.declared))
+    passed = {name for _, given in launch_trees.requested for name in given}
+    declared = {name for tree in launch_trees.trees for name in tree.declared}
+    assembly.add_unresolved(*undeclared_arguments(passed, declared))
     assembly.add_unresolved(*launch_trees.unresolved.entries, *simulation.unresolved())
     assembly.add_unresolved(*workspace.unresolved_in(node.package for node in nodes))
     assembly.add_unresolved(

@@ -82,8 +82,9 @@ def scan_ros2_app(
         assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes)))
     assembly.add_wiring_facts()
     assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
-    for (_, passed), launch in zip(launches, app_launches, strict=True):
-        assembly.add_unresolved(*undeclared_arguments(passed, launch.declared))
+    passed = {name for _, given in launches for name in given}
+    declared = {name for launch in app_launches for name in launch.declared}
+    assembly.add_unresolved(*undeclared_arguments(passed, declared))
     assembly.add_unresolved(*workspace.unresolved_in(node.package for node in nodes))
     assembly.add_unresolved(*node_builder.unresolved.entries, *gazebo_servers.unresolved.entries)
     return assembly.build(Path(app_launches[0].file).name.split(".")[0] if app_launches else "")
