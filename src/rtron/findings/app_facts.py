@@ -188,19 +188,33 @@ class AppFacts:
         if _OF_PX4[direction] in topic or self._has_unread_calls:
             return True
         is_open = any(self._may_be(end, topic) for end in self._open_ends[direction])
-        return is_open or any(self._may_join(each, topic) for each in self._unread)
+        return is_open or any(self._may_join(*each, topic) for each in self._unread)
 
     @cached_property
-    def _unread(self) -> tuple[str, ...]:
-        """The names of what was not read: nodes with their packages, and launch files."""
-        packages = (self.nodes[name].package for name in self.unread_nodes)
-        nodes = map("/".join, zip(self.unread_nodes, packages, strict=True))
-        return (*nodes, *self.unread_files)
+    def _unread(self) -> tuple[tuple[str, str], ...]:
+        """What was not read: nodes with their packages, and launch files without a node."""
+        nodes = ((name, f"{name}/{self.nodes[name].package}") for name in self.unread_nodes)
+        return (*nodes, *(("", file) for file in self.unread_files))
 
-    def _may_join(self, unread: str, topic: str) -> bool:
-        """Return whether what was not read may have an end of a topic: no camera sends commands."""
-        words = re.split(r"\W|_", unread.lower()) if self.is_motion(topic) else ()
-        return not any(map(_MOVES_NOTHING.fullmatch, words))
+    def _may_join(self, node: str, shown: str, topic: str) -> bool:
+        """Return whether what was not read may have an end of a topic.
+
+        Who is given names of commands joins no other commands, and no camera commands anything.
+        """
+        if not self.is_motion(topic):
+            return True
+        if commands := self._commands_of_unread.get(node):
+            return topic in commands
+        return not any(map(_MOVES_NOTHING.fullmatch, re.split(r"\W|_", shown.lower())))
+
+    @cached_property
+    def _commands_of_unread(self) -> dict[str, frozenset[str]]:
+        """The commands of motion that remaps and parameters name to nodes that were not read."""
+        return {
+            fact.subject: frozenset(filter(self.is_motion, fact.others))
+            for fact in self.graph.wiring
+            if fact.kind is WiringFactKind.UNREAD_NODE
+        }
 
     def _may_be(self, end: Endpoint, topic: str) -> bool:
         """Return whether an endpoint whose name is known in part may be one of a topic."""
