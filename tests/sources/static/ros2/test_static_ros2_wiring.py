@@ -81,6 +81,12 @@ def test_one_that_nobody_uses_is_found_where_the_nodes_are_read_whole(facts, mor
         assert found == [("/nothing", "/b")] * (kind in kinds)
 
 
+def test_what_others_use_a_model_may_lack(facts):
+    idle, other = CONTROLLERS.format(remap("used", "b")), remap("image", "used")
+    assert facts("unused_remap", idle, right=other) == [("/used", "/b", "/controller_manager")]
+    assert facts("idle_remap", idle, right=other) == []
+
+
 def test_a_node_that_is_not_read_has_the_names_that_the_launch_gives_it(facts, tmp_path):
     section = "{}: {{ros__parameters: {{output: /{}}}}}\n"
     sections = section.format("gone", "mine") + section.format("left", "others")
