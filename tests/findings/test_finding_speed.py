@@ -6,8 +6,17 @@ from time import process_time
 import pytest
 
 from rtron.findings import app_facts, find_findings
-from rtron.vocabulary import Direction, Endpoint, InteractionGraph, QoS, Reliability
+from rtron.vocabulary import (
+    Direction,
+    Endpoint,
+    InteractionGraph,
+    QoS,
+    Reliability,
+    WiringFact,
+    WiringFactKind,
+)
 
+IDLE = WiringFactKind.IDLE_REMAP
 PUB, SUB = Direction.PUBLISH, Direction.SUBSCRIBE
 OFFERED = {PUB: QoS(reliability=Reliability.BEST_EFFORT), SUB: QoS()}
 
@@ -34,10 +43,11 @@ def commands(size):
     return ends + [(f"/base{i}", f"/base{i}/chassis", SUB) for i in range(size)]
 
 
-def seconds(ends, type="a/B"):
+def seconds(ends, type="a/B", wiring=()):
     graph = InteractionGraph(
         app="big",
         ros=2,
+        wiring=wiring,
         endpoints=tuple(
             Endpoint(node=n, topic=t, type=type, direction=d, qos=OFFERED[d]) for n, t, d in ends
         ),
@@ -54,6 +64,19 @@ def seconds(ends, type="a/B"):
 @pytest.mark.parametrize("shape", [crowd, hub, namesakes])
 def test_ten_times_the_endpoints_take_ten_times_as_long(shape):
     small, large = seconds(shape(500)), seconds(shape(5000))
+    assert large < 30 * small
+
+
+def test_it_is_so_with_remaps_of_one_node_that_change_nothing():
+    def remapped(size):
+        facts = (
+            WiringFact(kind=kind, subject=f"/old/{i}", value=f"/scan/{2 * i}", others=others)
+            for i in range(size)
+            for kind, others in ((WiringFactKind.UNUSED_REMAP, ("/hub",)), (IDLE, ()))
+        )
+        return tuple(facts)
+
+    small, large = (seconds(hub(size), wiring=remapped(size)) for size in (300, 3000))
     assert large < 30 * small
 
 

@@ -518,6 +518,23 @@ class TestLooseCommand:
         assert bool(found("open_command", graph)) is not is_joined
 
     @pytest.mark.parametrize(
+        ("names", "is_joined"),
+        [
+            (("/arm/cmd_vel", "/arm/cmd_vel_stamped"), True),
+            (("/arm/cmd_vel", "/cmd_vel"), False),
+            (("/chassis",), False),
+            (("/odom",), False),  # its commands have the names that its source gives them
+            ((), False),
+        ],
+    )
+    def test_a_node_that_is_given_names_of_commands_joins_no_others(self, names, is_joined):
+        kind = WiringFactKind.UNREAD_NODE
+        facts = (WiringFact(kind=kind, subject="/twist_stamper", others=names),)
+        text = f"{self.NAV}{self.WHEELS}/twist_stamper twist_stamper third_party\n"
+        graph = small_graph(text, unread=("/twist_stamper",), wiring=facts)
+        assert bool(found("lost_command", graph)) is is_joined
+
+    @pytest.mark.parametrize(
         ("type", "is_joined"), [(TWIST, False), ("", False), ("sensor_msgs/msg/Image", True)]
     )
     @pytest.mark.parametrize("direction", Direction)

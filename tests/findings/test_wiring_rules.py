@@ -644,6 +644,20 @@ class TestIdleRemap:
         )
         assert not found("idle_remap", graph)
 
+    @pytest.mark.parametrize(
+        ("name", "direction", "is_joined"),
+        [
+            ("/left/{?}", Direction.PUBLISH, False),
+            ("/roo{?}", Direction.SUBSCRIBE, False),
+            ("/right/{?}", Direction.PUBLISH, True),
+        ],
+    )
+    def test_a_name_known_in_part_may_be_either_end(self, name, direction, is_joined):
+        end = Endpoint(node="/mix", topic=name, type=self.IMAGE, direction=direction)
+        graph = self.graph("/roof", "/left/points")
+        graph = replace(graph, endpoints=(*graph.endpoints, end))
+        assert bool(found("idle_remap", graph)) is is_joined
+
     def test_that_nobody_uses_the_name_is_for_the_pedantic(self):
         kinds = ("unused_remap", "idle_remap")
         finding = the_finding("idle_remap", self.graph("/a", "/b", kinds=kinds))

@@ -18,6 +18,7 @@ from rtron.vocabulary import (
     Evidence,
     InteractionGraph,
     Node,
+    WiringFact,
     WiringFactKind,
     fits_open_name,
     normalise_type,
@@ -188,19 +189,38 @@ class AppFacts:
         if _OF_PX4[direction] in topic or self._has_unread_calls:
             return True
         is_open = any(self._may_be(end, topic) for end in self._open_ends[direction])
-        return is_open or any(self._may_join(each, topic) for each in self._unread)
+        return is_open or self._may_be_unread(topic)
+
+    def _may_be_unread(self, topic: str) -> bool:
+        """Return whether what was not read may have an end of a topic.
+
+        Who is given names of commands joins no other commands, and no camera commands anything.
+        """
+        if not self.is_motion(topic):
+            return bool(self.unread_nodes or self.unread_files)
+        return self._may_unread_command or topic in self._commands_of_unread
 
     @cached_property
-    def _unread(self) -> tuple[str, ...]:
-        """The names of what was not read: nodes with their packages, and launch files."""
-        packages = (self.nodes[name].package for name in self.unread_nodes)
-        nodes = map("/".join, zip(self.unread_nodes, packages, strict=True))
-        return (*nodes, *self.unread_files)
+    def _may_unread_command(self) -> bool:
+        """Whether something that was not read may use commands of any name."""
+        given = {
+            fact.subject
+            for fact in self._unread_facts
+            if not self._commands_of_unread.isdisjoint(fact.others)
+        }
+        nodes = (f"{name}/{self.nodes[name].package}" for name in {*self.unread_nodes} - given)
+        return not all(map(_moves_nothing, (*nodes, *self.unread_files)))
 
-    def _may_join(self, unread: str, topic: str) -> bool:
-        """Return whether what was not read may have an end of a topic: no camera sends commands."""
-        words = re.split(r"\W|_", unread.lower()) if self.is_motion(topic) else ()
-        return not any(map(_MOVES_NOTHING.fullmatch, words))
+    @cached_property
+    def _commands_of_unread(self) -> frozenset[str]:
+        """The commands of motion that remaps and parameters name to nodes that were not read."""
+        names = chain.from_iterable(fact.others for fact in self._unread_facts)
+        return frozenset(filter(self.is_motion, names))
+
+    @cached_property
+    def _unread_facts(self) -> tuple[WiringFact, ...]:
+        kind = WiringFactKind.UNREAD_NODE
+        return tuple(fact for fact in self.graph.wiring if fact.kind is kind)
 
     def _may_be(self, end: Endpoint, topic: str) -> bool:
         """Return whether an endpoint whose name is known in part may be one of a topic."""
@@ -272,6 +292,11 @@ class AppFacts:
             for type in () if "{" in topic else self.types(topic, Direction.PUBLISH):
                 names[type].append(topic)
         return names
+
+
+def _moves_nothing(name: str) -> bool:
+    """Return whether the name of a node or a file says that it commands no motion."""
+    return any(map(_MOVES_NOTHING.fullmatch, re.split(r"\W|_", name.lower())))
 
 
 def _is_unknown(type: str) -> bool:

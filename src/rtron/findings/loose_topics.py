@@ -14,8 +14,12 @@ _MOST_COMPARED = 200
 """Among more topics a pair tells nothing, and comparing them takes long."""
 _PLAIN = "std_msgs/"
 """Types that say too little to join two topics by them."""
-_AMBIGUOUS = ("geometry_msgs/Twist", "geometry_msgs/Accel", "geometry_msgs/Wrench")
-_AMBIGUOUS += ("sensor_msgs/JointState",)
+_AMBIGUOUS = (
+    "geometry_msgs/Twist",
+    "geometry_msgs/Accel",
+    "geometry_msgs/Wrench",
+    "sensor_msgs/JointState",
+)
 """Types of commands that tell of measurements, too."""
 _COMMANDS = re.compile(r"cmd|command|teleop|joy|goal|desired|target|setpoint|(?<!wheel_)vel(?:_|$)")
 """What in a name says that it is a command."""

@@ -15,6 +15,8 @@ class WiringFactKind(StringEnum):
     """A remap from the subject to the value, which changes nothing; others use the subject."""
     UNUSED_REMAP = "unused_remap"
     """A remap from the subject to the value, of which no name of others, who get it, is known."""
+    UNREAD_NODE = "unread_node"
+    """A node that was not read; others are the names that its remaps and parameters give it."""
     UNREACHED_LISTENER = "unreached_listener"
     """A node that remaps transforms to the value; its listener, a node too, gets others instead."""
     SHARED_OUTPUT = "shared_output"

@@ -16,8 +16,9 @@ publishes odometry, `measured`, `estimated`) is no command. Who obeys the one an
 other forwards it, and does not count, nor where other nodes stand between.
 
 What was not read may be the missing end: a subscription of a name known in part, of the same type;
-a node or launch file, unless its name says that it commands no motion (a camera, a map). Then only
-the same name counts, from the level `pedantic` on. What may be an input of the autopilot PX4
+a node or launch file, unless its name says that it commands no motion (a camera, a map), or its
+remaps and parameters name other commands. Then only the same name counts, from the level `pedantic`
+on. What may be an input of the autopilot PX4
 (`/fmu/in/…`) is `pedantic`.
 
 ## Why it matters

@@ -13,9 +13,9 @@ a topic without its other end, of the same type:
 - the old name is near that of a topic of the node that has no other end, and the source of every
   node that gets the remap was read whole.
 
-Else it is shown from the level `pedantic` on: where other nodes of the app use the old name, or a
-name below it, and where the source of every node that gets it was read whole, without plugins, and
-uses no such name. What was not read may use any name.
+Else nothing may follow from it, and it is shown from the level `pedantic` on: where other nodes of
+the app use the old name, or a name below it, and where the source of every node that gets it was
+read whole, without plugins, and uses no such name. What was not read may use any name.
 
 ## Why it matters
 
@@ -33,7 +33,8 @@ Write the name that the node uses first and the new one second, or move the rema
 publishes, and `/scanner` publishes `/roof_lidar`.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import NamedTuple
 
@@ -54,6 +55,7 @@ from rtron.wording import conjugate, join_names
 _OF_ALL = ("/tf", "/tf_static")
 """Launch files often remap them for every node, be it one that uses them or not."""
 _MOST_USERS = 3
+_MOST_COMPARED = 200
 _VERBS = {Direction.PUBLISH: "publish", Direction.SUBSCRIBE: "subscribe"}
 _OTHER = {
     Direction.PUBLISH: Direction.SUBSCRIBE,
@@ -69,40 +71,66 @@ class _Joined(NamedTuple):
     direction: Direction
 
 
+@dataclass(frozen=True, slots=True)
+class _LooseEnds:
+    """The topics that nodes use in one direction, and that certainly lack another end."""
+
+    app: AppFacts
+    _known: dict[tuple[tuple[str, ...], Direction], list[str]] = field(default_factory=dict)
+
+    def __call__(self, nodes: tuple[str, ...], direction: Direction) -> list[str]:
+        """Return the topics of nodes; none where they are so many that a pair tells nothing."""
+        if (nodes, direction) not in self._known:
+            found = sorted(self._of(nodes, direction))
+            self._known[nodes, direction] = found if len(found) <= _MOST_COMPARED else []
+        return self._known[nodes, direction]
+
+    def _of(self, nodes: tuple[str, ...], direction: Direction) -> set[str]:
+        app, other = self.app, _OTHER[direction]
+        is_published = direction is Direction.PUBLISH
+        ends_of = app.graph.published_by if is_published else app.graph.subscribed_by
+        return {
+            end.topic
+            for end in chain.from_iterable(map(ends_of, nodes))
+            if not (end.implicit or "{" in end.topic or _has_end(app, end.topic, other))
+            and not app.may_have_other_end(end.topic, other)
+        }
+
+
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each remap without effect."""
-    joined, nodes = dict[str, Finding](), dict[str, tuple[str, ...]]()
+    joined, nodes, loose = dict[str, Finding](), dict[str, tuple[str, ...]](), _LooseEnds(app)
     for fact in app.graph.wiring:
         if fact.kind is WiringFactKind.UNUSED_REMAP and fact.subject not in _OF_ALL:
             nodes[fact.subject] = (*nodes.get(fact.subject, ()), *fact.others)
-            for pair in (*_reversed(app, fact), *_misnamed(app, fact))[:1]:
+            for pair in (*_reversed(loose, fact), *_misnamed(loose, fact))[:1]:
                 joined.setdefault(fact.subject, _joined_finding(app, fact, pair))
     yield from joined.values()
     for group in wiring_groups(app.graph, WiringFactKind.IDLE_REMAP):
         if group.subject not in (*_OF_ALL, *joined):
-            yield _finding(group, _near(app, group, nodes.get(group.subject, ())))
+            yield _finding(group, _near(loose, group, nodes.get(group.subject, ())))
 
 
-def _near(app: AppFacts, group: WiringGroup, nodes: Iterable[str]) -> list[str]:
+def _near(loose: _LooseEnds, group: WiringGroup, nodes: tuple[str, ...]) -> list[str]:
     """Return the near names without another end of nodes that were read whole."""
-    ends = (_loose_ends(app, nodes, direction) for direction in Direction if not group.others)
+    ends = (loose(nodes, direction) for direction in Direction if not group.others)
     near = {topic for topics in ends for topic in topics if is_near(group.subject, topic)}
     return sorted(near.difference(group.values))
 
 
-def _reversed(app: AppFacts, fact: WiringFact) -> Iterator[_Joined]:
+def _reversed(loose: _LooseEnds, fact: WiringFact) -> Iterator[_Joined]:
     """Yield the pair of a remap whose ends are exchanged."""
     for direction in Direction:
-        is_used = fact.value in _loose_ends(app, fact.others, direction)
-        if is_used and _fit(app, fact.value, fact.subject, direction):
+        is_used = fact.value in loose(fact.others, direction)
+        if is_used and _fit(loose.app, fact.value, fact.subject, direction):
             yield _Joined(fact.value, fact.subject, direction)
 
 
-def _misnamed(app: AppFacts, fact: WiringFact) -> Iterator[_Joined]:
+def _misnamed(loose: _LooseEnds, fact: WiringFact) -> Iterator[_Joined]:
     """Yield the pair of a remap whose old name is not the one that the node uses."""
     for direction in Direction:
-        loose = _loose_ends(app, fact.others, direction)
-        fitting = [topic for topic in loose if _fit(app, topic, fact.value, direction)]
+        topics = loose(fact.others, direction)
+        fitting = [each for each in topics if _fit(loose.app, each, fact.value, direction)]
         near = [topic for topic in fitting if _means(fact.subject, topic)]
         if len(near or fitting) == 1:
             yield _Joined((near or fitting)[0], fact.value, direction)
@@ -110,20 +138,6 @@ def _misnamed(app: AppFacts, fact: WiringFact) -> Iterator[_Joined]:
 
 def _means(written: str, used: str) -> bool:
     return used.endswith(written) or is_near(written, used)
-
-
-def _loose_ends(app: AppFacts, nodes: Iterable[str], direction: Direction) -> list[str]:
-    """Return the topics that nodes use in one direction, and that certainly lack another end."""
-    graph, other = app.graph, _OTHER[direction]
-    ends_of = graph.published_by if direction is Direction.PUBLISH else graph.subscribed_by
-    topics = {end.topic for end in chain.from_iterable(map(ends_of, nodes)) if not end.implicit}
-    return sorted(
-        topic
-        for topic in topics
-        if "{" not in topic
-        and not _has_end(app, topic, other)
-        and not app.may_have_other_end(topic, other)
-    )
 
 
 def _fit(app: AppFacts, used: str, wanted: str, direction: Direction) -> bool:

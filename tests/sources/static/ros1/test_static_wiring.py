@@ -127,6 +127,15 @@ def test_a_node_that_was_not_read_may_use_any_name(folder):
     assert idle(scan(folder, "remapped.launch").graph) == {}
 
 
+def test_a_node_that_is_not_read_has_the_names_that_the_launch_gives_it(folder):
+    inside = '<remap from="in" to="cmd_vel"/><param name="topic" value="fast/vel"/>'
+    (folder / "robot/launch/given.launch").write_text(
+        f'<launch><node pkg="nowhere" type="gone" name="gone" ns="a">{inside}</node></launch>'
+    )
+    (fact,) = facts_of(scan(folder, "given.launch").graph, "unread_node")
+    assert (fact.subject, fact.others) == ("/a/gone", ("/a/cmd_vel", "/a/fast/vel"))
+
+
 def test_service_clients_are_in_the_graph_under_their_remapped_names(folder):
     path = folder / "robot/scripts/inside.py"
     path.write_text(

@@ -81,6 +81,23 @@ def test_one_that_nobody_uses_is_found_where_the_nodes_are_read_whole(facts, mor
         assert found == [("/nothing", "/b")] * (kind in kinds)
 
 
+def test_what_others_use_a_model_may_lack(facts):
+    idle, other = CONTROLLERS.format(remap("used", "b")), remap("image", "used")
+    assert facts("unused_remap", idle, right=other) == [("/used", "/b", "/controller_manager")]
+    assert facts("idle_remap", idle, right=other) == []
+
+
+def test_a_node_that_is_not_read_has_the_names_that_the_launch_gives_it(facts, tmp_path):
+    section = "{}: {{ros__parameters: {{output: /{}}}}}\n"
+    sections = section.format("gone", "mine") + section.format("left", "others")
+    (tmp_path / "gone.yaml").write_text(sections)
+    given = f'<param from="{tmp_path}/gone.yaml"/>'
+    assert facts("unread_node", UNREAD.format(given)) == [("/gone", "", "/mine")]
+    given = remap("in", "/cmd_vel") + '<param name="topic" value="fast/vel"/>'
+    given += '<param name="speed" value="1.5"/><param name="text" value="two words"/>'
+    assert facts("unread_node", UNREAD.format(given)) == [("/gone", "", "/cmd_vel", "/fast/vel")]
+
+
 def test_what_instances_share_while_their_other_topics_differ_is_found(facts):
     both = {"left": remap("info", "/l/info"), "right": remap("info", "/r/info")}
     assert facts("shared_output", **both) == [("/image", "", "/left", "/right")]

@@ -1,5 +1,6 @@
 """What a launch wires in vain: remaps that change no name, and topics that instances share."""
 
+import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -11,12 +12,16 @@ from rtron.vocabulary import (
     Endpoint,
     Evidence,
     LaunchRemap,
+    ParameterValue,
     WiringFact,
     WiringFactKind,
     fits_open_name,
 )
+from rtron.vocabulary.launch import resolve_name
+from rtron.vocabulary.parameters import pattern_matches
 
 _NODELET = "nodelet"
+_NAME = re.compile(r"[~/]?\w+(?:/\w+)*", re.ASCII)
 _Remap: TypeAlias = tuple[str, str]
 _Program: TypeAlias = tuple[str, ...]
 
@@ -33,6 +38,7 @@ class RemapUses:
     _used: set[_Remap] = field(default_factory=set)
     _of_models: set[_Remap] = field(default_factory=set)
     _of_open_nodes: set[_Remap] = field(default_factory=set)
+    _unread: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
 
     def add(
         self, part: NodePart, node: str, remaps: Mapping[str, str], names: Collection[str]
@@ -41,6 +47,8 @@ class RemapUses:
 
         A node that was not read, or a hole in a name, may use any; a model of ROS 2 may lack some.
         """
+        if part.is_unread:
+            self._unread[node].update(remaps.values(), _given_names(part, node))
         for remap in remaps.items():
             self._nodes[remap][node] = part.node.evidence
             if part.is_unread or remap[0] in names or fits_open_name(remap[0], names):
@@ -59,6 +67,12 @@ class RemapUses:
     def sources(self) -> set[str]:
         """The names that remaps lead away from."""
         return {source for source, _ in self._nodes}
+
+    def unread(self) -> Iterator[WiringFact]:
+        """Yield a fact for each node that was not read, with the names that the launch gives it."""
+        for node, names in self._unread.items():
+            kind, others = WiringFactKind.UNREAD_NODE, tuple(sorted(names))
+            yield WiringFact(kind=kind, subject=node, others=others)
 
     def idle(
         self, endpoints: Iterable[Endpoint], parameters: Collection[str] = ()
@@ -88,6 +102,19 @@ class RemapUses:
             may_be_used = is_used or is_parameter or remap in self._of_open_nodes
             if remap not in self._of_models and (others or not may_be_used):
                 yield _fact(WiringFactKind.IDLE_REMAP, remap, others, nodes.values())
+
+
+def _given_names(part: NodePart, node: str) -> Iterator[str]:
+    """Yield what the parameters of a node give it that may be names of topics."""
+    site = part.node.site
+    values: list[ParameterValue] = [value for _, value in site.overrides]
+    values += [each.value for each in site.settings if pattern_matches(each.node, node)]
+    values += [
+        leaf.value for name, leaf in site.parameters.leaves.items() if name.startswith(f"{node}/")
+    ]
+    for value in values:
+        if isinstance(value, str) and _NAME.fullmatch(value):
+            yield resolve_name(value, node)
 
 
 def _fact(

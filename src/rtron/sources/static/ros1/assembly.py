@@ -91,6 +91,7 @@ class Assembly(GraphBuilder):
             for remap in tree.remaps_behind_all:
                 self.remap_uses.add_behind_all(remap)
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values(), parameters.leaves))
+        self.add_wiring(*self.remap_uses.unread())
         self.add_wiring(*self.program_outputs.shared())
         self.add_wiring(*self.frames.facts(), *self.frames.strays())
 

@@ -91,6 +91,7 @@ class Ros2Assembly(GraphBuilder):
     def add_wiring_facts(self) -> None:
         """Note what is wired in vain or twice: remaps, parameters; outputs and frames."""
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
+        self.add_wiring(*self.remap_uses.unread())
         self.add_wiring(*self.program_outputs.shared())
         self.add_wiring(*self.frames.facts(), *self.frames.strays())
         values = (
