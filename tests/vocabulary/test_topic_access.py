@@ -41,6 +41,11 @@ def test_a_velocity_comes_from_the_flows_and_goes_out_by_guard_or_supervisor():
     }
 
 
+def test_without_successors_the_supervisor_stops_who_listens_to_the_public_name():
+    made = planned(grcn(T, ["/nav"], [], block_unapproved=False))
+    assert made[T] == ((NODE, SUPERVISOR_NODE, "*"), ("*",))
+
+
 def test_the_supervisor_stops_only_what_is_a_command():
     state = planned(grcn(T, ["/nav"], ["/base"], kind=StreamKind.STATE))
     assert state["/rtron/cmd_vel/out"] == ((NODE,), ("/base",))

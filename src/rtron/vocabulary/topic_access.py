@@ -171,13 +171,17 @@ def _input_topics(stream: Stream, topic: str, guard_node: str) -> Iterator[Topic
 def _output_topics(
     stream: Stream, topic: str, node: str, subscribers: tuple[str, ...]
 ) -> Iterator[TopicAccess]:
-    """Yield the private output and the public name; strangers speak there where they may."""
+    """Yield the private output and the public name; strangers speak there where they may.
+
+    Without subscribers whoever obeys listens to the public name, where the supervisor stops it.
+    """
     from_clients = topic.rpartition("/")[2] in ROS1_CLIENT_TOPICS if stream.action else True
     unplanned = (ANY_NODE,) if from_clients and not stream.block_unapproved else ()
     moves_robot = stream.stages[0].settings.kind is StreamKind.COMMAND and not stream.action
     supervisor = (SUPERVISOR_NODE,) if moves_robot else ()
+    public = unplanned if subscribers else (*supervisor, *unplanned)
     yield _access(stream, output_topic(topic), (node, *supervisor), subscribers)
-    yield _access(stream, topic, (node, *unplanned), (ANY_NODE,))
+    yield _access(stream, topic, (node, *public), (ANY_NODE,))
 
 
 def _access(

@@ -24,7 +24,8 @@ def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
     moving = (mover for mover in scan.inventory if mover.thing not in NO_MOTION)
     commands = (each for mover in moving for each in mover.last_commands)
     topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
-    guesses = tuple(node for node in scan.app.unread_nodes if node not in carriers(scan.app))
+    others = carriers(scan.app)
+    guesses = tuple(node for node in scan.app.unread_nodes if node not in others)
     return {
         each.name: () if each.receivers else guesses
         for each in topics

@@ -25,6 +25,7 @@ from rtron.guard.transport.common.protocol import (
 from rtron.messages.common.finite_numbers import NUMERIC_COMMAND_TYPES
 from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec
 from rtron.vocabulary import (
+    SUPERVISOR_NODE,
     UNAPPROVED,
     CoordinationKind,
     Flow,
@@ -235,6 +236,8 @@ class StreamEndpoints:
         return self._receiver_for(flow.name, peer)
 
     def _connect_stranger(self, peer: Peer, where: str) -> MessageHandler | None:
+        if peer.node == SUPERVISOR_NODE and not self.spec.successors:
+            return None  # it stops who listens to the public name
         if not self.spec.block_unapproved and not self._learn_type(peer):
             return None
         name = printable(peer.node)[:_MAX_NAME_LENGTH]

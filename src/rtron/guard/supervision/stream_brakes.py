@@ -21,7 +21,10 @@ log = logging.getLogger(__name__)
 
 
 class StreamBrake:
-    """One stream's private output; every successor is connected before anything happens."""
+    """One stream's output; every successor is connected before anything happens.
+
+    It is the private one, or the public topic where the plan names no successor.
+    """
 
     def __init__(
         self, stream: Stream, transport: Transport, stopped: Callable[[], frozenset[str]]
@@ -30,8 +33,9 @@ class StreamBrake:
         self._stream = stream
         self._stopped = stopped
         self._transport = transport
+        topic = output_topic(stream.topic) if stream.successors else stream.topic
         self._output: Output = transport.advertise(
-            SUPERVISOR_NODE, output_topic(stream.topic), stream.type, queue_size=stream.queue_size
+            SUPERVISOR_NODE, topic, stream.type, queue_size=stream.queue_size
         )
         self._output.match_subscribers(stream.successors)
         self._output.offer(UNAPPROVED, QoS())
