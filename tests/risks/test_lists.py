@@ -7,6 +7,7 @@ from notation import graph_of
 
 from rtron.errors import InputError
 from rtron.risks import RiskLists, default_lists, discover_risks, load_lists
+from rtron.risks.graph_facts import GraphFacts
 from rtron.vocabulary import Domain, Sharing, StreamKind
 
 
@@ -156,3 +157,17 @@ def test_every_list_of_the_file_is_a_field_and_the_other_way_round():
     named = {line[:-1] for line in shipped.splitlines() if line[:1].isalpha()}
     assert named == set(RiskLists.__dataclass_fields__)
     assert all(getattr(default_lists(), name) for name in named)
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "is_command"),
+    [
+        ("/cmd_vel", "geometry_msgs/Twist", True),
+        ("/scan", "sensor_msgs/LaserScan", False),
+        ("/plan", "nav_msgs/Path", False),
+    ],
+)
+def test_what_commands_motion(topic, type, is_command):
+    graph = graph_of("app", f"/a pkg third_party\n    pub {topic} {type}")
+    facts = GraphFacts(graph, default_lists())
+    assert facts.is_motion_command(topic) is is_command

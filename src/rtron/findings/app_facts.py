@@ -160,7 +160,7 @@ class AppFacts:
 
     def open_readers(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that subscribe names known in part, one of which may be this topic."""
-        subscribers = self._open_ends[Direction.SUBSCRIBE]
+        subscribers = self._open_endpoints[Direction.SUBSCRIBE]
         nodes = {end.node for end in subscribers if self._may_be(end, topic)}
         return tuple(sorted(nodes - self.facts.viewers - set(self.publishers(topic))))
 
@@ -188,7 +188,7 @@ class AppFacts:
             return True
         if _OF_PX4[direction] in topic or self._has_unread_calls:
             return True
-        is_open = any(self._may_be(end, topic) for end in self._open_ends[direction])
+        is_open = any(self._may_be(end, topic) for end in self._open_endpoints[direction])
         return is_open or self._may_be_unread(topic)
 
     def _may_be_unread(self, topic: str) -> bool:
@@ -241,7 +241,7 @@ class AppFacts:
         the topic may have a publisher whose name is not known, none is near.
         """
         types = tuple(types)
-        if any(self._may_be(end, topic) for end in self._open_ends[Direction.PUBLISH]):
+        if any(self._may_be(end, topic) for end in self._open_endpoints[Direction.PUBLISH]):
             return []
         sent = [self._sent[type] for type in types if type in self._sent]
         if sum(map(len, sent)) > _MOST_COMPARED:
@@ -276,7 +276,7 @@ class AppFacts:
         return any(normalise_type(end.type) in types for end in endpoints)
 
     @cached_property
-    def _open_ends(self) -> dict[Direction, tuple[Endpoint, ...]]:
+    def _open_endpoints(self) -> dict[Direction, tuple[Endpoint, ...]]:
         """The endpoints whose names are known in part."""
         endpoints = [end for end in self.graph.endpoints if "{" in end.topic]
         return {

@@ -122,18 +122,18 @@ def _is_command(app: AppFacts, topic: str) -> bool:
         return False
     if not app.facts.topic(topic).type.startswith(_AMBIGUOUS) or _COMMANDS.search(topic.lower()):
         return True
-    ends = (e for node in app.publishers(topic) for e in app.graph.published_by(node))
-    return not any(_tells_of_motion(normalise_type(end.type)) for end in ends)
+    beside = (e for node in app.publishers(topic) for e in app.graph.published_by(node))
+    return not any(_is_measurement(normalise_type(each.type)) for each in beside)
 
 
-def _tells_of_motion(type: str) -> bool:
+def _is_measurement(type: str) -> bool:
     return type.startswith(("nav_msgs/Odometry", "sensor_msgs/")) or "WithCovariance" in type
 
 
 def _is_second_output(app: AppFacts, lost: str, types: Iterable[str]) -> bool:
     """Return whether those who send a command send another one of its type, too."""
-    ends = (e for node in app.publishers(lost) for e in app.graph.published_by(node))
-    return any(end.topic != lost and normalise_type(end.type) in types for end in ends)
+    beside = (e for node in app.publishers(lost) for e in app.graph.published_by(node))
+    return any(each.topic != lost and normalise_type(each.type) in types for each in beside)
 
 
 def _fits(app: AppFacts, lost: str, obeyed: str) -> bool:
@@ -143,16 +143,15 @@ def _fits(app: AppFacts, lost: str, obeyed: str) -> bool:
     )
     is_other_robot = name == other_name and not _are_nested(namespace, other_namespace)
     homes = product(
-        *({node.rpartition("/")[0] for node in nodes} for nodes in _ends(app, lost, obeyed))
+        *(
+            {node.rpartition("/")[0] for node in nodes}
+            for nodes in (app.publishers(lost), app.readers(obeyed))
+        )
     )
     are_apart = is_other_robot or _are_twins(lost, obeyed)
     if are_apart or not any(_are_nested(*each) for each in homes):
         return False
     return _may_be_meant(app, lost, obeyed) and not may_be_linked(app, lost, obeyed)
-
-
-def _ends(app: AppFacts, lost: str, obeyed: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    return app.publishers(lost), app.readers(obeyed)
 
 
 def _are_nested(one: str, other: str) -> bool:

@@ -67,12 +67,12 @@ class _Joined(NamedTuple):
     """A topic that a node uses without another end, and the one that its remap should lead to."""
 
     used: str
-    wanted: str
+    meant: str
     direction: Direction
 
 
 @dataclass(frozen=True, slots=True)
-class _LooseEnds:
+class _LooseTopics:
     """The topics that nodes use in one direction, and that certainly lack another end."""
 
     app: AppFacts
@@ -88,10 +88,10 @@ class _LooseEnds:
     def _of(self, nodes: tuple[str, ...], direction: Direction) -> set[str]:
         app, other = self.app, _OTHER[direction]
         is_published = direction is Direction.PUBLISH
-        ends_of = app.graph.published_by if is_published else app.graph.subscribed_by
+        endpoints_of = app.graph.published_by if is_published else app.graph.subscribed_by
         return {
             end.topic
-            for end in chain.from_iterable(map(ends_of, nodes))
+            for end in chain.from_iterable(map(endpoints_of, nodes))
             if not (end.implicit or "{" in end.topic or _has_end(app, end.topic, other))
             and not app.may_have_other_end(end.topic, other)
         }
@@ -99,7 +99,7 @@ class _LooseEnds:
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each remap without effect."""
-    joined, nodes, loose = dict[str, Finding](), dict[str, tuple[str, ...]](), _LooseEnds(app)
+    joined, nodes, loose = dict[str, Finding](), dict[str, tuple[str, ...]](), _LooseTopics(app)
     for fact in app.graph.wiring:
         if fact.kind is WiringFactKind.UNUSED_REMAP and fact.subject not in _OF_ALL:
             nodes[fact.subject] = (*nodes.get(fact.subject, ()), *fact.others)
@@ -111,14 +111,14 @@ def check(app: AppFacts) -> Iterator[Finding]:
             yield _finding(group, _near(loose, group, nodes.get(group.subject, ())))
 
 
-def _near(loose: _LooseEnds, group: WiringGroup, nodes: tuple[str, ...]) -> list[str]:
+def _near(loose: _LooseTopics, group: WiringGroup, nodes: tuple[str, ...]) -> list[str]:
     """Return the near names without another end of nodes that were read whole."""
-    ends = (loose(nodes, direction) for direction in Direction if not group.others)
-    near = {topic for topics in ends for topic in topics if is_near(group.subject, topic)}
+    found = (loose(nodes, direction) for direction in Direction if not group.others)
+    near = {topic for topics in found for topic in topics if is_near(group.subject, topic)}
     return sorted(near.difference(group.values))
 
 
-def _reversed(loose: _LooseEnds, fact: WiringFact) -> Iterator[_Joined]:
+def _reversed(loose: _LooseTopics, fact: WiringFact) -> Iterator[_Joined]:
     """Yield the pair of a remap whose ends are exchanged."""
     for direction in Direction:
         is_used = fact.value in loose(fact.others, direction)
@@ -126,7 +126,7 @@ def _reversed(loose: _LooseEnds, fact: WiringFact) -> Iterator[_Joined]:
             yield _Joined(fact.value, fact.subject, direction)
 
 
-def _misnamed(loose: _LooseEnds, fact: WiringFact) -> Iterator[_Joined]:
+def _misnamed(loose: _LooseTopics, fact: WiringFact) -> Iterator[_Joined]:
     """Yield the pair of a remap whose old name is not the one that the node uses."""
     for direction in Direction:
         topics = loose(fact.others, direction)
@@ -140,13 +140,13 @@ def _means(written: str, used: str) -> bool:
     return used.endswith(written) or is_near(written, used)
 
 
-def _fit(app: AppFacts, used: str, wanted: str, direction: Direction) -> bool:
+def _fit(app: AppFacts, used: str, meant: str, direction: Direction) -> bool:
     """Return whether a topic of other nodes lacks an end as one that is used, of its type."""
     other = _OTHER[direction]
-    if _has_end(app, wanted, direction) or not _nodes(app, wanted, other):
+    if _has_end(app, meant, direction) or not _nodes(app, meant, other):
         return False
-    types = app.types(used, direction).keys() & app.types(wanted, other).keys()
-    return bool(types) and not app.may_have_other_end(wanted, direction)
+    types = app.types(used, direction).keys() & app.types(meant, other).keys()
+    return bool(types) and not app.may_have_other_end(meant, direction)
 
 
 def _has_end(app: AppFacts, topic: str, direction: Direction) -> bool:
@@ -158,20 +158,20 @@ def _joined_finding(app: AppFacts, fact: WiringFact, pair: _Joined) -> Finding:
     other = _OTHER[pair.direction]
     verb, other_verb = (conjugate((), _VERBS[each]) for each in (pair.direction, other))
     of_used = [node for node in _nodes(app, pair.used, pair.direction) if node in fact.others]
-    of_wanted = _nodes(app, pair.wanted, other)
-    is_reversed = pair.wanted == fact.subject
+    of_meant = _nodes(app, pair.meant, other)
+    is_reversed = pair.meant == fact.subject
     return make_finding(
         RULE.name,
         fact.subject,
         summary=f"the remap of {fact.subject} to {fact.value} changes nothing: "
         f"{join_names(of_used)} {conjugate(of_used, _VERBS[pair.direction])} {pair.used}, "
         f"which nobody {other_verb}",
-        cause=f"{join_names(of_wanted)} {conjugate(of_wanted, _VERBS[other])} {pair.wanted}, "
+        cause=f"{join_names(of_meant)} {conjugate(of_meant, _VERBS[other])} {pair.meant}, "
         f"which nobody {verb}; no node that gets the remap uses its old name",
         remedy="exchange its ends" if is_reversed else f"remap {pair.used} instead",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
-        nodes=(*of_used, *of_wanted),
+        nodes=(*of_used, *of_meant),
         topics=(fact.subject, fact.value, pair.used),
         evidence=fact.evidence,
     )

@@ -138,13 +138,13 @@ def _unreached_listeners(part: NodePart) -> Iterator[WiringFact]:
     for listener in (each for each in created[1:] if _OWN_LISTENER in each.name):
         rules = _remap_rules(created[0], part), _remap_rules(listener, part)
         for topic in TRANSFORM_TOPICS:
-            remapped, heard = (of_node(topic) for of_node in rules)
-            if remapped not in (topic, heard):
+            remapped, default = (of_node(topic) for of_node in rules)
+            if remapped not in (topic, default):
                 yield WiringFact(
                     kind=WiringFactKind.UNREACHED_LISTENER,
                     subject=created[0].name,
                     value=remapped,
-                    others=(heard,),
+                    others=(default,),
                     evidence=(part.node.evidence, *listener.evidence),
                 )
 
