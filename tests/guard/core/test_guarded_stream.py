@@ -16,6 +16,7 @@ from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.vocabulary import (
     GUARD_NODE,
     SECOND,
+    SUPERVISOR_NODE,
     CoordinationKind,
     Flow,
     Mode,
@@ -75,6 +76,23 @@ def test_the_public_name_is_unapproved_even_for_a_planned_name_and_while_idle():
     transport.publisher("/cmd_vel", peer("/nav"))(b"turn right")
     assert driver == tool == []
     assert host.streams[0].pipeline.tallies["unapproved"].dropped == 2
+
+
+@pytest.mark.parametrize(
+    ("publisher", "successors", "is_known"),
+    [
+        (peer(SUPERVISOR_NODE), (), True),
+        (peer(SUPERVISOR_NODE, verified=False), (), False),
+        (peer(SUPERVISOR_NODE), ("/driver",), False),
+        (peer("/rogue"), (), False),
+    ],
+)
+def test_the_supervisor_alone_may_stop_who_listens_to_the_public_name(
+    publisher, successors, is_known
+):
+    transport, host = guarded(stream(successors=successors))
+    transport.publisher("/cmd_vel", publisher)
+    assert (publisher.node not in host.streams[0].strangers) is is_known
 
 
 @pytest.mark.parametrize(
