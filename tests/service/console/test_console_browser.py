@@ -374,6 +374,7 @@ def test_risks_show_rule_cause_and_evidence_and_lead_to_the_graph(console, guard
     page.wait_for_text("44 of 44 risks")
     page.wait_for_text("What can move this robot")
     page.wait_for_text("/gazebo obeys /cmd_vel")
+    page.wait_for_text("What of it the plan does not guard")
     page.find("input[type=search]").send_keys("move_base_simple")
     page.wait_for_text("both publish /move_base_simple/goal")
     page.press("in the graph")

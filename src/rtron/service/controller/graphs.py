@@ -21,6 +21,7 @@ from rtron.service.store.tables import GraphRow
 from rtron.sources.graph_json import graph_to_json, parse_graph
 from rtron.vocabulary import InteractionGraph, RiskReport
 from rtron.workflows.scan import scan_graph
+from rtron.workflows.unguarded import unguarded
 
 MAX_ENDPOINTS = 20_000
 MAX_RISKS = 5_000
@@ -74,13 +75,20 @@ def get_graph_page(session: Session, robot: str) -> dict[str, Any]:
 def get_risks_page(session: Session, robot: str) -> dict[str, Any]:
     """Return the risks of a robot's app, `rtron.risks/2`, with the `source` of its graph.
 
-    A plan does not know all that moves the robot: its inventory is empty.
+    `unguarded` is what moves the robot and is not guarded by the plan in force. Of a graph that is
+    made of the plan, it and the inventory are empty: a plan does not know all that moves the robot.
     """
-    graph, row = _load_graph(session, load_snapshot(session, robot))
+    snapshot = load_snapshot(session, robot)
+    graph, row = _load_graph(session, snapshot)
     scan = scan_graph(graph)
     if row is None:
-        return {"source": "plan", **risks_to_json(scan.report)}
-    return {"source": "uploaded", **risks_to_json(scan.report, inventory=scan.inventory)}
+        return {"source": "plan", "unguarded": [], **risks_to_json(scan.report)}
+    open_ways = unguarded(EffectivePlan(snapshot.plan, snapshot.settings).plan, scan)
+    return {
+        "source": "uploaded",
+        "unguarded": [{"thing": each.location, "why": each.message} for each in open_ways],
+        **risks_to_json(scan.report, inventory=scan.inventory),
+    }
 
 
 def _load_graph(

@@ -533,7 +533,7 @@ def test_without_an_upload_the_plan_tells_the_graph(call):
     topics = {topic["name"]: topic for topic in page["topics"]}
     assert topics["/cmd_vel"]["domain"] == "Control"
     risks = call("GET", "/risks")[1]
-    assert (risks["source"], risks["inventory"]) == ("plan", [])
+    assert (risks["source"], risks["inventory"], risks["unguarded"]) == ("plan", [], [])
 
 
 def test_an_uploaded_graph_is_shown_with_its_risks(call):
@@ -543,13 +543,21 @@ def test_an_uploaded_graph_is_shown_with_its_risks(call):
     assert (page["source"], page["by"]) == ("uploaded", "token:developer")
     assert "/evil" in [node["name"] for node in page["nodes"]]
     shown = call("GET", "/risks", who="read")[1]
-    assert shown == {"source": "uploaded", **risks}
+    assert shown == {"source": "uploaded", "unguarded": [], **risks}
     (base,) = shown["inventory"]
     assert (base["thing"], base["drivers"]) == ("base", ["/base"])
     assert "/base obeys /cmd_vel" in [row["text"] for row in base["rows"]]
     node = call("GET", "/nodes/drive")[1]
     (risk,) = [risk for risk in node["risk_information"]["risks"] if risk["kind"] == "GR-ST"]
     assert risk["role_nodes"]["publisher"] == ["/evil", "/teleop"]
+
+
+def test_what_moves_the_robot_past_the_plan_is_told(call):
+    motors = {"node": "/base", "name": "/enable_motors", "type": "std_srvs/SetBool"}
+    call("PUT", "/graph", json=GRAPH | {"services": [motors]})
+    (open_way,) = call("GET", "/risks")[1]["unguarded"]
+    assert open_way["thing"] == "arming"
+    assert open_way["why"].startswith("/enable_motors: a plan cannot guard services")
 
 
 def test_a_second_upload_replaces_the_first(call):

@@ -19,8 +19,10 @@ export function Risks({ robot }) {
 const TONE = { good: ["good", "check", "it stops by itself"], warning: ["warn", "warning", "look at this"], uncertain: ["", "info", "not known"] };
 const NOTHING = { uploaded: "Nothing in what could be read.", plan: html`Nobody has uploaded the graph of this app yet: <code>rtron upload-graph graph.json</code>` };
 
-function Inventory({ found: { source, inventory } }) {
-  return html`<${Card} title="What can move this robot">${inventory.length ? html`<dl>${inventory.map(({ thing, rows }) => html`<dt>${thing}</dt><dd>${rows.map((row) => html`<${Row} ...${row} />`)}</dd>`)}</dl>` : html`<${Empty}>${NOTHING[source]}<//>`}<//>`;
+function Inventory({ found: { source, inventory, unguarded } }) {
+  if (!inventory.length) return html`<${Card} title="What can move this robot"><${Empty}>${NOTHING[source]}<//><//>`;
+  return html`<${Card} title="What can move this robot"><dl>${inventory.map(({ thing, rows }) => html`<dt>${thing}</dt><dd>${rows.map((row) => html`<${Row} ...${row} />`)}</dd>`)}</dl><//>
+    <${Card} title="What of it the plan does not guard">${unguarded.length ? html`<dl>${unguarded.map(({ thing, why }) => html`<dt>${thing}</dt><dd>${why}</dd>`)}</dl>` : html`<${Empty}>The plan in force guards all of it.<//>`}<//>`;
 }
 
 function Row({ text, tone }) {
