@@ -57,6 +57,7 @@ def test_the_stopper_of_a_cell_publishes_beside_the_supervisor_where_its_node_he
     )
     assert made["/rtron/cmd_vel/out"] == ((NODE, SUPERVISOR_NODE, STOPPER_NODE), ("/base",))
     assert STOPPER_NODE not in made["/rtron/arm/out"][0]
+    assert STOPPER_NODE not in planned(grcn(T, ["/nav"], []), cell=("/base",))[T][0]
 
 
 def test_where_strangers_may_speak_anybody_publishes_the_public_name():

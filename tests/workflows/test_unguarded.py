@@ -103,8 +103,8 @@ def test_parameters_are_no_commands_of_a_plan():
 
 
 PAST = (
-    "whoever subscribes reads the public /cmd_vel, where any node can publish past the guard, "
-    "which only warns of it"
+    "whoever subscribes reads the public /cmd_vel; any node can publish there, and the guard only "
+    "warns of it"
 )
 
 
@@ -125,15 +125,30 @@ def unread(text, *names):
 
 
 @pytest.mark.parametrize(
-    "package", ["rosbridge_server", "foxglove_bridge", "mqtt_bridge", "micro_ros_agent"]
+    "other",
+    [
+        *("/door rosbridge_server", "/door foxglove_bridge", "/driver mqtt_bridge"),
+        *("/driver ros1_bridge", "/driver micro_ros_agent"),
+        *("/teleop keys", "/camera_driver usb", "/left/driver driver"),
+    ],
 )
-def test_a_node_that_was_not_read_may_obey_but_none_that_speaks_for_others(package):
-    text = NAV + "/serial driver own\n/door " + package + " third_party\n"
-    proposed = propose(unread(text, "/serial", "/door"))
+def test_a_driver_that_was_not_read_may_obey_and_nobody_else(other):
+    text = NAV.replace("/cmd_vel", "/right/cmd_vel") + f"/serial driver own\n{other} third_party\n"
+    proposed = propose(unread(text, "/serial", other.split()[0]))
     (grcn,) = proposed.plan.grcn
     assert grcn.successors == ("/serial",)
-    (doubt,) = proposed.doubts
-    assert doubt.message == f"that /serial (not read) obeys it is a guess; if not, {PAST}"
+    doubt = next(each.message for each in proposed.doubts if "guess" in each.message)
+    past = PAST.replace("/cmd_vel", "/right/cmd_vel")
+    assert doubt == f"that /serial (not read) obeys it is a guess; if not, {past}, and no stop " + (
+        "reaches it when the guard dies"
+    )
+
+
+def test_a_driver_that_was_not_read_is_told_beside_what_is_guarded():
+    proposed = propose(unread(NAV + BASE + "/arm_driver driver own\n", "/arm_driver"))
+    assert enforced(proposed.plan) == ["/cmd_vel"]
+    (problem,) = proposed.omitted
+    assert problem.message.startswith("/arm_driver: not read, so what moves it is not known")
 
 
 def test_nobody_is_guessed_where_a_node_is_known_to_obey():

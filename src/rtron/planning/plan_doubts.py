@@ -96,8 +96,7 @@ def open_way_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem
     """Yield a warning for each way past the guard of commands that it stands before."""
     unread = frozenset(node.name for node in graph.nodes if node.unread)
     for stream in build_streams(plan):
-        is_command = stream.stages[0].settings.kind is StreamKind.COMMAND and not stream.action
-        if stream.mode is Mode.ENFORCE and is_command:
+        if stream.mode is Mode.ENFORCE and stream.is_command:
             known = {end.node for end in graph.subscribers(stream.topic)}
             where = f"{stream.stages[0].coordination_kind} {stream.stages[0].id}"
             ways = (*_unclosed_outputs(stream, unread - known), *_self_deliveries(stream))
@@ -106,13 +105,14 @@ def open_way_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem
 
 def _unclosed_outputs(stream: Stream, unread: frozenset[str]) -> Iterator[str]:
     successors = stream.successors
-    public = f"whoever subscribes reads the public {stream.topic}"
-    rest = f"{public}, where any node can publish past the guard, which only warns of it"
+    reads = f"whoever subscribes reads the public {stream.topic}"
+    public = f"{reads}; any node can publish there, and the guard only warns of it"
     if not successors:
-        yield f"nobody in this launch obeys it: {rest}"
+        yield f"nobody in this launch obeys it: {public}"
     elif unread.issuperset(successors):
         verb = conjugate(successors, "obey")
-        yield f"that {join_names(successors)} (not read) {verb} it is a guess; if not, {rest}"
+        guess = f"that {join_names(successors)} (not read) {verb} it is a guess"
+        yield f"{guess}; if not, {public}, and no stop reaches it when the guard dies"
 
 
 def _self_deliveries(stream: Stream) -> Iterator[str]:

@@ -87,6 +87,11 @@ class Stream:
         return action_name(self.topic, self.type)
 
     @property
+    def is_command(self) -> bool:
+        """Whether each of its messages moves the robot by itself."""
+        return self.stages[0].settings.kind is StreamKind.COMMAND and not self.action
+
+    @property
     def is_ros2_action(self) -> bool:
         """Whether these are an action's goals in ROS 2, which are requests and no topic."""
         return self.action == self.topic

@@ -14,7 +14,7 @@ from rtron.vocabulary.action import (
     ros1_topic_name,
     ros2_entity_name,
 )
-from rtron.vocabulary.enums import Mode, StreamKind
+from rtron.vocabulary.enums import Mode
 from rtron.vocabulary.names import (
     GUARD_NODE,
     PRIVATE_ROOT,
@@ -84,8 +84,10 @@ def _lease_requests(plan: Plan) -> Iterator[TopicAccess]:
 
 
 def _with_stopper(topic: TopicAccess, cell: tuple[str, ...]) -> TopicAccess:
-    """Let the stopper of a cell publish where the supervisor does."""
-    if SUPERVISOR_NODE not in topic.publishers or not any(map(topic.may_subscribe, cell)):
+    """Let the stopper of a cell publish beside the supervisor, on private topics alone."""
+    is_private = topic.topic.startswith(f"{PRIVATE_ROOT}/")
+    is_stopped = SUPERVISOR_NODE in topic.publishers and any(map(topic.may_subscribe, cell))
+    if not (is_private and is_stopped):
         return topic
     return replace(topic, publishers=(*topic.publishers, STOPPER_NODE))
 
@@ -177,8 +179,7 @@ def _output_topics(
     """
     from_clients = topic.rpartition("/")[2] in ROS1_CLIENT_TOPICS if stream.action else True
     unplanned = (ANY_NODE,) if from_clients and not stream.block_unapproved else ()
-    moves_robot = stream.stages[0].settings.kind is StreamKind.COMMAND and not stream.action
-    supervisor = (SUPERVISOR_NODE,) if moves_robot else ()
+    supervisor = (SUPERVISOR_NODE,) if stream.is_command else ()
     public = unplanned if subscribers else (*supervisor, *unplanned)
     yield _access(stream, output_topic(topic), (node, *supervisor), subscribers)
     yield _access(stream, topic, (node, *public), (ANY_NODE,))

@@ -4,7 +4,10 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 from rtron.coherence import guards_nothing
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.node_roles import is_no_driver
 from rtron.findings.motion.network_bridge import carriers
+from rtron.findings.motion.several_publishers import moves
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import Mode, Plan, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
@@ -17,32 +20,46 @@ def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
 
     Switches, limits and mere signals are not among them: a stop, a reset or an order to land must
     come from anyone. Where one side of a topic is not in the app, its type and name must say that
-    it commands motion: a driver hears, and sends, measurements, too. Where that is who obeys, each
-    node that was not read may do it, but none that carries what others send: its remaps would
-    lead the others past the guard.
+    it commands motion: a driver hears, and sends, measurements, too. Where that is who obeys, a
+    node that was not read may do it, if it is called like a driver and lies in a namespace of the
+    topic's. No other: the remap would let what it publishes past the guard.
     """
     moving = (mover for mover in scan.inventory if mover.thing not in NO_MOTION)
     commands = (each for mover in moving for each in mover.last_commands)
     topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
-    others = carriers(scan.app)
-    guesses = tuple(node for node in scan.app.unread_nodes if node not in others)
+    unread = _unread_drivers(scan.app)
     return {
-        each.name: () if each.receivers else guesses
+        each.name: () if each.receivers else tuple(n for n in unread if _may_obey(n, each.name))
         for each in topics
         if (each.receivers and each.senders) or scan.app.is_motion(each.name)
     }
+
+
+def _unread_drivers(app: AppFacts) -> list[str]:
+    """Return the nodes that were not read and are called like drivers, but those for others."""
+    others = carriers(app)
+    nodes = (app.nodes[name] for name in app.unread_nodes if name not in others)
+    return [n.name for n in nodes if moves(n.name, n.package) and not is_no_driver(n)]
+
+
+def _may_obey(node: str, topic: str) -> bool:
+    """Return whether the namespace of a node or a topic is within that of the other."""
+    outer, inner = sorted((node.rpartition("/")[0], topic.rpartition("/")[0]), key=len)
+    return f"{inner}/".startswith(f"{outer}/")
 
 
 def unguarded(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanProblem, ...]:
     """Return a warning for each thing whose last commands no coordination node enforces.
 
     Of a plan that guards nothing it says for all of the inventory why. Without a `scan` of the app
-    only the topics that the plan observes are known.
+    only the commands that the plan observes are known.
     """
-    modes = {stream.topic: stream.mode for stream in reversed(build_streams(plan))}
+    streams = build_streams(plan)
     if scan is None:
-        topics = (topic for topic, mode in modes.items() if mode is Mode.OBSERVE)
-        return tuple(_warning(topic, _OBSERVED) for topic in sorted(topics))
+        moving = (stream for stream in streams if stream.is_command or stream.action)
+        observed = {stream.topic for stream in moving if stream.mode is Mode.OBSERVE}
+        return tuple(_warning(topic, _OBSERVED) for topic in sorted(observed))
+    modes = {stream.topic: stream.mode for stream in reversed(streams)}
     is_void = guards_nothing(plan)
     if is_void and not scan.inventory:
         return (_warning(plan.app or "app", _NOTHING_MOVES),)
@@ -60,7 +77,7 @@ def _reasons(mover: Mover, modes: Mapping[str, Mode], *, is_void: bool) -> dict[
         mode = modes.get(each.name) or modes.get(f"{each.name}/goal")
         if each.means is Means.SERVICE or mode is not Mode.ENFORCE:
             names[_why(mover.thing, each, mode)].append(each.name)
-    if is_void and not mover.last_commands:
+    if not mover.last_commands:
         names[_UNREAD] += mover.drivers
     return names
 

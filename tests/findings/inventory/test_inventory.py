@@ -74,6 +74,38 @@ def test_a_velocity_that_was_measured_is_no_command(name, type):
     assert inventory(f"/board board own\n    pub /{name} {type}\n") == ()
 
 
+@pytest.mark.parametrize("name", ["/wheel_vel", "/twist_raw", "/real_vel", "/cmd/velocity_raw"])
+def test_a_velocity_that_a_driver_obeys_was_not_measured(name):
+    mover = the_mover(TWO_DRIVERS.replace("/cmd_vel", name) + BASE.replace("/cmd_vel", name))
+    assert (mover.thing, names(mover.commands)) == (Thing.BASE, [name])
+
+
+@pytest.mark.parametrize("name", ["/imu/cmd_vel", "/gps/cmd_vel", "/cmd/velocity_raw"])
+def test_what_is_called_a_command_was_not_measured(name):
+    assert names(the_mover(f"/nav nav own\n    pub {name} {TWIST}\n").commands) == [name]
+
+
+@pytest.mark.parametrize(
+    ("package", "sent"), [("vio_nav", ["/robot/velocity"]), ("kobuki_node", [])]
+)
+def test_a_driver_that_tells_odometry_measures_and_a_navigator_commands(package, sent):
+    pub = f"    pub /odom nav_msgs/Odometry\n    pub /robot/velocity {TWIST}\n"
+    found = inventory(f"/node {package} own\n{pub}")
+    assert [name for mover in found for name in names(mover.commands)] == sent
+
+
+@pytest.mark.parametrize(
+    ("node", "package"),
+    [
+        *(("/camera_gimbal_driver", "gimbal"), ("/camera/pan_tilt", "sdk_node")),
+        *(("/gps_waypoint_driver", "own"), ("/lidar_base", "base_driver")),
+    ],
+)
+def test_a_driver_with_a_sensor_in_its_name_is_listed(node, package):
+    found = inventory(f"{node} {package} third_party\n", unread=(node,))
+    assert [each.drivers for each in found] == [(node,)]
+
+
 def test_what_a_node_that_measures_tells_of_its_velocity_is_no_command():
     assert inventory(GPS.format(type=TWIST)) == ()
     assert names(the_mover(GPS.format(type=TWIST).replace("/vel", "/cmd_vel")).commands)

@@ -8,7 +8,12 @@ from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles
-from rtron.findings.inventory.things import may_be_command, thing_of, thing_of_node
+from rtron.findings.inventory.things import (
+    may_be_command,
+    may_be_measured,
+    thing_of,
+    thing_of_node,
+)
 from rtron.findings.motion.arbiter import arbiters, priorities
 from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Command, Means, Thing
@@ -92,10 +97,16 @@ class CommandTopics:
     @cached_property
     def _things(self) -> dict[str, Thing | None]:
         """What each topic moves, as far as type and name tell."""
-        return {
-            topic: thing_of(topic, self.app.facts.topic(topic).type, Means.TOPIC)
-            for topic in self.app.explicit_topics
-        }
+        return {topic: self._thing(topic) for topic in self.app.explicit_topics}
+
+    def _thing(self, topic: str) -> Thing | None:
+        """Return what a topic moves: a velocity that a driver obeys is no measurement."""
+        type = self.app.facts.topic(topic).type
+        if may_be_measured(topic, type) and not any(
+            map(self.roles.may_obey, self.app.readers(topic))
+        ):
+            return None
+        return thing_of(topic, type, Means.TOPIC)
 
     @cached_property
     def named_topics(self) -> frozenset[str]:

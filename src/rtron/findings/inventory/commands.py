@@ -53,9 +53,13 @@ class AppCommands:
                 yield self._as_driven(thing, command)
 
     def _is_reading(self, command: Command) -> bool:
-        """Return whether what nobody here obeys is a reading: its senders tell how they move."""
+        """Return whether what nobody here obeys is a reading: its senders measure their motion."""
         is_open = not command.receivers and not COMMAND_NAMES.search(command.name)
-        return is_open and bool(command.senders) and all(map(self.roles.estimates, command.senders))
+        return is_open and bool(command.senders) and all(map(self._is_measured, command.senders))
+
+    def _is_measured(self, node: str) -> bool:
+        is_driver = self.roles.drives(node) or node in self._drivers
+        return self.roles.measures_motion(node, is_driver=is_driver)
 
     def _last_requests(self) -> Iterator[tuple[Thing, Command]]:
         graph = self.app.graph

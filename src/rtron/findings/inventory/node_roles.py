@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.things import has_moving_name
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary import Node, WiringFact, WiringFactKind, normalise_type
 
@@ -26,11 +27,12 @@ _LISTENERS = re.compile(
     r"|lights?|lcd|sound|gui"
 )
 """Words in the names of nodes that hear commands and obey none."""
-_READINGS = frozenset({"nav_msgs/Odometry", "sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
+_SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
 _SENSORS = re.compile(
     r"(?:^|[/_-])(?:nmea|navsat|gnss|gps|imu|lidar|camera|message_info)(?:[/_-]|$)"
 )
 """Words in the names of what measures, whatever port it opens; rosserial's node for types, too."""
+_MOVING = re.compile(r"(?:^|[_-])(?:base|rover|robot|actuator)(?:[_-]|$)")
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
 
 
@@ -85,10 +87,10 @@ class NodeRoles:
         obeyed = (end.topic for end in self.app.graph.subscribed_by(node))
         return not types.isdisjoint(_MEASURED) and not any(map(self.app.is_motion, obeyed))
 
-    def estimates(self, node: str) -> bool:
-        """Return whether a node tells where it is or how it moves."""
+    def measures_motion(self, node: str, *, is_driver: bool) -> bool:
+        """Return whether a node senses where it is or how it moves; a driver by odometry, too."""
         types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
-        return not types.isdisjoint(_READINGS)
+        return not types.isdisjoint(_SENSED | _MOVED if is_driver else _SENSED)
 
     def obeys(self, node: str) -> bool:
         """Return whether a node that hears a command may obey it: an estimator only listens."""
@@ -116,6 +118,11 @@ class NodeRoles:
         """Return whether a node opens hardware, or is called like what does."""
         return node in self.with_device or moves(node, self.package(node))
 
+    def may_obey(self, node: str) -> bool:
+        """Return whether a node moves something, or may: it is called so, or was not read."""
+        is_unread = node in self.app.unread_nodes
+        return self.drives(node) or self.is_called_driver(node) or is_unread
+
     def may_drive(self, node: str) -> bool:
         """Return whether a node drives, or tells where something moved to, or was not read."""
         types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
@@ -124,8 +131,10 @@ class NodeRoles:
 
 
 def is_no_driver(node: Node) -> bool:
-    """Return whether a node that was not read is called like a sensor, by itself or its package."""
-    return bool(_SENSORS.search(node.name) or _SENSORS.search(node.package))
+    """Return whether a node that was not read is called like a sensor, and like no actuator."""
+    names = node.name.rpartition("/")[2], node.package
+    is_sensor = any(map(_SENSORS.search, names))
+    return is_sensor and not any(has_moving_name(name) or _MOVING.search(name) for name in names)
 
 
 def _is_named_listener(node: Node) -> bool:

@@ -88,6 +88,8 @@ _MEASURED_TWIST = re.compile(
     r"|(?:vel|velocity|speed|twist|fix)_(?:raw|meas\w*|actual|real|est\w*|feedback|fb|velocity)"
 )
 """Names of velocities that were measured, where each is a whole Twist, not one of a wheel."""
+_COMMANDED = re.compile(r"cmd|command|setpoint")
+"""Words in the names of what is no measurement, whatever else they say."""
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps"
     r"|record\w*|snapshot|photo|video|camera|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
@@ -128,6 +130,11 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
     return usual or named or (Thing.DEVICE if _COMMAND_TYPE.search(type) else None)
 
 
+def has_moving_name(name: str) -> bool:
+    """Return whether the last part of a node's or package's name says what it moves."""
+    return _by_words(name.rpartition("/")[2]) is not None
+
+
 def thing_of_node(name: str) -> Thing | None:
     """Return what a node moves, as far as its name tells more than that it moves something."""
     found = _by_words(name.rpartition("/")[2])
@@ -137,10 +144,15 @@ def thing_of_node(name: str) -> Thing | None:
 def is_harmless(name: str, type: str) -> bool:
     """Return whether a name or a type says that something is read, shown or estimated."""
     last = _last_part(name)
-    is_named = (_HARMLESS.search(last) and not _SETS.match(last)) or _ESTIMATES.search(name)
-    type = _plain_type(type)
-    is_measured = type.startswith(_TWIST) and _MEASURED_TWIST.fullmatch(last)
-    return bool(is_named or is_measured or _HARMLESS_TYPES.match(type))
+    is_estimate = _ESTIMATES.search(name) and not _COMMANDED.search(last)
+    is_named = (_HARMLESS.search(last) and not _SETS.match(last)) or is_estimate
+    return bool(is_named or _HARMLESS_TYPES.match(_plain_type(type)))
+
+
+def may_be_measured(name: str, type: str) -> bool:
+    """Return whether a velocity is a measurement by its name, if nobody obeys it."""
+    is_named = _MEASURED_TWIST.fullmatch(_last_part(name)) and not _COMMANDED.search(name)
+    return bool(is_named) and _plain_type(type).startswith(_TWIST)
 
 
 def may_be_command(name: str, type: str) -> bool:

@@ -47,7 +47,10 @@ _BRIDGES = {
     "tcp_ros_bridge": "TCP clients can publish on every topic",
     "ros_tcp_endpoint": "TCP clients can publish on every topic",
 }
-_CARRIERS = frozenset({*_BRIDGES, "mqtt_bridge", "mqtt_client", "domain_bridge", "micro_ros_agent"})
+_CARRIERS = frozenset(
+    {*_BRIDGES, "mqtt_bridge", "mqtt_client", "domain_bridge", "ros1_bridge", "micro_ros_agent"}
+    | {"zenoh_bridge_ros2dds", "zenoh_bridge_dds"}
+)
 """Packages whose nodes speak on any topic for others; remaps move what these say, or nothing."""
 _LINKS = {"mavros": ("gcs_url", "a ground station on its link commands the vehicle")}
 """Nodes that forward commands only where a parameter opens a link (wiki.ros.org/mavros)."""

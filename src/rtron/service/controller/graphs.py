@@ -7,6 +7,7 @@ from sqlalchemy.orm import Session
 
 from rtron.coherence import EffectivePlan
 from rtron.errors import InputError, RTronError
+from rtron.planning.plan_doubts import open_way_doubts
 from rtron.reports.app.page_data import page_data
 from rtron.reports.app.risks_json import risks_to_json
 from rtron.service.controller.handshake import store_risk_models
@@ -75,15 +76,17 @@ def get_graph_page(session: Session, robot: str) -> dict[str, Any]:
 def get_risks_page(session: Session, robot: str) -> dict[str, Any]:
     """Return the risks of a robot's app, `rtron.risks/2`, with the `source` of its graph.
 
-    `unguarded` is what moves the robot and is not guarded by the plan in force. Of a graph that is
-    made of the plan, it and the inventory are empty: a plan does not know all that moves the robot.
+    `unguarded` is what moves the robot and is not guarded by the plan in force, and what leads past
+    it. Of a graph that is made of the plan, it and the inventory are empty: a plan does not know
+    all that moves the robot.
     """
     snapshot = load_snapshot(session, robot)
     graph, row = _load_graph(session, snapshot)
     scan = scan_graph(graph)
     if row is None:
         return {"source": "plan", "unguarded": [], **risks_to_json(scan.report)}
-    open_ways = unguarded(EffectivePlan(snapshot.plan, snapshot.settings).plan, scan)
+    plan = EffectivePlan(snapshot.plan, snapshot.settings).plan
+    open_ways = (*unguarded(plan, scan), *open_way_doubts(plan, graph))
     return {
         "source": "uploaded",
         "unguarded": [{"thing": each.location, "why": each.message} for each in open_ways],

@@ -22,7 +22,7 @@ const NOTHING = { uploaded: "Nothing in what could be read.", plan: html`Nobody 
 function Inventory({ found: { source, inventory, unguarded } }) {
   if (!inventory.length) return html`<${Card} title="What can move this robot"><${Empty}>${NOTHING[source]}<//><//>`;
   return html`<${Card} title="What can move this robot"><dl>${inventory.map(({ thing, rows }) => html`<dt>${thing}</dt><dd>${rows.map((row) => html`<${Row} ...${row} />`)}</dd>`)}</dl><//>
-    <${Card} title="What of it the plan does not guard">${unguarded.length ? html`<dl>${unguarded.map(({ thing, why }) => html`<dt>${thing}</dt><dd>${why}</dd>`)}</dl>` : html`<${Empty}>The plan in force guards all of it.<//>`}<//>`;
+    <${Card} title="What of it the plan does not guard">${unguarded.length ? html`<dl>${unguarded.map(({ thing, why }) => html`<dt>${thing}</dt><dd>${why}</dd>`)}</dl>` : html`<${Empty}>The plan in force guards every command that a plan can guard.<//>`}<//>`;
 }
 
 function Row({ text, tone }) {
