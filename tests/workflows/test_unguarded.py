@@ -8,7 +8,7 @@ from notation import graph_of
 from rtron.vocabulary import Mode, NodeParameter, Service
 from rtron.workflows.plan import propose
 from rtron.workflows.scan import scan_graph
-from rtron.workflows.unguarded import last_commands, unguarded
+from rtron.workflows.unguarded import find_unguarded_commands, last_commands
 
 TWIST = "geometry_msgs/Twist"
 NAV = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
@@ -48,7 +48,7 @@ def test_the_last_command_is_guarded_whoever_sends_it(text, topics):
 
 
 def told(found, plan):
-    return [(each.location, each.message) for each in unguarded(plan, found)]
+    return [(each.location, each.message) for each in find_unguarded_commands(plan, found)]
 
 
 def test_what_a_plan_cannot_guard_is_left_out_with_the_reason():
@@ -139,9 +139,8 @@ def test_a_driver_that_was_not_read_may_obey_and_nobody_else(other):
     assert grcn.successors == ("/serial",)
     doubt = next(each.message for each in proposed.doubts if "guess" in each.message)
     past = PAST.replace("/cmd_vel", "/right/cmd_vel")
-    assert doubt == f"that /serial (not read) obeys it is a guess; if not, {past}, and no stop " + (
-        "reaches it when the guard dies"
-    )
+    guess = f"that /serial (not read) obeys it is a guess; if not, {past}"
+    assert doubt == f"{guess}, and no stop reaches it when the guard dies"
 
 
 def test_a_driver_that_was_not_read_is_told_beside_what_is_guarded():

@@ -34,7 +34,7 @@ from rtron.vocabulary import InteractionGraph, Plan
 from rtron.workflows.app_environment import given_environment, robot_environment
 from rtron.workflows.check_plan import require_fit
 from rtron.workflows.scan import scan_graph
-from rtron.workflows.unguarded import unguarded
+from rtron.workflows.unguarded import find_unguarded_commands
 
 if TYPE_CHECKING:
     from rtron.sources.static.ros1.app import StaticApp
@@ -102,7 +102,7 @@ def instrument(request: InstrumentRequest) -> InstrumentResult:
     guarded = _instrument_ros1 if plan.ros == 1 else _instrument_ros2
     graph = _read_graph(request, plan)
     if guards_nothing(plan) and not request.keystore:
-        left_out = unguarded(plan, scan_graph(graph) if graph else None)
+        left_out = find_unguarded_commands(plan, scan_graph(graph) if graph else None)
         return InstrumentResult(plan.ros, None, left_out)
     files = GuardFiles(text, json.dumps(graph_to_json(graph)) if graph else "")
     cells = plan_cells(graph, plan, request.cell_options) if graph else ()

@@ -13,7 +13,7 @@ from rtron.sources.run_json import read_run
 from rtron.vocabulary import MeasuredRun, Plan, TuningProposal
 from rtron.workflows.check_plan import plan_doubts
 from rtron.workflows.scan import ScanResult
-from rtron.workflows.unguarded import last_commands, unguarded
+from rtron.workflows.unguarded import find_unguarded_commands, last_commands
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ def propose(scan: ScanResult) -> ProposedPlan:
     commands = {each.name for mover in scan.inventory for each in mover.last_commands}
     unnamed = unguardable_topics(scan.graph, scan.report)
     others = (each for each in unnamed if each.location not in commands)
-    omitted = (*others, *unguarded(plan, scan))
+    omitted = (*others, *find_unguarded_commands(plan, scan))
     return ProposedPlan(plan, omitted, tuple(plan_doubts(plan, scan.graph)))
 
 

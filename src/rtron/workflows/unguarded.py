@@ -48,7 +48,7 @@ def _may_obey(node: str, topic: str) -> bool:
     return f"{inner}/".startswith(f"{outer}/")
 
 
-def unguarded(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanProblem, ...]:
+def find_unguarded_commands(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanProblem, ...]:
     """Return a warning for each thing whose last commands no coordination node enforces.
 
     Of a plan that guards nothing it says for all of the inventory why. Without a `scan` of the app

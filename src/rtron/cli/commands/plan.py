@@ -191,12 +191,12 @@ def check(
     from rtron.sources.graph_json import read_graph
     from rtron.workflows.check_plan import check as check_plan
     from rtron.workflows.scan import scan_graph
-    from rtron.workflows.unguarded import unguarded
+    from rtron.workflows.unguarded import find_unguarded_commands
 
     checked_plan = read_plan(plan)
     app_graph = read_graph(graph) if graph else None
     problems = check_plan(checked_plan, app_graph)
     if app_graph:
-        problems += unguarded(checked_plan, scan_graph(app_graph))
+        problems += find_unguarded_commands(checked_plan, scan_graph(app_graph))
     failed = any(problem.level is ProblemLevel.ERROR for problem in problems)
     return Outcome(problems_text(str(plan), problems), FINDINGS if failed else OK)

@@ -22,7 +22,7 @@ from rtron.service.store.tables import GraphRow
 from rtron.sources.graph_json import graph_to_json, parse_graph
 from rtron.vocabulary import InteractionGraph, RiskReport
 from rtron.workflows.scan import scan_graph
-from rtron.workflows.unguarded import unguarded
+from rtron.workflows.unguarded import find_unguarded_commands
 
 MAX_ENDPOINTS = 20_000
 MAX_RISKS = 5_000
@@ -86,7 +86,7 @@ def get_risks_page(session: Session, robot: str) -> dict[str, Any]:
     if row is None:
         return {"source": "plan", "unguarded": [], **risks_to_json(scan.report)}
     plan = EffectivePlan(snapshot.plan, snapshot.settings).plan
-    open_ways = (*unguarded(plan, scan), *open_way_doubts(plan, graph))
+    open_ways = (*find_unguarded_commands(plan, scan), *open_way_doubts(plan, graph))
     return {
         "source": "uploaded",
         "unguarded": [{"thing": each.location, "why": each.message} for each in open_ways],
