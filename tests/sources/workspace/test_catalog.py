@@ -76,6 +76,39 @@ def test_an_installed_script_has_its_new_name(tmp_path):
     assert workspace(tmp_path).executable("p", "n").sources == (path / "s/a.py",)
 
 
+@pytest.mark.parametrize(
+    ("cmake", "asked"),
+    [
+        ("DIRECTORY x/config y/maps DESTINATION share/${PROJECT_NAME}", "config/n.yaml"),
+        ("DIRECTORY x/config/ DESTINATION share/p/settings/", "settings/n.yaml"),
+        ("DIRECTORY x/ DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}", "config/n.yaml"),
+        ("FILES x/config/n.yaml DESTINATION share/p", "n.yaml"),
+        ("FILES x/config/n.yaml DESTINATION share/p RENAME m.yaml", "m.yaml"),
+        ("DIRECTORY x DESTINATION share/p FILES_MATCHING PATTERN *.yaml", "x/config/n.yaml"),
+    ],
+)
+def test_a_shared_file_lies_where_cmake_installs_it_from(tmp_path, cmake, asked):
+    files = {"x/config/n.yaml": "", "y/config/n.yaml": "", "CMakeLists.txt": f"install({cmake})"}
+    path = package(tmp_path / "p", files)
+    assert workspace(tmp_path).installed_source(path / asked) == path / "x/config/n.yaml"
+
+
+@pytest.mark.parametrize(
+    "cmake",
+    [
+        "",
+        "install(DIRECTORY x/config DESTINATION share/other)",
+        "install(DIRECTORY x/config DESTINATION etc)",
+        "install(DIRECTORY x/config DESTINATION share/p/settings)",
+        "install(DIRECTORY z/config DESTINATION share/p)",
+    ],
+)
+def test_which_of_two_files_is_installed_is_not_guessed(tmp_path, cmake):
+    files = {"x/config/n.yaml": "", "y/config/n.yaml": "", "CMakeLists.txt": cmake}
+    asked = package(tmp_path / "p", files) / "config/n.yaml"
+    assert workspace(tmp_path).installed_source(asked) == asked
+
+
 LEFT_OUT = {
     "option(ARM)\nif(ARM)\nadd_executable(n n.cpp)\nendif()": "if(ARM)",
     "option(S x ON)\nif(NOT S)\nadd_executable(n n.cpp)\nendif()": "if(NOT S)",

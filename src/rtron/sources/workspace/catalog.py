@@ -233,11 +233,15 @@ class Workspace:
     def installed_source(self, path: Path) -> Path:
         """Return what a build installs at a path: the one file of its package with that name.
 
-        What lies there itself counts before.
+        What lies there itself counts before; of several files that which CMake installs there.
         """
         package = None if path_exists(path) else self.package_of(path)
         named = self.files(package).files_named(path.name) if package else ()
-        return named[0] if len(named) == 1 else path
+        if package is None or len(named) == 1:
+            return named[0] if named else path
+        contents = self.contents(package)
+        found = contents.shared_sources(path) if contents is not None else ()
+        return next(filter(self.files(package).is_file, found), path)
 
     def unresolved(self) -> tuple[UnresolvedItem, ...]:
         """Return what could not be resolved in the packages and descriptions read so far."""

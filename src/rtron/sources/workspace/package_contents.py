@@ -1,8 +1,8 @@
 """What a package builds and installs."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from rtron.vocabulary import Evidence, StringEnum, UnresolvedItem
 
@@ -57,7 +57,8 @@ class LeftOut:
 class PackageContents:
     """What a package's CMake files build and install.
 
-    `installed_scripts` are scripts with the name under which they are installed;
+    `installed_scripts` are scripts with the name under which they are installed; `shared_files`
+    are files and folders with the place in the share folder where they are installed;
     `plugin_descriptions` are descriptions of plugins with the package of their base class (ROS 2).
     `left_out` says of programs, libraries and classes by name why a build with the defaults leaves
     them out. With `is_open`, commands of its own make programs of which nothing is known.
@@ -68,6 +69,7 @@ class PackageContents:
     targets: tuple[BuildTarget, ...] = ()
     include_dirs: tuple[Path, ...] = ()
     installed_scripts: tuple[tuple[str, Path], ...] = ()
+    shared_files: tuple[tuple[PurePath, Path], ...] = ()
     components: tuple[ComponentClass, ...] = ()
     plugin_descriptions: tuple[tuple[str, Path], ...] = ()
     left_out: Mapping[str, LeftOut] = field(default_factory=dict)
@@ -79,3 +81,10 @@ class PackageContents:
         ours = [target for target in self.targets if target.kind is kind]
         named = (target for target in ours if name in {target.name, target.output_name})
         return next(named, None)
+
+    def shared_sources(self, path: Path) -> Iterator[Path]:
+        """Yield what is installed at a path that is asked for below the package's folder."""
+        place = path.relative_to(self.path)
+        for installed, source in self.shared_files:
+            if place.is_relative_to(installed):
+                yield source / place.relative_to(installed)

@@ -2,7 +2,7 @@
 
 import re
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from rtron.sources.workspace.package_contents import (
     BuildTarget,
@@ -36,7 +36,7 @@ class TargetBuilder:
 
 @dataclass(slots=True, kw_only=True)
 class PackageBuild:
-    """The targets, folders and installed scripts of one package.
+    """The targets, folders, installed scripts and shared files of one package.
 
     `left_out_by` is why a build with the defaults does not come to what is read now. With
     `is_open`, commands of its own make programs of which nothing is known.
@@ -47,6 +47,7 @@ class PackageBuild:
     definitions: dict[Path, dict[str, None]] = field(default_factory=dict)
     include_dirs: dict[Path, None] = field(default_factory=dict)
     installed: dict[str, Path] = field(default_factory=dict)
+    shared: dict[tuple[PurePath, Path], None] = field(default_factory=dict)
     components: dict[tuple[str, str], ComponentClass] = field(default_factory=dict)
     exports: dict[tuple[str, Path], None] = field(default_factory=dict)
     left_out: dict[str, LeftOut] = field(default_factory=dict)

@@ -70,6 +70,7 @@ def evaluate_package(
         targets=build.build_targets(),
         include_dirs=tuple(build.include_dirs),
         installed_scripts=tuple(build.installed.items()),
+        shared_files=tuple(build.shared),
         components=tuple(build.components.values()),
         plugin_descriptions=tuple(build.exports),
         left_out=build.left_out,

@@ -35,7 +35,10 @@ _PLACEMENT = frozenset({"BEFORE", "AFTER", "SYSTEM"})
 _PACKAGE_WORDS = frozenset({"COMPONENTS", "OPTIONAL_COMPONENTS", "REQUIRED", "QUIET", "EXACT"})
 _CATKIN_WORDS = frozenset({"INCLUDE_DIRS", "LIBRARIES", "CATKIN_DEPENDS", "DEPENDS", "CFG_EXTRAS"})
 _INSTALL_WORDS = frozenset(
-    {"PROGRAMS", "DESTINATION", "RENAME", "PERMISSIONS", "CONFIGURATIONS", "COMPONENT", "OPTIONAL"}
+    [
+        *("PROGRAMS", "DESTINATION", "RENAME", "PERMISSIONS", "CONFIGURATIONS", "COMPONENT"),
+        *("OPTIONAL", "FILES", "DIRECTORY", "USE_SOURCE_PERMISSIONS", "FILES_MATCHING", "PATTERN"),
+    ]
 )
 _OUTPUT_PROPERTIES = frozenset({"OUTPUT_NAME", "LIBRARY_OUTPUT_NAME", "RUNTIME_OUTPUT_NAME"})
 _DEFINITION_PROPERTIES = frozenset({"COMPILE_DEFINITIONS", "COMPILE_FLAGS", "COMPILE_OPTIONS"})
@@ -172,9 +175,31 @@ def catkin_package(call: CommandCall) -> None:
 
 
 def record_install(call: CommandCall) -> None:
-    """Remember the scripts that `install` and `catkin_install_python` install, with their names."""
-    if call.words[:1] != ["PROGRAMS"]:
+    """Remember what `install` and `catkin_install_python` install: scripts, and shared files."""
+    if call.words[:1] == ["PROGRAMS"]:
+        _record_scripts(call)
+    elif call.words[:1] in (["FILES"], ["DIRECTORY"]):
+        _record_shared_files(call)
+
+
+def _record_shared_files(call: CommandCall) -> None:
+    """Remember where files and folders are installed in the package's share folder.
+
+    Of a folder whose name ends with a slash the content is (CMake's manual, install).
+    """
+    found = split_by_keyword(call.words, _INSTALL_WORDS)
+    share = call.scope.lookup("CATKIN_PACKAGE_SHARE_DESTINATION")
+    place = PurePath(next(iter(found.get("DESTINATION", ())), "").strip("/"))
+    if share is None or not place.is_relative_to(share.text):
         return
+    place = place.relative_to(share.text)
+    for word in (*found.get("FILES", ()), *found.get("DIRECTORY", ())):
+        name = next(iter(found.get("RENAME", ())), PurePath(word).name)
+        installed = place if word.endswith("/") else place / name
+        call.build.shared[installed, call.scope.folder / word] = None
+
+
+def _record_scripts(call: CommandCall) -> None:
     if any(not (item.known or item.text) for item in call.items):
         why = "some stand in a variable that the file does not set"
         call.add_unresolved(f"programs of {call.name}()", why)

@@ -186,3 +186,19 @@ def test_a_chain_longer_than_the_bound_keeps_its_last_operands():
     assert isinstance(found, Opaque)
     assert found.parts[-1] == Call(Name("f"), (B,), (), 2)
     assert len(found.parts) == 500 - 45 + 1
+
+
+@pytest.mark.parametrize(
+    ("written", "type"),
+    [
+        ("Foo<A>", TypeRef("Foo", (TypeRef("A"),))),
+        ("n::Foo<A>", TypeRef("n::Foo", (TypeRef("A"),))),
+        ("Foo<A<int>>", TypeRef("Foo", (TypeRef("A", (INT,)),))),
+        ("Foo<A>, 3", TypeRef("Foo", (TypeRef("A"),))),
+    ],
+)
+@pytest.mark.parametrize("outer", ["f", "n::f"])
+def test_a_template_argument_is_a_type_wherever_the_call_stands(written, type, outer):
+    """The grammar takes it for a function in the first argument of `n::f`."""
+    (call,) = expression(f"{outer}(std::make_shared<{written}>(a))").args
+    assert call.function.types[0] == type

@@ -92,3 +92,16 @@ def test_a_bound_method_that_is_pure_virtual_is_that_of_the_object():
     struct Mine : public Server {
       void make(std::string name) { nh.advertise<std_msgs::Bool>(name, 1); } };"""
     assert names(cpp("Mine mine; mine.all();", top)) == ["x"]
+
+
+TRY_BLOCK = """struct Base { ros::NodeHandle nh; std::string name; Base(ros::NodeHandle given)
+  try : nh(given, "k"), name("x") { nh.advertise<std_msgs::Bool>(name, 1); }
+  catch (const std::exception& error) { throw; } };
+template <class T> struct Part : Base { T size; Part(ros::NodeHandle given); };
+template <class T> Part<T>::Part(ros::NodeHandle given) try : Base(given), size(1) {
+  nh.advertise<std_msgs::Bool>("y", 1); } catch (...) {}"""
+
+
+def test_a_constructor_whose_body_is_a_try_block():
+    interface = cpp("Part<int> part(nh);", TRY_BLOCK)
+    assert (names(interface), interface.unresolved) == (["k/x", "k/y"], ())

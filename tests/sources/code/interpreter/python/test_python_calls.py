@@ -57,3 +57,16 @@ def test_a_function_that_calls_its_argument_is_noted_where_it_is_cut():
     interface = python(f"{loop}{body}loop(print)\nP('y')")
     assert names(interface) == ["y"]
     assert [note.why for note in interface.unresolved] == ["too large to be run whole"]
+
+
+@pytest.mark.parametrize("maker", ["mqtt.Client('a')", "mqtt.Client('a').session", "unknown"])
+def test_a_function_assigned_to_a_member_of_a_foreign_object_is_a_callback(maker):
+    body = "import mqtt\ndef hear(client, message): P('x')\nunknown = mqtt.make()\n"
+    interface = python(f"{body}client = {maker}\nclient.on_message = hear\nclient.loop_forever()")
+    assert (names(interface), interface.unresolved) == (["x"], ())
+
+
+def test_a_function_assigned_to_a_member_of_an_own_object_waits_for_its_call():
+    body = "class C: pass\ndef hear(message): P('x')\nclient = C()\nclient.on_message = hear\n"
+    assert names(python(f"{body}P('y')")) == ["y"]
+    assert names(python(f"{body}client.on_message(1)")) == ["x"]

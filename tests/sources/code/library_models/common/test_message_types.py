@@ -69,3 +69,36 @@ def test_a_header_says_of_which_package_a_type_of_ros2_is():
     body = 'create_publisher<GPSFix>("fix", 1);'
     found = ros2_runs.cpp(body, top=f'#include "mine/msg/gps_fix.hpp"\n{top}')
     assert ros2_runs.explicit_declarations(found) == ["publish /ns/fix mine/msg/GPSFix"]
+
+
+OWN_NAMESPACE = """#include <rclcpp/rclcpp.hpp>
+#include "maps/msg/map.hpp"
+namespace maps {{ namespace server {{
+struct N : rclcpp::Node {{
+  N() : Node("written") {{ create_subscription<msg::Map>("m", 1, &N::read); }}
+  void read(const {written} &) {{ create_publisher<{written}>("out", 1); }}
+}};
+}} }}
+int main() {{ rclcpp::spin(std::make_shared<maps::server::N>()); }}
+"""
+
+
+@pytest.mark.parametrize("written", ["msg::Map", "maps::msg::Map", "::maps::msg::Map"])
+def test_a_type_is_found_from_within_its_packages_namespace(written):
+    found = ros2_runs.run_text(OWN_NAMESPACE.format(written=written))
+    assert ros2_runs.explicit_declarations(found) == [
+        "subscribe /ns/m maps/msg/Map",
+        "publish /ns/out maps/msg/Map",
+    ]
+
+
+def test_a_type_is_found_through_the_namespace_that_is_used():
+    top = '#include "maps/msg/map.hpp"\nusing namespace maps;'
+    found = ros2_runs.cpp('create_publisher<msg::Map>("m", 1);', top=top)
+    assert ros2_runs.explicit_declarations(found) == ["publish /ns/m maps/msg/Map"]
+
+
+def test_a_type_of_ros1_is_found_from_within_its_packages_namespace():
+    top = '#include "maps/Map.h"\nnamespace maps { void join(ros::NodeHandle& nh) {'
+    found = ros1_runs.cpp("maps::join(nh);", top + ' nh.advertise<Map>("m", 1); }}')
+    assert [d.type for d in found.declarations] == ["maps/Map"]

@@ -1,7 +1,7 @@
 """Names of rclcpp's nodes and of what they declare (docs.ros.org: names, namespaces)."""
 
 import pytest
-from ros2_runs import CPP, UNLAUNCHED, cpp, explicit_declarations, names, run_text
+from ros2_runs import CPP, UNLAUNCHED, cpp, explicit_declarations, names, python, run_text
 
 from rtron.sources.declaration import ComponentLoading
 
@@ -333,3 +333,25 @@ def test_a_constructor_that_names_its_own_class_in_full_delegates():
     int main() { rclcpp::spin(std::make_shared<Mine>()); }
     """
     assert names(run_text(text, **UNLAUNCHED)) == ["/deep/mine/rel"]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        'create_publisher<std_msgs::msg::Bool>(declare_parameter("topic", ""), 1);',
+        "std::string name; create_publisher<std_msgs::msg::Bool>(name, 1);",
+        'std::string name; create_publisher<std_msgs::msg::Bool>("/" + name, 1);',
+    ],
+)
+def test_an_empty_name_is_a_note_and_no_endpoint(body):
+    found = cpp(body)
+    assert names(found) == []
+    assert [(note.what, note.why) for note in found.unresolved] == [
+        ("publish of type std_msgs/msg/Bool", "its name is empty, which ROS refuses")
+    ]
+
+
+def test_an_empty_name_of_python_is_a_note_and_no_endpoint():
+    found = python("self.create_subscription(Bool, '', print, 1)")
+    assert names(found) == []
+    assert [note.what for note in found.unresolved] == ["subscribe of type std_msgs/msg/Bool"]

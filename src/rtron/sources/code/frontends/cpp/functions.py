@@ -134,7 +134,7 @@ def _return_type(context: LoweringContext, node: Node, signature: Node) -> TypeR
 
 
 def _body(context: LoweringContext, node: Node) -> tuple[Stmt, ...] | None:
-    body = node.child_by_field_name("body")
+    body = node.child_by_field_name("body") or _constructor_try(node)
     if body is None:
         defaulted = any(child.type == "default_method_clause" for child in node.named_children)
         return () if defaulted else None
@@ -143,8 +143,14 @@ def _body(context: LoweringContext, node: Node) -> tuple[Stmt, ...] | None:
     )
 
 
+def _constructor_try(node: Node) -> Node | None:
+    """Return the `try : member(x) {} catch (…) {}` that a constructor has for its body."""
+    return next((child for child in node.named_children if child.type == "try_statement"), None)
+
+
 def _initialisers(context: LoweringContext, node: Node) -> tuple[_Initialiser, ...]:
-    lists = [child for child in node.named_children if child.type == "field_initializer_list"]
+    holder = _constructor_try(node) or node
+    lists = [child for child in holder.named_children if child.type == "field_initializer_list"]
     return tuple(
         _initialiser(context, child)
         for found in lists

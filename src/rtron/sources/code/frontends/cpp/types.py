@@ -136,5 +136,13 @@ def specialised_name(name: str, types: Types) -> str:
 
 
 def _argument(context: LoweringContext, node: Node) -> TypeRef:
-    given = type_of(context, node) if node.type == "type_descriptor" else None
+    given = type_of(context, node) if _may_be_type(node) else None
     return given or TypeRef(one_line_text(context, node))
+
+
+def _may_be_type(node: Node) -> bool:
+    """Tell whether a template argument is a type; the grammar takes some `A<B>` for functions."""
+    last: Node | None = node
+    while last is not None and last.type == "qualified_identifier":
+        last = last.child_by_field_name("name")
+    return node.type == "type_descriptor" or (last is not None and last.type in _NAMED_TEMPLATES)

@@ -222,7 +222,8 @@ class CppTypes:
         package, _, plain = name.rpartition("/")
         if name and self.files.has_message_type(package, plain):
             return name
-        return self._imported_message(plain or resolved.name.partition("::")[0]) or name
+        written = name.replace("/", "::") or resolved.name.partition("::")[0]
+        return self._message_in_scope(written, scope) or name
 
     def _adapter_message(self, type: TypeRef, scope: str) -> TypeRef:
         """Return the message that a type adapter, or a type that has one, is sent as (REP 2007)."""
@@ -234,14 +235,14 @@ class CppTypes:
         full = replace(type, name=definition.name) if definition is not None else type
         return self.symbols.aliases.get(adapter_alias(str(full)), type)
 
-    def _imported_message(self, plain: str) -> str:
-        """Return what `using vector_map_msgs::PointArray` or `using namespace std_msgs` brings."""
-        for using in self.symbols.usings:
-            package, _, name = using.rpartition("::")
-            for owner, what in ((package, name), (using, plain)):
-                found = self._message_in_namespace(owner, plain, named=name == plain)
-                if what == plain and found:
-                    return found
+    def _message_in_scope(self, written: str, scope: str) -> str:
+        """Return the message that a name means in a namespace, or by `using` (`msg::String`)."""
+        for candidate in self.symbols.candidates(written, scope):
+            space, _, plain = candidate.rpartition("::")
+            named = candidate in self.symbols.usings
+            found = self._message_in_namespace(space, plain, named=named)
+            if found:
+                return found
         return ""
 
     def _has_message(self, package: str, folder: str, name: str) -> bool:
@@ -250,7 +251,7 @@ class CppTypes:
         return bool(self.files.has_message_type(package, name)) or header in self.symbols.headers
 
     def _message_in_namespace(self, space: str, plain: str, *, named: bool) -> str:
-        """Return what `using std_msgs::msg::String` or `using namespace std_msgs` brings."""
+        """Return the message of a namespace, `std_msgs::msg` or `std_msgs`, if it has one."""
         package, _, folder = space.partition("::")
         if folder in INTERFACE_FOLDERS:
             is_message = named or self._has_message(package, folder, plain)

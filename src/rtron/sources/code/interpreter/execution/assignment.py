@@ -123,7 +123,10 @@ def _note_stamp(
 def assign_member(
     machine: AbstractMachine, owner: Value, name: str, value: Value, at: Arguments
 ) -> None:
-    """Write a member of an object, a class or a module, as `setattr` does too."""
+    """Write a member of an object, a class or a module, as `setattr` does too.
+
+    An object of a library that is not here calls the functions that it is given so.
+    """
     setter = _setter(machine, owner, name)
     if setter is not None:
         machine.call(setter, at.with_values(value))
@@ -131,6 +134,8 @@ def assign_member(
         _note_replaced_member(machine, owner, name, at)
     elif isinstance(owner, _OBJECTS):
         machine.undo_log.set(owner.fields, name, value)
+    elif isinstance(owner, Unknown):
+        machine.escape(value)
 
 
 def forget_texts(machine: AbstractMachine, fields: dict[Any, Value]) -> None:

@@ -74,8 +74,11 @@ def declare_endpoint(  # noqa: PLR0913 - what the graph has of an endpoint
     qos: QoS | None = None,
     implicit: bool = False,
 ) -> Value:
-    """Record a name of a node, and return it as it resolves there."""
-    full = resolve_at_node(node, _without_empty_names(name))
+    """Record a name of a node, and return it as it resolves there; note one that is empty."""
+    given = _without_empty_names(name)
+    if given is None and name is not None:
+        return _note_empty_name(machine, kind, type, at)
+    full = resolve_at_node(node, given)
     machine.possible_throws += not (type and _is_valid_name(full))
     locations = tuple(caller_chain(at, name)) if name is not None else (at.evidence,)
     keeps_last = qos is not None and qos.durability is Durability.TRANSIENT_LOCAL
@@ -100,8 +103,21 @@ def _is_valid_name(full: Value) -> bool:
 
 def _without_empty_names(name: Value | None) -> Value | None:
     """Return a name without the options that cannot be one: rcl refuses an empty name."""
-    found = [option for option in options(name) if getattr(option, "value", None) != ""]
-    return join(found) if found else name
+    found = [option for option in options(name) if not _is_empty_name(option)]
+    return join(found) if found else None
+
+
+def _is_empty_name(name: Value) -> bool:
+    return isinstance(name, Scalar) and not str(name.value).strip("/")
+
+
+def _note_empty_name(
+    machine: AbstractMachine, kind: DeclarationKind, type: str, at: Arguments
+) -> Value:
+    machine.possible_throws += 1
+    what = f"{kind.value} of type {full_type_name(kind, type) or '?'}"
+    machine.recorder.add_unresolved(what, "its name is empty, which ROS refuses", at.evidence)
+    return Unknown(kind.value)
 
 
 def full_type_name(kind: DeclarationKind, type: str) -> str:
