@@ -159,6 +159,10 @@ PAIRS = {
         with_fact("misspelt_parameter", "/base", "max_v", "max_vel"),
         small_graph(SCAN),
     ),
+    "mistyped_parameter": (
+        with_fact("mistyped_parameter", "/base", "max_vel", "double", "integer"),
+        small_graph(SCAN),
+    ),
     "topic_parameter": (
         with_fact("topic_parameter", "/a/path_topic", "/c/path", "/b/path"),
         small_graph(SCAN),

@@ -763,6 +763,16 @@ class TestDuplicateNode:
         assert not found("duplicate_node", self.graph(("/r/_ros2cli_requester_T", "x", "y")))
 
 
+class TestMistypedParameter:
+    def test_it_says_both_types(self):
+        graph = with_fact("mistyped_parameter", "/base", "max_vel", "double", "integer")
+        finding = the_finding("mistyped_parameter", graph)
+        assert finding.summary == "/base does not start: the launch gives max_vel another type"
+        assert finding.cause == "the node declares it as double, the launch gives it as integer"
+        assert finding.remedy == "write the value as double, or declare integer in the node"
+        assert (finding.subject, finding.level) == ("/base:max_vel", FindingLevel.REGULAR)
+
+
 @pytest.mark.parametrize(
     ("one", "other", "near"),
     [

@@ -215,6 +215,17 @@ class FrameStamp:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MistypedParameter:
+    """A parameter of ROS 2 that is given another type than its node declares: that throws."""
+
+    node: str
+    name: str
+    declared_type: str
+    given_type: str
+    evidence: Evidence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NodeInterface:
     """All that one node declares, and what of it could not be found out.
 
@@ -232,6 +243,7 @@ class NodeInterface:
     frames: tuple[FrameBroadcast, ...] = ()
     stamps: tuple[FrameStamp, ...] = ()
     plugins: tuple[LoadedPlugin, ...] = ()
+    mistyped: tuple[MistypedParameter, ...] = ()
 
     def with_location(self, location: Evidence) -> "NodeInterface":
         """Return the interface with a plugin's place in its file before its model's evidence."""

@@ -29,6 +29,8 @@ class WiringFactKind(StringEnum):
     """A node that does not know the value, its parameter; it knows others, near ones."""
     UNREAD_PARAMETER = "unread_parameter"
     """A node that does not know the value, its parameter, nor a near one."""
+    MISTYPED_PARAMETER = "mistyped_parameter"
+    """A node that is given the value, its parameter, in another type; others: declared, given."""
     DOUBLE_FRAME = "double_frame"
     """A TF frame that others broadcast, some of them below the value, its parent frame."""
     DOUBLE_FIXED_FRAME = "double_fixed_frame"

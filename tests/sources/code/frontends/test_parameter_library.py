@@ -4,6 +4,8 @@ import pytest
 import ros2_runs
 from ros2_runs import UNLAUNCHED, settings, site
 
+from rtron.sources.code.frontends.parameter_library import generated_code
+from rtron.sources.code.ir import SourceLanguage
 from rtron.sources.code.program_runner import run_cpp, run_python
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.static.ros2.app import read_ros2_workspace
@@ -81,6 +83,15 @@ def test_a_struct_has_what_the_launch_and_the_description_say(tmp_path, scan):
 @pytest.mark.parametrize("scan", [scan_cpp, scan_python])
 def test_without_a_launch_what_has_no_default_is_open(tmp_path, scan):
     assert ros2_runs.names(scan(tmp_path, **UNLAUNCHED))[0] == "/{~topics.image}"
+
+
+def test_a_whole_number_is_the_default_of_a_double(tmp_path):
+    described = (
+        "robot: {p: {type: double, default_value: 1}, q: {type: double_array, default_value: [1]}}"
+    )
+    code = generated_code(described.encode(), tmp_path / "p.yaml", SourceLanguage.PYTHON).decode()
+    assert "declare_parameter(at + 'p', 1.0)" in code
+    assert "declare_parameter(at + 'q', [1.0])" in code
 
 
 def test_the_header_may_be_named_without_its_package(tmp_path):

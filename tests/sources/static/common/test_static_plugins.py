@@ -162,15 +162,27 @@ COMPONENTS = """<launch><push_ros_namespace namespace="r"/>
   </node_container></launch>"""
 
 
+def scan_nav2(folder, launch, parameters=NAV2):
+    write_package(folder, ROS2, ROS2_BASES)
+    (folder / "nav2.yaml").write_text("r:\n  " + parameters.replace("\n", "\n  ").rstrip())
+    (folder / "app.launch.xml").write_text(launch.format(folder / "nav2.yaml"))
+    launches = [(folder / "app.launch.xml", {})]
+    options = ScanOptions(workers=1, cache=None)
+    return scan_ros2_app([folder], launches, {"ROS_DISTRO": "jazzy"}, options)
+
+
+@pytest.mark.parametrize("launch", [PROCESSES, COMPONENTS])
+def test_a_plugin_s_parameter_of_another_type_than_declared(tmp_path, launch):
+    graph = scan_nav2(tmp_path, launch, NAV2.replace("steered", "5"))
+    found = [fact for fact in graph.wiring if fact.kind == "mistyped_parameter"]
+    assert [(fact.subject, fact.value) for fact in found] == [
+        ("/r/controller_server", "Follow.topic")
+    ]
+
+
 @pytest.mark.parametrize("launch", [PROCESSES, COMPONENTS])
 def test_the_plugins_of_nav2_are_run_with_their_nodes(tmp_path, launch):
-    write_package(tmp_path, ROS2, ROS2_BASES)
-    (tmp_path / "nav2.yaml").write_text("r:\n  " + NAV2.replace("\n", "\n  ").rstrip())
-    (tmp_path / "app.launch.xml").write_text(launch.format(tmp_path / "nav2.yaml"))
-    launches = [(tmp_path / "app.launch.xml", {})]
-    graph = scan_ros2_app(
-        [tmp_path], launches, {"ROS_DISTRO": "jazzy"}, ScanOptions(workers=1, cache=None)
-    )
+    graph = scan_nav2(tmp_path, launch)
     assert own_names(graph) == {
         ("/r/controller_server", "/r/steered"),
         ("/r/planner_server", "/r/Grid/path"),

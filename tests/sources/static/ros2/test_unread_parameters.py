@@ -58,7 +58,8 @@ def unread(scanned, tmp_path):
 
     def facts(given, **declared):
         graph = scanned(given, **declared)
-        found = [fact for fact in graph.wiring if fact.kind.endswith("_parameter")]
+        kinds = ("misspelt_parameter", "unread_parameter")
+        found = [fact for fact in graph.wiring if fact.kind in kinds]
         assert all(fact.evidence[0].file == str(tmp_path / "app.launch.py") for fact in found)
         return {(fact.subject, fact.value): fact.others for fact in found}
 
@@ -183,3 +184,11 @@ def test_a_section_is_meant_for_the_one_node_that_declares_most_of_it(scanned, s
 def test_a_node_whose_name_is_not_known_may_have_the_section(scanned, name, found):
     graph = scanned(f"/drive: {TWO}", more=f"rclpy.create_node({name})")
     assert [section for section, _ in without_node(graph)] == found
+
+
+def test_a_value_of_another_type_than_declared_is_a_fact(scanned, tmp_path):
+    graph = scanned(of_base(max_vel=1, rate=2.0))
+    (fact,) = (fact for fact in graph.wiring if fact.kind == "mistyped_parameter")
+    assert (fact.subject, fact.value, fact.others) == ("/base", "max_vel", ("double", "integer"))
+    launch, source = (place.file for place in fact.evidence)
+    assert (launch, source) == (str(tmp_path / "app.launch.py"), str(tmp_path / "app/base.py"))

@@ -159,6 +159,16 @@ def _python_code(namespace: str, parameters: list[DescribedParameter]) -> str:
 
 def _python_declaration(parameter: DescribedParameter) -> str:
     type = f"{_PYTHON_TYPES[parameter.type]}{'_ARRAY' if parameter.is_array else ''}"
-    default = parameter.default
+    default = _python_default(parameter)
     given = f"rclpy.Parameter.Type.{type}" if default is None else repr(default)
     return f"node.declare_parameter(at + '{parameter.name}', {given}).value"
+
+
+def _python_default(parameter: DescribedParameter) -> object:
+    """Return a default, whole numbers of a double as floats."""
+    default = parameter.default
+    if parameter.type != "double":
+        return default
+    if isinstance(default, list):
+        return [float(item) if type(item) is int else item for item in default]
+    return float(default) if isinstance(default, int) else default

@@ -70,5 +70,6 @@ def with_plugin(part: NodePart, task: InterpretationTask, result: TaskResult) ->
         parameters=(*before.parameters, *its.parameters),
         frames=(*before.frames, *its.frames),
         stamps=(*before.stamps, *its.stamps),
+        mistyped=(*before.mistyped, *its.mistyped),
     )
     return replace(part, interface=interface)

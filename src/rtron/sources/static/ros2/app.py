@@ -28,7 +28,11 @@ from rtron.sources.static.ros2.gazebo_plugins import GazeboPluginNodes
 from rtron.sources.static.ros2.gazebo_server import GazeboServers
 from rtron.sources.static.ros2.hardware import HardwareParts
 from rtron.sources.static.ros2.standard_nodes import add_standard_interface
-from rtron.sources.static.ros2.unread_parameters import sections_without_node, unread_parameters
+from rtron.sources.static.ros2.unread_parameters import (
+    mistyped_parameters,
+    sections_without_node,
+    unread_parameters,
+)
 from rtron.sources.workspace import Workspace, shared_workspace
 from rtron.vocabulary import InteractionGraph
 
@@ -79,6 +83,7 @@ def scan_ros2_app(
         for part in (*parts, *(part for part in loaded if not part.task), *resolved):
             assembly.add_part(add_standard_interface(part, files, generated_files))
         assembly.add_wiring(*unread_parameters([*parts, *resolved]))
+        assembly.add_wiring(*mistyped_parameters([*parts, *resolved]))
         assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes)))
     assembly.add_wiring_facts()
     assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))

@@ -1,4 +1,4 @@
-"""Parameters that a launch sets in vain: a node does not declare them, or no node has the name."""
+"""Parameters that a launch sets in vain: not declared, of another type, or for no node's name."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
@@ -39,6 +39,19 @@ def unread_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
             for name in unread:
                 if name in near or set_by_launch[name]:
                     yield unread_parameter(node, name, near.get(name), part.node.evidence)
+
+
+def mistyped_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
+    """Yield a fact for each parameter that is given another type than its node declares."""
+    for part in parts:
+        for each in part.interface.mistyped:
+            yield WiringFact(
+                kind=WiringFactKind.MISTYPED_PARAMETER,
+                subject=each.node,
+                value=each.name,
+                others=(each.declared_type, each.given_type),
+                evidence=(part.node.evidence, each.evidence),
+            )
 
 
 def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[WiringFact]:

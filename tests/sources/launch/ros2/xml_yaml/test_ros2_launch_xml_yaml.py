@@ -39,6 +39,13 @@ def test_a_node_with_all_it_can_be_given(xml, package):
     assert app.unresolved == ()
 
 
+@pytest.mark.parametrize(("type", "value"), [("float", 1.0), ("int", 1), ("str", "1")])
+def test_the_type_of_a_value(xml, type, value):
+    app = xml(f'<node pkg="p" exec="e"><param name="one" value="1" type="{type}"/></node>')
+    found = values(app.starts[0])["one"]
+    assert repr(found) == repr(value)
+
+
 def test_the_same_in_yaml(read):
     app = read(
         """launch:

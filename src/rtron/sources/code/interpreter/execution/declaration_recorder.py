@@ -21,6 +21,7 @@ from rtron.sources.declaration import (
     DeclarationKind,
     FrameBroadcast,
     FrameStamp,
+    MistypedParameter,
     NodeInterface,
     NodeSite,
     RuntimeStart,
@@ -62,6 +63,7 @@ class DeclarationRecorder:
     _parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
     _frames: dict[FrameBroadcast, None] = field(default_factory=dict)
     _stamps: dict[FrameStamp, None] = field(default_factory=dict)
+    _mistyped: dict[MistypedParameter, None] = field(default_factory=dict)
     _undecided_parameters: int = 0
     _undecided_conditions: int = 0
     _starts: dict[RuntimeStart, None] = field(default_factory=dict)
@@ -181,6 +183,12 @@ class DeclarationRecorder:
             if known != found:
                 self._parameters[node, name] = replace(found, value=None)
 
+    def add_mistyped(self, parameter: MistypedParameter) -> None:
+        """Record a parameter of another type than declared, unless a condition decides on it."""
+        is_certain = not (self._undecided_conditions or self._undecided_parameters)
+        if is_certain and not self.muted and len(self._mistyped) < MAX_DECLARATIONS:
+            self._mistyped[parameter] = None
+
     def reported_options(self, name: Value) -> tuple[Value, ...]:
         """Return what to report of a name: where no launch is known, a default is the answer."""
         found = options(name)
@@ -210,6 +218,7 @@ class DeclarationRecorder:
         self._parameters.update({(each.node, each.name): each for each in other.parameters})
         self._frames.update(dict.fromkeys(other.frames))
         self._stamps.update(dict.fromkeys(other.stamps))
+        self._mistyped.update(dict.fromkeys(other.mistyped))
         self._starts.update(dict.fromkeys(other.runtime_starts))
         self._unresolved.update(dict.fromkeys(other.unresolved))
 
@@ -227,6 +236,7 @@ class DeclarationRecorder:
             parameters=tuple(self._parameters.values()),
             frames=tuple(self._frames),
             stamps=tuple(self._stamps),
+            mistyped=tuple(self._mistyped),
         )
 
     def _add_declaration(self, declared: Declaration) -> None:

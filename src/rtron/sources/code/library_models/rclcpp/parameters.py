@@ -20,8 +20,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.library_models.common.cpp_arguments import escape_functions
 from rtron.sources.code.library_models.common.trivial_functions import return_owner
+from rtron.sources.code.library_models.ros2_common.mistyped_parameters import record_mistyped
 from rtron.sources.code.library_models.ros2_common.parameter_lists import (
     list_parameters,
     names_below,
@@ -31,6 +33,7 @@ from rtron.sources.code.library_models.ros2_common.parameter_types import (
     is_parameter_type,
     is_unset,
     parameter_type,
+    type_name,
 )
 from rtron.sources.code.library_models.ros2_common.parameters import (
     PARAMETER_CALLBACKS,
@@ -61,7 +64,22 @@ def declare_parameter(machine: AbstractMachine, owner: Value, arguments: Argumen
     default = _unwrap_parameter(arguments.get(1))
     if isinstance(default, Instance) and not is_parameter_type(default):
         default = None
+    record_mistyped(machine, owner, arguments, _declared_type(arguments, default))
     return declare_node_parameter(machine, owner, arguments.value(0), default)
+
+
+def _declared_type(arguments: Arguments, default: Value | None) -> str:
+    """Return a parameter's type; a variable of C++ that holds an int may be a double."""
+    if arguments.types:
+        return _type_name(arguments.types[0])
+    name = type_name(default)
+    return "" if "integer" in name else name
+
+
+def _type_name(type: TypeRef) -> str:
+    if type.name == "std::vector" and type.args and type.args[0].name in _TYPE_NAMES:
+        return f"{_TYPE_NAMES[type.args[0].name]}_array"
+    return _TYPE_NAMES.get(type.name, "")
 
 
 def declare_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
@@ -183,6 +201,13 @@ def _parameter_type(_: AbstractMachine, owner: Instance, __: Arguments) -> Value
     return parameter_type(owner.fields["value"])
 
 
+_INTEGERS = ("int", "long", "int64_t", "int32_t", "uint64_t", "size_t", "std::size_t")
+_TYPE_NAMES = {
+    **dict.fromkeys(_INTEGERS, "integer"),
+    **dict.fromkeys(("double", "float"), "double"),
+    "bool": "bool",
+    "std::string": "string",
+}
 _AS = ("string", "int", "double", "bool")
 PARAMETER = LibraryClass(
     "rclcpp::Parameter",

@@ -17,6 +17,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.ros2_common.mistyped_parameters import record_mistyped
 from rtron.sources.code.library_models.ros2_common.parameter_lists import (
     list_parameters,
     names_below,
@@ -24,6 +25,7 @@ from rtron.sources.code.library_models.ros2_common.parameter_lists import (
 )
 from rtron.sources.code.library_models.ros2_common.parameter_types import (
     python_parameter_type,
+    type_name,
 )
 from rtron.sources.code.library_models.ros2_common.parameters import (
     PARAMETER_CALLBACKS,
@@ -56,10 +58,9 @@ def _unwrapped(value: Value | None) -> Value | None:
 def _declare_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`declare_parameter(name, value)`; a type instead of the value is no default."""
     name = arguments.value(0, "name")
-    default = arguments.get(1, "value")
-    return parameter_object(
-        name, declare_node_parameter(machine, owner, name, _declared_default(default))
-    )
+    default = _declared_default(arguments.get(1, "value"))
+    record_mistyped(machine, owner, arguments, type_name(default))
+    return parameter_object(name, declare_node_parameter(machine, owner, name, default))
 
 
 def _declared_default(value: Value | None) -> Value | None:
@@ -73,12 +74,16 @@ def _declared_default(value: Value | None) -> Value | None:
 def _declare_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
     """`declare_parameters(namespace, [(name, value), …])`."""
     space, given = arguments.get(0, "namespace"), arguments.get(1, "parameters")
+    flag = arguments.get(2, "ignore_override")
     items, certain = items_of(given or NONE)
     found: list[Value] = []
     for item in items:
-        name, value = (*items_of(item)[0], UNKNOWN, None)[:2]
-        full = prefixed_name(space, name or UNKNOWN)
-        declared = declare_node_parameter(machine, owner, full, _declared_default(value))
+        words = items_of(item)[0]
+        name, value = (*words, UNKNOWN, None)[:2]
+        full, default = prefixed_name(space, name or UNKNOWN), _declared_default(value)
+        call = arguments.with_values(full, *words[1:], *(() if flag is None else (flag,)))
+        record_mistyped(machine, owner, call, type_name(default))
+        declared = declare_node_parameter(machine, owner, full, default)
         found.append(parameter_object(full, declared))
     return list_of(found, certain=certain)
 

@@ -55,6 +55,19 @@ def parameter_type(value: Value) -> Value:
     return _PARAMETER_TYPES[name] if name in _PARAMETER_TYPES else Unknown("get_type")
 
 
+def type_name(value: Value | None) -> str:
+    """Return what ROS 2 calls the type of a value, or one that is named; empty if not known."""
+    if isinstance(value, ListValue) and len({_scalar_type(item) for item in value.items}) > 1:
+        return ""
+    kind = value if value is None or is_parameter_type(value) else parameter_type(value)
+    names = (name for name, each in _PARAMETER_TYPES.items() if each is kind and name != "NOT_SET")
+    return next(names, "").lower()
+
+
+def _scalar_type(value: Value) -> type | None:
+    return type(value.value) if isinstance(value, Scalar) else None
+
+
 def python_parameter_type(value: Value | None) -> Value | None:
     """Return the kind that `Parameter.Type.STRING` names in rclpy; None for any other value."""
     if not isinstance(value, (Unknown, ExternalSymbol)):

@@ -90,8 +90,11 @@ class NodeConfiguration:
         text, separator = self._text(param, "value"), param.plain_text("value-sep")
         if separator:
             return [parse_value(part) for part in text.split(separator)]
-        plain = param.plain_text("type") in _STRINGS or not text
-        return string_value(text) if plain else parse_value(text)
+        kind = param.plain_text("type")
+        if kind in _STRINGS or not text:
+            return string_value(text)
+        value = parse_value(text)
+        return float(value) if kind == "float" and type(value) is int else value
 
     def _parameter_files(self, site: ElementSite, key: str) -> Iterator[ParameterSource]:
         """Yield what a parameter file says; one that cannot be read is noted.
