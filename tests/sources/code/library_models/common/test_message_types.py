@@ -92,6 +92,15 @@ def test_a_type_is_found_from_within_its_packages_namespace(written):
     ]
 
 
+@pytest.mark.parametrize("written", ["maps::Alias", "maps::Types::Alias", "maps::Pointer"])
+def test_an_alias_means_the_same_type_outside_of_its_namespace(written):
+    top = """#include "maps/msg/map.hpp"
+    namespace maps { using Alias = msg::Map; using Pointer = msg::Map::SharedPtr;
+    struct Types { typedef msg::Map Alias; }; }"""
+    found = ros2_runs.cpp(f'create_subscription("m", 1, [](const {written} &) {{}});', top=top)
+    assert ros2_runs.explicit_declarations(found) == ["subscribe /ns/m maps/msg/Map"]
+
+
 def test_a_type_is_found_through_the_namespace_that_is_used():
     top = '#include "maps/msg/map.hpp"\nusing namespace maps;'
     found = ros2_runs.cpp('create_publisher<msg::Map>("m", 1);', top=top)

@@ -17,6 +17,10 @@ from rtron.sources.code.ir import (
     alias_parameter,
     substituted,
 )
+from rtron.sources.code.library_models.common.message_types import (
+    INTERFACE_FOLDERS,
+    message_header,
+)
 
 MAX_FILES = 600
 MODELLED_FOLDERS = frozenset(
@@ -197,9 +201,20 @@ class SymbolTable:
 
     def _qualified_type(self, type: TypeRef, scope: str) -> TypeRef:
         """Return the type that an alias means by its full name, which holds in any scope."""
-        found = (name for name in self.candidates(type.name, scope) if name in self.classes)
+        found = (
+            name
+            for name in self.candidates(type.name, scope)
+            if name in self.classes or self._is_included_message(name)
+        )
         name = next(found, None)
         return type if name is None else TypeRef(name, type.args)
+
+    def _is_included_message(self, name: str) -> bool:
+        """Tell whether a name is of a message of ROS 2 whose header a file includes."""
+        package, _, rest = name.partition("::")
+        folder, _, plain = rest.partition("::")
+        header = message_header(package, folder, plain.partition("::")[0])
+        return folder in INTERFACE_FOLDERS and header in self.headers
 
     def class_named(self, name: str, scope: str) -> Class | None:
         """Return the scanned class that a name means."""
