@@ -49,10 +49,17 @@ def test_who_reads_the_messages_must_transform_them(more, level):
     assert the_finding("stray_frame", small_graph(SCAN + more, wiring=WIRING)).level == level
 
 
-def test_a_listener_may_be_a_node_of_its_own_beside_the_reader():
-    graph = small_graph(f"{SCAN}/listener_{{id}} slam own\n{TRANSFORMS}", wiring=WIRING)
-    nodes = (
-        replace(node, process="/slam") if "listener" in node.name else node for node in graph.nodes
-    )
-    assert the_finding("stray_frame", graph).level is FindingLevel.PEDANTIC
-    assert the_finding("stray_frame", replace(graph, nodes=tuple(nodes))).level == "regular"
+@pytest.mark.parametrize(
+    ("process", "more", "level"),
+    [
+        ({"/slam": "", "/listener": "/slam"}, "", "regular"),
+        ({"/slam": "/launched", "/listener": "/launched"}, "", "regular"),
+        ({"/slam": "/other", "/listener": "/launched"}, "", "pedantic"),
+        ({"/slam": "/box", "/listener": "/box"}, "/box container own\n", "pedantic"),
+    ],
+)
+def test_a_listener_may_be_a_node_of_its_own_in_the_process(process, more, level):
+    text = f"{SCAN}/listener slam own\n{TRANSFORMS}{more}"
+    graph = small_graph(text, wiring=WIRING)
+    nodes = (replace(node, process=process.get(node.name, "")) for node in graph.nodes)
+    assert the_finding("stray_frame", replace(graph, nodes=tuple(nodes))).level == level

@@ -68,9 +68,15 @@ def _may_have_frame(end: Endpoint) -> bool:
 
 
 def _listeners(app: AppFacts) -> set[str]:
-    """Return the nodes that listen to transforms, or whose listener is a node beside them."""
+    """Return the nodes that listen to transforms, or whose listener is a node beside them.
+
+    A process that is no node is named by the launch, and its node by its source. Of a container it
+    is not known whose listener it is.
+    """
     nodes = {end.node for topic in TRANSFORM_TOPICS for end in app.graph.subscribers(topic)}
-    return nodes | {app.nodes[node].process for node in nodes & app.nodes.keys()}
+    processes = {app.nodes[node].process for node in nodes & app.nodes.keys()} - {""}
+    beside = {each.name for each in app.graph.nodes if each.process in processes - app.nodes.keys()}
+    return nodes | processes | beside
 
 
 def _finding(group: WiringGroup, *, is_transformed: bool) -> Finding:
