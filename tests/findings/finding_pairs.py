@@ -73,10 +73,10 @@ LOOP = f"""
 /ekf robot_localization third_party
     sub /odom nav_msgs/msg/Odometry
     pub /odom/fused nav_msgs/msg/Odometry
-/controller controller own
+/controller nav2_controller own
     sub {{}} nav_msgs/msg/Odometry
     pub /cmd_vel_raw {TWIST}
-/smoother smoother own
+/smoother nav2_velocity_smoother own
     sub /cmd_vel_raw {TWIST}
     sub {{}} nav_msgs/msg/Odometry
     pub /cmd_vel {TWIST}

@@ -10,6 +10,7 @@ from rtron.vocabulary import (
     Direction,
     Endpoint,
     InteractionGraph,
+    Node,
     QoS,
     Reliability,
     WiringFact,
@@ -17,6 +18,7 @@ from rtron.vocabulary import (
 )
 
 IDLE = WiringFactKind.IDLE_REMAP
+TWIST, ODOMETRY = "geometry_msgs/Twist", "nav_msgs/Odometry"
 PUB, SUB = Direction.PUBLISH, Direction.SUBSCRIBE
 OFFERED = {PUB: QoS(reliability=Reliability.BEST_EFFORT), SUB: QoS()}
 
@@ -43,13 +45,34 @@ def commands(size):
     return ends + [(f"/base{i}", f"/base{i}/chassis", SUB) for i in range(size)]
 
 
-def seconds(ends, type="a/B", wiring=()):
+def odometries(size):
+    """Each robot's nodes command one another, and read what one filter makes of all odometries."""
+    for i in range(size):
+        yield "/ekf", f"/raw{i}", SUB, ODOMETRY
+        yield "/ekf", f"/fused{i}", PUB, ODOMETRY
+        yield f"/n{i}", f"/{('raw', 'fused')[i % 2]}{i}", SUB, ODOMETRY
+        yield f"/n{i}", f"/c{i}/cmd_vel", SUB, TWIST
+        yield f"/n{i}", f"/c{i + 1}/cmd_vel", PUB, TWIST
+
+
+def open_names(size):
+    """Everybody uses the same names known in part beside a topic of its own."""
+    for i in range(size):
+        yield f"/n{i}", f"/t{i}/cmd_vel", PUB, TWIST
+        yield f"/n{i}", f"/u{i}/cmd_vel", SUB, TWIST
+        yield f"/n{i}", "/x{a}/q", PUB, TWIST
+        yield f"/n{i}", "/{a}/r", SUB, TWIST
+
+
+def seconds(ends, type="a/B", wiring=(), nodes=()):
     graph = InteractionGraph(
         app="big",
         ros=2,
+        nodes=nodes,
         wiring=wiring,
         endpoints=tuple(
-            Endpoint(node=n, topic=t, type=type, direction=d, qos=OFFERED[d]) for n, t, d in ends
+            Endpoint(node=n, topic=t, type=(*own, type)[0], direction=d, qos=OFFERED[d])
+            for n, t, d, *own in ends
         ),
     )
 
@@ -81,5 +104,16 @@ def test_it_is_so_with_remaps_of_one_node_that_change_nothing():
 
 
 def test_it_is_so_with_loose_commands():
-    small, large = (seconds(commands(size), "geometry_msgs/Twist") for size in (500, 5000))
+    small, large = (seconds(commands(size), TWIST) for size in (500, 5000))
+    assert large < 30 * small
+
+
+def test_it_is_so_with_a_filter_of_many_odometries():
+    nodes = (Node(name="/ekf", package="robot_localization"),)
+    small, large = (seconds(odometries(size), nodes=nodes) for size in (40, 400))
+    assert large < 30 * small
+
+
+def test_it_is_so_with_names_that_are_known_in_part():
+    small, large = (seconds(open_names(size)) for size in (300, 3000))
     assert large < 30 * small

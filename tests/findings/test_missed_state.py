@@ -6,7 +6,14 @@ import pytest
 from finding_graphs import found, small_graph, the_finding, with_qos
 from finding_pairs import BEST_EFFORT, LATCHED, RELIABLE, STOP, latched_state
 
-from rtron.vocabulary import Certainty, Severity
+from rtron.vocabulary import (
+    Action,
+    ActionRole,
+    Certainty,
+    FindingLevel,
+    ServiceClient,
+    Severity,
+)
 
 RULE = "missed_state"
 MAP = """
@@ -46,10 +53,36 @@ class TestMissedState:
         text = STOP.replace("/hardware/stop_state", name)
         assert found(RULE, latched_state(RELIABLE, text, name))
 
-    @pytest.mark.parametrize("name", ["/robot_description", "/mode/image", "/statement", "/label"])
+    @pytest.mark.parametrize(
+        "name", ["/robot_description", "/statement", "/plan", "/route", "/mission", "/goal"]
+    )
     def test_others_decide_nothing(self, name):
         text = STOP.replace("/hardware/stop_state", name)
         assert not found(RULE, latched_state(RELIABLE, text, name))
+
+    @pytest.mark.parametrize(
+        ("more", "level"),
+        [
+            ("", "pedantic"),
+            ("    pub /cmd geometry_msgs/msg/Twist\n", "regular"),
+            ("    sub /cmd_vel geometry_msgs/msg/Twist\n", "regular"),
+            ("    sub /estop std_msgs/msg/Bool\n", "pedantic"),
+        ],
+    )
+    def test_who_only_looks_at_it_is_for_the_pedantic(self, more, level):
+        assert the_finding(RULE, latched_state(RELIABLE, STOP + more)).level == level
+
+    def test_who_calls_something_acts(self):
+        graph = latched_state(RELIABLE)
+        client = ServiceClient(node="/pad", name="/go")
+        goals = Action(node="/pad", name="/go", role=ActionRole.CLIENT)
+        for acting in ({"clients": (client,)}, {"actions": (goals,)}):
+            assert the_finding(RULE, replace(graph, **acting)).level is FindingLevel.REGULAR
+        for idle in (
+            {"clients": (replace(client, implicit=True),)},
+            {"actions": (replace(goals, role=ActionRole.SERVER),)},
+        ):
+            assert the_finding(RULE, replace(graph, **idle)).level is FindingLevel.PEDANTIC
 
     @pytest.mark.parametrize("qos", [LATCHED, None])
     def test_a_reader_whose_request_is_another_or_not_known(self, qos):

@@ -1,9 +1,10 @@
 """Which nodes make one control loop, which ones a filter, and what is left out."""
 
+import pytest
 from finding_graphs import TWIST, found, small_graph, the_finding
 from finding_pairs import LOOP
 
-from rtron.vocabulary import Certainty, Severity
+from rtron.vocabulary import Certainty, FindingLevel, Severity
 
 RULE = "mixed_odometry"
 MIXED = LOOP.format("/odom/fused", "/odom")
@@ -20,6 +21,26 @@ class TestMixedOdometry:
         assert finding.remedy == "let /smoother read /odom/fused too"
         assert (finding.certainty, finding.severity) == (Certainty.LIKELY, Severity.MEDIUM)
         assert finding.nodes == ("/smoother", "/controller", "/ekf")
+
+    @pytest.mark.parametrize("package", ["nav2_controller", "nav2_velocity_smoother"])
+    def test_a_cascade_of_other_nodes_may_be_right(self, package):
+        assert the_finding(RULE, small_graph(MIXED)).level is FindingLevel.REGULAR
+        finding = the_finding(RULE, small_graph(MIXED.replace(package, "wheel_pid")))
+        assert finding.certainty is Certainty.POSSIBLE
+        assert finding.level is FindingLevel.PEDANTIC
+
+    def test_a_cascade_beside_nodes_of_one_pose_is_left_out(self):
+        watch = f"/watch watch own\n    sub /cmd_vel {TWIST}\n    sub /odom nav_msgs/msg/Odometry\n"
+        finding = the_finding(RULE, small_graph(MIXED + watch))
+        assert finding.nodes == ("/smoother", "/controller", "/ekf")
+
+    def test_a_node_of_many_odometries_is_no_filter_of_one_robot(self):
+        def fused(size):
+            more = "".join(f"    pub /fused{i} nav_msgs/msg/Odometry\n" for i in range(size))
+            return found(RULE, small_graph(f"{MIXED}/ekf robot_localization third_party\n{more}"))
+
+        assert fused(4)
+        assert not fused(5)
 
     def test_the_raw_odometry_may_be_read_before_the_fused(self):
         finding = the_finding(RULE, small_graph(LOOP.format("/odom", "/odom/fused")))

@@ -478,6 +478,19 @@ class TestLooseCommand:
         text = self.NAV.replace("/cmd_vel", lost) + self.WHEELS.replace("/chassis", obeyed)
         assert bool(self.lost(text)) is is_joined
 
+    @pytest.mark.parametrize(
+        ("obeyed", "reader", "is_joined"),
+        [
+            ("/chassis/jog", "/base", True),
+            ("/gimbal/jog_cmd", "/base", False),
+            ("/jog_cmd", "/gimbal", False),
+            ("/jog_cmd", "/base", True),
+        ],
+    )
+    def test_what_moves_another_thing_is_not_joined(self, obeyed, reader, is_joined):
+        text = self.WHEELS.replace("/chassis", obeyed).replace("/base", reader)
+        assert bool(self.lost(self.NAV + text)) is is_joined
+
     def test_nodes_of_two_robots_are_not_joined(self):
         text = self.NAV.replace("/nav", "/alice/nav") + self.WHEELS.replace("/base", "/{}/base")
         assert self.lost(text.replace("/{}", "/alice"))
@@ -507,7 +520,11 @@ class TestLooseCommand:
         [
             ("/camera", "realsense2_camera", True),
             ("/rplidar", "rplidar_ros", True),
+            ("/rover/camera", "realsense2_camera", True),
             ("/base_driver", "acme_base", False),
+            ("/rover", "camera_rover_driver", False),
+            ("/camera", "camera_rover_driver", False),
+            ("/camera_base", "acme", False),
             ("/mixer", "acme", False),
         ],
     )
@@ -516,6 +533,20 @@ class TestLooseCommand:
         graph = small_graph(text, unread=(node,))
         assert bool(found("lost_command", graph)) is is_joined
         assert bool(found("open_command", graph)) is not is_joined
+
+    @pytest.mark.parametrize(
+        ("what", "is_joined"),
+        [
+            ("include $(find rover_bringup)/launch/camera.launch", True),
+            ("include $(find acme_description)/launch/all.launch", True),
+            ("robot_description", True),
+            ("include $(find camera_rover_driver)/launch/all.launch", False),
+            ("include $(find acme)/launch/robot_with_camera.launch", False),
+        ],
+    )
+    def test_a_file_that_was_not_read_weakens_what_it_may_join(self, what, is_joined):
+        notes = (UnresolvedItem(what=what, why="gone"),)
+        assert bool(self.lost(self.NAV + self.WHEELS, unresolved=notes)) is is_joined
 
     @pytest.mark.parametrize(
         ("names", "is_joined"),

@@ -2,12 +2,19 @@
 
 from dataclasses import replace
 
+import pytest
 from finding_graphs import FIRMWARE, found, small_graph, the_finding
 from finding_pairs import SCAN, with_fact
 
 from rtron.vocabulary import Certainty, FindingLevel, Severity
 
-STRAY = with_fact("stray_frame", "pico_1", "pico", "/laser")
+WIRING = with_fact("stray_frame", "pico_1", "pico", "/laser").wiring
+TRANSFORMS = "    sub /tf tf2_msgs/msg/TFMessage\n"
+RVIZ = "/rviz rviz2 third_party\n    sub /scan sensor_msgs/msg/LaserScan\n"
+CAMERA = "/laser driver own\n    pub /image sensor_msgs/msg/Image\n"
+VIEW = "/view view own\n    sub /image sensor_msgs/msg/Image\n"
+STATUS = (CAMERA + VIEW).replace("sensor_msgs/msg/Image", "std_msgs/msg/Bool")
+STRAY = small_graph(SCAN + TRANSFORMS, wiring=WIRING)
 
 
 def test_it_names_the_frame_and_a_near_one():
@@ -23,3 +30,36 @@ def test_it_names_the_frame_and_a_near_one():
 def test_a_node_that_was_not_read_may_send_the_transform():
     unread = small_graph(SCAN + FIRMWARE, unread=("/firmware",))
     assert not found("stray_frame", replace(unread, wiring=STRAY.wiring))
+
+
+@pytest.mark.parametrize(
+    ("more", "level"),
+    [
+        ("", "pedantic"),
+        ("/other o own\n" + TRANSFORMS, "pedantic"),
+        (RVIZ + TRANSFORMS, "pedantic"),
+        (TRANSFORMS, "regular"),
+        (TRANSFORMS.replace("/tf ", "/tf_static "), "regular"),
+        (TRANSFORMS + CAMERA, "regular"),
+        (TRANSFORMS + CAMERA + VIEW, "pedantic"),
+        (TRANSFORMS + STATUS, "regular"),
+    ],
+)
+def test_who_reads_the_messages_must_transform_them(more, level):
+    assert the_finding("stray_frame", small_graph(SCAN + more, wiring=WIRING)).level == level
+
+
+@pytest.mark.parametrize(
+    ("process", "more", "level"),
+    [
+        ({"/slam": "", "/listener": "/slam"}, "", "regular"),
+        ({"/slam": "/launched", "/listener": "/launched"}, "", "regular"),
+        ({"/slam": "/other", "/listener": "/launched"}, "", "pedantic"),
+        ({"/slam": "/box", "/listener": "/box"}, "/box container own\n", "pedantic"),
+    ],
+)
+def test_a_listener_may_be_a_node_of_its_own_in_the_process(process, more, level):
+    text = f"{SCAN}/listener slam own\n{TRANSFORMS}{more}"
+    graph = small_graph(text, wiring=WIRING)
+    nodes = (replace(node, process=process.get(node.name, "")) for node in graph.nodes)
+    assert the_finding("stray_frame", replace(graph, nodes=tuple(nodes))).level == level

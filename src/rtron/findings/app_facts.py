@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 from functools import cached_property
 from itertools import chain
-from typing import TypeVar, cast
+from typing import TypeAlias, TypeVar, cast
 
 from rtron.risks.graph_facts import GraphFacts, evidence_of
 from rtron.vocabulary import (
@@ -49,6 +49,13 @@ _MOVES_NOTHING = re.compile(
     r"|ekf|rviz2?|description|tf2?|yolo\w*|detector|detection|audio|speech|led|leds|diagnostics?"
 )
 """Words in the names of what neither sends commands of motion nor obeys them."""
+_MOVES = re.compile(
+    r"(?:^|[\W_])(?:driver|base|chassis|rover|robot|vehicle|nav|navigation|follower|teleop|control"
+    r"|controller|motor|wheel|drive|servo)s?\d*(?![a-z\d]|_description)"
+)
+"""Words beside those that say that it may do so all the same: `camera_rover_driver`."""
+_OpenName: TypeAlias = tuple[str, str]
+"""A name that is known in part, and the type of its endpoint."""
 _T = TypeVar("_T")
 
 
@@ -160,8 +167,9 @@ class AppFacts:
 
     def open_readers(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that subscribe names known in part, one of which may be this topic."""
-        subscribers = self._open_endpoints[Direction.SUBSCRIBE]
-        nodes = {end.node for end in subscribers if self._may_be(end, topic)}
+        subscribed = self._open_names[Direction.SUBSCRIBE].items()
+        found = (nodes for open_name, nodes in subscribed if self._may_be(open_name, topic))
+        nodes = set(chain.from_iterable(found))
         return tuple(sorted(nodes - self.facts.viewers - set(self.publishers(topic))))
 
     def types(self, topic: str, direction: Direction) -> dict[str, list[Endpoint]]:
@@ -188,7 +196,7 @@ class AppFacts:
             return True
         if _OF_PX4[direction] in topic or self._has_unread_calls:
             return True
-        is_open = any(self._may_be(end, topic) for end in self._open_endpoints[direction])
+        is_open = any(self._may_be(each, topic) for each in self._open_names[direction])
         return is_open or self._may_be_unread(topic)
 
     def _may_be_unread(self, topic: str) -> bool:
@@ -208,7 +216,10 @@ class AppFacts:
             for fact in self._unread_facts
             if not self._commands_of_unread.isdisjoint(fact.others)
         }
-        nodes = (f"{name}/{self.nodes[name].package}" for name in {*self.unread_nodes} - given)
+        nodes = (
+            f"{name.rpartition('/')[2]}_{self.nodes[name].package}"
+            for name in {*self.unread_nodes} - given
+        )
         return not all(map(_moves_nothing, (*nodes, *self.unread_files)))
 
     @cached_property
@@ -222,11 +233,12 @@ class AppFacts:
         kind = WiringFactKind.UNREAD_NODE
         return tuple(fact for fact in self.graph.wiring if fact.kind is kind)
 
-    def _may_be(self, end: Endpoint, topic: str) -> bool:
+    def _may_be(self, open_name: _OpenName, topic: str) -> bool:
         """Return whether an endpoint whose name is known in part may be one of a topic."""
+        name, type = open_name
         types = self.facts.topic(topic).types
-        is_of_type = not types or _is_unknown(end.type) or normalise_type(end.type) in types
-        return is_of_type and fits_open_name(topic, [end.topic])
+        is_of_type = not types or _is_unknown(type) or normalise_type(type) in types
+        return is_of_type and fits_open_name(topic, [name])
 
     def consequence(self, topic: str, deaf_nodes: Iterable[str]) -> Consequence:
         """Return what follows where nodes do not get a topic; viewers do not move the robot."""
@@ -241,7 +253,7 @@ class AppFacts:
         the topic may have a publisher whose name is not known, none is near.
         """
         types = tuple(types)
-        if any(self._may_be(end, topic) for end in self._open_endpoints[Direction.PUBLISH]):
+        if any(self._may_be(each, topic) for each in self._open_names[Direction.PUBLISH]):
             return []
         sent = [self._sent[type] for type in types if type in self._sent]
         if sum(map(len, sent)) > _MOST_COMPARED:
@@ -276,13 +288,13 @@ class AppFacts:
         return any(normalise_type(end.type) in types for end in endpoints)
 
     @cached_property
-    def _open_endpoints(self) -> dict[Direction, tuple[Endpoint, ...]]:
-        """The endpoints whose names are known in part."""
-        endpoints = [end for end in self.graph.endpoints if "{" in end.topic]
-        return {
-            direction: tuple(end for end in endpoints if end.direction is direction)
-            for direction in Direction
-        }
+    def _open_names(self) -> dict[Direction, dict[_OpenName, set[str]]]:
+        """The names and types of endpoints that are known in part, each with its nodes."""
+        found: dict[Direction, dict[_OpenName, set[str]]] = {each: {} for each in Direction}
+        for end in self.graph.endpoints:
+            if "{" in end.topic:
+                found[end.direction].setdefault((end.topic, end.type), set()).add(end.node)
+        return found
 
     @cached_property
     def _sent(self) -> dict[str, list[str]]:
@@ -295,8 +307,9 @@ class AppFacts:
 
 
 def _moves_nothing(name: str) -> bool:
-    """Return whether the name of a node or a file says that it commands no motion."""
-    return any(map(_MOVES_NOTHING.fullmatch, re.split(r"\W|_", name.lower())))
+    """Return whether a part of the name of a node or a file says that it commands no motion."""
+    parts = (part for part in name.lower().split("/") if not _MOVES.search(part))
+    return any(map(_MOVES_NOTHING.fullmatch, re.split(r"\W|_", "/".join(parts))))
 
 
 def _is_unknown(type: str) -> bool:

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Mapping
 from itertools import product
 
 from rtron.findings.app_facts import AppFacts, says_more
-from rtron.findings.inventory.things import is_harmless
+from rtron.findings.inventory.things import is_harmless, thing_of, thing_of_node
 from rtron.findings.motion.arbiter import ARBITER_PACKAGES, is_one_stack
 from rtron.vocabulary import Direction, normalise_type
+from rtron.vocabulary.inventory import Means
 
 _MOST_COMPARED = 200
 """Among more topics a pair tells nothing, and comparing them takes long."""
@@ -113,7 +114,8 @@ def _only_open(app: AppFacts, lost: str, open_topics: Mapping[str, list[str]]) -
     if not others or not _is_command(app, lost) or _is_second_output(app, lost, types):
         return ""
     fitting = [each for each in sorted(others) if _fits(app, lost, each)]
-    return fitting[0] if len(fitting) == 1 else ""
+    is_meant = len(fitting) == 1 and _move_one_thing(app, lost, fitting[0])
+    return fitting[0] if is_meant else ""
 
 
 def _is_command(app: AppFacts, topic: str) -> bool:
@@ -152,6 +154,15 @@ def _fits(app: AppFacts, lost: str, obeyed: str) -> bool:
     if are_apart or not any(_are_nested(*each) for each in homes):
         return False
     return _may_be_meant(app, lost, obeyed) and not may_be_linked(app, lost, obeyed)
+
+
+def _move_one_thing(app: AppFacts, lost: str, obeyed: str) -> bool:
+    """Return whether two topics command the same thing, and no node's name tells of another."""
+    thing, other = (
+        thing_of(each, app.facts.topic(each).type, Means.TOPIC) for each in (lost, obeyed)
+    )
+    nodes = (*app.publishers(lost), *app.readers(obeyed))
+    return thing is other and {thing, None}.issuperset(map(thing_of_node, nodes))
 
 
 def _are_nested(one: str, other: str) -> bool:

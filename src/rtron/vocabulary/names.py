@@ -15,6 +15,9 @@ GATEWAY_NODE = f"{CELL_ROOT}/gateway"
 """Who publishes and calls in a cell what comes from outside."""
 STOPPER_NODE = f"{CELL_ROOT}/stopper"
 """Who stops the robot in a cell when the guard is gone."""
+TRANSFORMS = "/tf"
+"""The topic of transforms, before remaps; who remaps it remaps /tf_static too."""
+TRANSFORM_TOPICS = (TRANSFORMS, "/tf_static")
 
 
 def normalise_type(message_type: str) -> str:

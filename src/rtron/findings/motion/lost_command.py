@@ -7,7 +7,8 @@ it likely means: one of the two was left out of a remap. That is
 
 - an obeyed topic of the same name in a namespace above or below;
 - one beside it whose name says more or less (`control_mode`, `offboard_control_mode`);
-- whatever its name, the only obeyed topic that nobody publishes.
+- whatever its name, the only obeyed topic that nobody publishes, if it moves the same thing: a
+  base, an arm, a head.
 
 The last does not count for types of `std_msgs`, which say too little; where the senders have
 another output of the type, or the readers another input in use; between namespaces of two robots,
@@ -16,10 +17,10 @@ publishes odometry, `measured`, `estimated`) is no command. Who obeys the one an
 other forwards it, and does not count, nor where other nodes stand between.
 
 What was not read may be the missing end: a subscription of a name known in part, of the same type;
-a node or launch file, unless its name says that it commands no motion (a camera, a map), or its
-remaps and parameters name other commands. Then only the same name counts, from the level `pedantic`
-on. What may be an input of the autopilot PX4
-(`/fmu/in/…`) is `pedantic`.
+a node or launch file, unless its name says that it commands no motion (a camera or a map, but no
+`camera_rover_driver`), or its remaps and parameters name other commands. Then only the same name
+counts, from the level `pedantic` on. What may be an input of the autopilot PX4 (`/fmu/in/…`) is
+`pedantic`.
 
 ## Why it matters
 

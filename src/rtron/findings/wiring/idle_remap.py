@@ -6,8 +6,8 @@ A remap whose old name no node that gets it uses. A remap in a group is idle onl
 group has a use for it. It is likely a fault, and shown at the default level, where it is joined to
 a topic without its other end, of the same type:
 
-- its ends are exchanged: the node uses the new name, which has no other end, and the old name is a
-  topic of other nodes that lacks this one;
+- its ends are exchanged: the node uses the new name, which has no other end, other nodes use the
+  old name, and no node is at its other end;
 - the old name is written wrong: the new name is a topic of other nodes that lacks an end, and the
   node has one topic that could be it and has no other end;
 - the old name is near that of a topic of the node that has no other end, and the source of every
@@ -50,10 +50,9 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.names import TRANSFORM_TOPICS
 from rtron.wording import conjugate, join_names
 
-_OF_ALL = ("/tf", "/tf_static")
-"""Launch files often remap them for every node, be it one that uses them or not."""
 _MOST_USERS = 3
 _MOST_COMPARED = 200
 _VERBS = {Direction.PUBLISH: "publish", Direction.SUBSCRIBE: "subscribe"}
@@ -98,16 +97,19 @@ class _LooseTopics:
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each remap without effect."""
+    """Yield a finding for each remap without effect.
+
+    Launch files often remap transforms for every node, be it one that uses them or not.
+    """
     joined, nodes, loose = dict[str, Finding](), dict[str, tuple[str, ...]](), _LooseTopics(app)
     for fact in app.graph.wiring:
-        if fact.kind is WiringFactKind.UNUSED_REMAP and fact.subject not in _OF_ALL:
+        if fact.kind is WiringFactKind.UNUSED_REMAP and fact.subject not in TRANSFORM_TOPICS:
             nodes[fact.subject] = (*nodes.get(fact.subject, ()), *fact.others)
             for pair in (*_reversed(loose, fact), *_misnamed(loose, fact))[:1]:
                 joined.setdefault(fact.subject, _joined_finding(app, fact, pair))
     yield from joined.values()
     for group in wiring_groups(app.graph, WiringFactKind.IDLE_REMAP):
-        if group.subject not in (*_OF_ALL, *joined):
+        if group.subject not in (*TRANSFORM_TOPICS, *joined):
             yield _finding(group, _near(loose, group, nodes.get(group.subject, ())))
 
 

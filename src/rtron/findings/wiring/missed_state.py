@@ -5,11 +5,13 @@
 A topic of ROS 2 that a node publishes once, or when something changes, with durability transient
 local, so that late readers get the last message; and a node that subscribes it as volatile, and
 gets only what is sent from then on. The topic must tell a state that others act on: a stop, a lock,
-a mode, a map, a plan and the like.
+a mode, a map and the like. A plan, a mission or a goal is an order, which must not be carried out
+late, and does not count.
 
 The publisher must be one whose source shows that no timer, loop, thread or subscription sends the
 topic again, or Nav2's map server. Only ends whose QoS the source, a model or the running app tells
-count.
+count. Where no reader sends or calls anything, or obeys commands of motion, the state is only
+shown, and the level is `pedantic`.
 
 ## Why it matters
 
@@ -33,10 +35,13 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import wiring_groups
 from rtron.vocabulary import (
+    ActionRole,
     Certainty,
+    Direction,
     Durability,
     Endpoint,
     Finding,
+    FindingLevel,
     WiringFactKind,
     normalise_type,
 )
@@ -46,7 +51,7 @@ _STATES = frozenset(
     {
         *("stop", "estop", "stopped", "halt", "pause", "paused", "lock", "locked", "safety"),
         *("enable", "enabled", "disable", "disabled", "active", "armed", "ready", "mode", "state"),
-        *("status", "map", "zone", "zones", "plan", "route", "mission", "goal", "limit", "limits"),
+        *("status", "map", "zone", "zones", "limit", "limits"),
     }
 )
 """Words of the names of topics that tell others what they may do, or where."""
@@ -84,6 +89,19 @@ def _late_readers(app: AppFacts, topic: str) -> list[str]:
     return sorted(node for node in others if all(is_volatile[node]))
 
 
+def _acting(app: AppFacts) -> set[str]:
+    """Return the nodes that send something, call something, or obey commands of motion."""
+    sent = {end.node for end in app.graph.endpoints if _is_sent(end)}
+    moved = (app.readers(topic) for topic in app.motion_topics if not app.is_stop(topic))
+    clients = (each.node for each in app.graph.clients if not each.implicit)
+    goals = (each.node for each in app.graph.actions if each.role is ActionRole.CLIENT)
+    return sent.union(clients, goals, *moved)
+
+
+def _is_sent(end: Endpoint) -> bool:
+    return end.direction is Direction.PUBLISH and not end.implicit
+
+
 def _finding(app: AppFacts, topic: str, readers: list[str]) -> Finding:
     publishers = app.publishers(topic)
     endpoints = (*app.graph.publishers(topic), *app.graph.subscribers(topic))
@@ -98,6 +116,7 @@ def _finding(app: AppFacts, topic: str, readers: list[str]) -> Finding:
         remedy="let the subscription ask for transient local, with a depth of 1",
         consequence=app.consequence(topic, readers),
         certainty=Certainty.LIKELY,
+        level=FindingLevel.PEDANTIC if app.once(_acting).isdisjoint(readers) else None,
         nodes=(*publishers, *readers),
         topics=(topic,),
         evidence=app.evidence(end for end in endpoints if end.node in (*publishers, *readers)),

@@ -6,7 +6,12 @@ Two nodes of which one sends the other commands of motion, directly or through f
 reads an odometry as its source sends it, the other reads what a filter makes of it. A filter is a
 node that publishes odometry and reads at least two measurements (odometry, an IMU, poses, a fix),
 or one of `robot_localization` or `fuse`. A node that reads both does not count, nor do nodes that
-send each other no commands.
+send each other no commands, nor a node with more than five odometries.
+
+Nodes of navigation stacks (Nav2's controller server, velocity smoother and docking server,
+`move_base`) work with one pose. Between others a cascade may be right, such as a controller of the
+wheels that reads the raw odometry below a navigator, or a watch of slip: that is shown from the
+level `pedantic` on.
 
 ## Why it matters
 
@@ -25,8 +30,10 @@ Have both nodes read the filtered odometry.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache, partial
+from itertools import product
+from typing import NamedTuple, TypeAlias
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
@@ -41,6 +48,11 @@ _MEASUREMENTS = frozenset(
     }
 )
 _FILTER_PACKAGES = ("robot_localization", "fuse_optimizers")
+_ONE_POSE = ("nav2_", "opennav_", "move_base", "mbf_", "yocs_velocity_smoother")
+"""How packages begin whose nodes plan, follow and smooth with one pose and its velocity."""
+_MOST_ODOMETRIES = 5
+"""A node with more of them is no filter of one robot, and each pair takes a walk of the graph."""
+_Commanded: TypeAlias = Callable[[str], set[str]]
 
 
 class _Fusion(NamedTuple):
@@ -53,6 +65,7 @@ class _Fusion(NamedTuple):
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each raw and fused odometry that one chain of commands reads."""
+    commanded = cache(partial(_commanded, app))
     for fusion in _fusions(app):
         raw, fused = (
             set(app.readers(topic)).difference(app.publishers(fusion.raw), {fusion.node})
@@ -60,11 +73,12 @@ def check(app: AppFacts) -> Iterator[Finding]:
         )
         both = raw & fused
         links = {
-            *_links(app, raw - both, fused - both),
-            *((there, here) for here, there in _links(app, fused - both, raw - both)),
+            *_links(commanded, raw - both, fused - both),
+            *((there, here) for here, there in _links(commanded, fused - both, raw - both)),
         }
         if links:
-            yield _finding(app, fusion, links)
+            sure = {link for link in links if _need_one_pose(app, link)}
+            yield _finding(app, fusion, sure or links, is_sure=bool(sure))
 
 
 def _fusions(app: AppFacts) -> Iterator[_Fusion]:
@@ -75,8 +89,9 @@ def _fusions(app: AppFacts) -> Iterator[_Fusion]:
     }
     outputs = {topic for topics in made.values() for topic in topics}
     for node, fused in made.items():
-        for raw in sorted(_odometry(app.graph.subscribed_by(node)) - outputs):
-            yield from (_Fusion(node, raw, topic) for topic in sorted(fused))
+        raw = _odometry(app.graph.subscribed_by(node)) - outputs
+        if max(len(raw), len(fused)) <= _MOST_ODOMETRIES:
+            yield from (_Fusion(node, *pair) for pair in product(sorted(raw), sorted(fused)))
 
 
 def _odometry(endpoints: Iterable[Endpoint]) -> set[str]:
@@ -94,13 +109,19 @@ def _is_measurement(type: str) -> bool:
     return normalise_type(type) in _MEASUREMENTS
 
 
-def _links(app: AppFacts, first: set[str], second: set[str]) -> Iterator[tuple[str, str]]:
+def _need_one_pose(app: AppFacts, nodes: Iterable[str]) -> bool:
+    """Return whether nodes are known to work with one pose: others may control in a cascade."""
+    packages = (app.nodes[node].package if node in app.nodes else "" for node in nodes)
+    return all(package.startswith(_ONE_POSE) for package in packages)
+
+
+def _links(commanded: _Commanded, first: set[str], second: set[str]) -> Iterator[tuple[str, str]]:
     """Yield pairs of a node and one behind it that its commands reach."""
     origins = {node: node for node in sorted(first)}
     pending = list(origins)
     while pending:
         node = pending.pop()
-        for reader in sorted(_commanded(app, node) - origins.keys()):
+        for reader in sorted(commanded(node) - origins.keys()):
             origins[reader] = origins[node]
             pending.append(reader)
             if reader in second:
@@ -114,7 +135,9 @@ def _commanded(app: AppFacts, node: str) -> set[str]:
     return {reader for name in moving for reader in app.readers(name)}
 
 
-def _finding(app: AppFacts, fusion: _Fusion, links: Iterable[tuple[str, str]]) -> Finding:
+def _finding(
+    app: AppFacts, fusion: _Fusion, links: Iterable[tuple[str, str]], *, is_sure: bool
+) -> Finding:
     readers: dict[str, set[str]] = defaultdict(set)
     for raw_reader, fused_reader in links:
         readers[fusion.raw].add(raw_reader)
@@ -129,7 +152,7 @@ def _finding(app: AppFacts, fusion: _Fusion, links: Iterable[tuple[str, str]]) -
         cause=f"{fusion.node} makes {fusion.fused} of {fusion.raw}",
         remedy=f"let {join_names(raw)} read {fusion.fused} too",
         consequence=Consequence.FAILURE,
-        certainty=Certainty.LIKELY,
+        certainty=Certainty.LIKELY if is_sure else Certainty.POSSIBLE,
         nodes=(*raw, *fused, fusion.node),
         topics=(fusion.raw, fusion.fused),
         evidence=app.evidence(end for end in subscribers if end.node in (*raw, *fused)),
@@ -139,7 +162,7 @@ def _finding(app: AppFacts, fusion: _Fusion, links: Iterable[tuple[str, str]]) -
 RULE = FindingRule(
     name="mixed_odometry",
     title="Nodes of one control loop read raw and fused odometry",
-    consequence="failure: likely",
+    consequence="failure: likely between nodes that need one pose, else possible",
     since="0.2.0",
     check=check,
 )

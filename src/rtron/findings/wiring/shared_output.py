@@ -33,9 +33,10 @@ from rtron.vocabulary import (
     FindingLevel,
     WiringFactKind,
 )
+from rtron.vocabulary.names import TRANSFORM_TOPICS
 from rtron.wording import both_or_all, join_names
 
-_OF_ALL = ("/tf", "/tf_static", "/diagnostics", "/joint_states", "/rosout")
+_OF_ALL = (*TRANSFORM_TOPICS, "/diagnostics", "/joint_states", "/rosout")
 """Topics that many nodes publish for all (REP 105, REP 107)."""
 
 

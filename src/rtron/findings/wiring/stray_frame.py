@@ -12,6 +12,10 @@ All transforms must be known: those of broadcasters in source, of `static_transf
 the robot description and of the nodes that RTron has models of. Where one is not, where a node or
 a file was not read, or where transforms go to several topics, the rule is silent.
 
+It is shown at the default level where each topic of a sender that others read has a reader that
+listens to transforms. Who works with the messages alone needs no frame: else the level is
+`pedantic`.
+
 ## Why it matters
 
 Whoever transforms the messages waits for a transform that never comes, and drops them: no map, no
@@ -31,17 +35,51 @@ from collections.abc import Iterator
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.vocabulary import Certainty, Consequence, Finding, WiringFactKind
+from rtron.vocabulary import (
+    Certainty,
+    Consequence,
+    Endpoint,
+    Finding,
+    WiringFactKind,
+)
+from rtron.vocabulary.names import TRANSFORM_TOPICS
 from rtron.wording import conjugate, join_names
+
+_PLAIN = ("std_msgs/", "std_srvs/")
+"""Types without a header."""
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each frame of messages that is in no transform."""
     for group in wiring_groups(app.graph, WiringFactKind.STRAY_FRAME) if app.is_whole else ():
-        yield _finding(group)
+        yield _finding(group, is_transformed=any(_are_transformed(app, n) for n in group.others))
 
 
-def _finding(group: WiringGroup) -> Finding:
+def _are_transformed(app: AppFacts, sender: str) -> bool:
+    """Return whether each topic of a sender that others read is read by one with transforms."""
+    sent = {end.topic for end in app.graph.published_by(sender) if _may_have_frame(end)}
+    readers = [set(app.readers(topic)) - {sender} for topic in sent]
+    listeners = app.once(_listeners)
+    return any(readers) and all(not each or each & listeners for each in readers)
+
+
+def _may_have_frame(end: Endpoint) -> bool:
+    return not (end.implicit or end.type.startswith(_PLAIN) or end.topic in TRANSFORM_TOPICS)
+
+
+def _listeners(app: AppFacts) -> set[str]:
+    """Return the nodes that listen to transforms, or whose listener is a node beside them.
+
+    A process that is no node is named by the launch, and its node by its source. Of a container it
+    is not known whose listener it is.
+    """
+    nodes = {end.node for topic in TRANSFORM_TOPICS for end in app.graph.subscribers(topic)}
+    processes = {app.nodes[node].process for node in nodes & app.nodes.keys()} - {""}
+    beside = {each.name for each in app.graph.nodes if each.process in processes - app.nodes.keys()}
+    return nodes | processes | beside
+
+
+def _finding(group: WiringGroup, *, is_transformed: bool) -> Finding:
     near = group.values[0]
     return make_finding(
         RULE.name,
@@ -51,7 +89,7 @@ def _finding(group: WiringGroup) -> Finding:
         cause=f"the transforms of this launch have {near}",
         remedy=f"did you mean {near}? Give the messages and the transform one name",
         consequence=Consequence.FAILURE,
-        certainty=Certainty.LIKELY,
+        certainty=Certainty.LIKELY if is_transformed else Certainty.POSSIBLE,
         nodes=group.others,
         evidence=group.evidence,
     )
@@ -60,7 +98,7 @@ def _finding(group: WiringGroup) -> Finding:
 RULE = FindingRule(
     name="stray_frame",
     title="Messages name a frame that is in no transform",
-    consequence="failure: likely",
+    consequence="failure: likely where readers listen to transforms, else possible",
     since="0.2.0",
     check=check,
 )

@@ -1,6 +1,7 @@
 """Which latched topics the source of a node sends once or on change, in C++ and in Python."""
 
 from dataclasses import replace
+from time import process_time
 
 import pytest
 from workspace_tree import package
@@ -171,3 +172,60 @@ def test_a_publisher_that_sends_nothing_has_no_state(facts):
     files, program = cpp("tell(true);")
     text = files["src/board.cpp"].replace("state_->publish(m);", "")
     assert facts({**files, "src/board.cpp": text}, program) == []
+
+
+STATE = """        self.p{0} = self.create_publisher(Bool, 's{0}_state', latched)
+        self.create_service(Trigger, 'go{0}', self.f{0})
+"""
+SENT = """    def f{0}(self, request, answer):
+        self.p{0}.publish(Bool())
+"""
+
+
+def many_states(size):
+    """Return the source of a node that latches many states, each sent by a service of its own."""
+    made = "".join(STATE.format(i) for i in range(size))
+    methods = "".join(SENT.format(i) for i in range(size))
+    start = "class Board(Node):\n    def __init__(self):\n        super().__init__('board')\n"
+    end = "def main():\n    rclpy.spin(Board())\n"
+    return "#!/usr/bin/env python3\n" + start + made + methods + end
+
+
+@pytest.fixture
+def seconds(tmp_path):
+    """Return a function from a number of states of one node to how long they take, s."""
+
+    def measure(size):
+        folder = package(tmp_path / f"robot{size}", {"scripts/board.py": many_states(size)})
+        source = str(folder / "scripts/board.py")
+        ends = [
+            Endpoint(
+                node="/board",
+                topic=f"/s{i}_state",
+                direction=Direction.PUBLISH,
+                qos=LATCHED,
+                evidence=(Evidence(file=source, line=5 + 2 * i),),
+            )
+            for i in range(size)
+        ]
+        read = [
+            Endpoint(node="/pad", topic=e.topic, direction=Direction.SUBSCRIBE, qos=QoS())
+            for e in ends
+        ]
+        graph = InteractionGraph(
+            app="a",
+            ros=2,
+            nodes=(Node(name="/board", package=folder.name, executable="board.py"),),
+            endpoints=(*ends, *read),
+        )
+        workspace = Workspace({folder.name: folder}, [tmp_path])
+        start = process_time()
+        assert len(with_state_publishers(graph, workspace).wiring) == size
+        return process_time() - start
+
+    return lambda size: min(measure(size) for _ in range(2))
+
+
+def test_ten_times_the_states_of_a_node_take_ten_times_as_long(seconds):
+    small, large = seconds(60), seconds(600)
+    assert large < 30 * small

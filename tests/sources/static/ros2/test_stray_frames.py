@@ -113,3 +113,9 @@ MOVED = '<group><set_remap from="/tf" to="/a/tf"/>{}</group>'
 )
 def test_nothing_is_found_where_not_all_transforms_are_known(strays, more):
     assert strays("pico_1", "pico", more=more) == []
+
+
+def test_among_very_many_transforms_none_is_near(strays):
+    others = [f"far{index}" for index in range(199)]
+    assert strays("pico_1", "pico", *others[1:]) == [("pico_1", "pico", 2)]
+    assert strays("pico_1", "pico", *others) == []

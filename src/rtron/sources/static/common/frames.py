@@ -9,13 +9,17 @@ from typing import TypeAlias
 
 from rtron.sources.declaration import Declaration, DeclarationKind, FrameBroadcast
 from rtron.sources.static.common.node_part import NodePart
-from rtron.vocabulary import Evidence, WiringFact, WiringFactKind
+from rtron.vocabulary import (
+    Evidence,
+    WiringFact,
+    WiringFactKind,
+)
+from rtron.vocabulary.names import TRANSFORM_TOPICS, TRANSFORMS
 
-TRANSFORMS = "/tf"
-"""The topic of transforms, before remaps; who remaps it remaps /tf_static too."""
-TRANSFORM_TOPICS = (TRANSFORMS, "/tf_static")
 _LIFECYCLE = "/change_state"
 _NEAR_RATIO = 0.8
+_MOST_COMPARED = 200
+"""Among more frames a near one tells nothing, and comparing them takes long."""
 _SHORT = 2
 """Names of so many letters are in many others."""
 _Frame: TypeAlias = tuple[str, str]
@@ -110,11 +114,13 @@ class FrameBroadcasters:
 
 def _sends_transforms(declaration: Declaration) -> bool:
     is_sent = declaration.kind is DeclarationKind.PUBLISH
-    return is_sent and declaration.name in {TRANSFORMS, f"{TRANSFORMS}_static"}
+    return is_sent and declaration.name in TRANSFORM_TOPICS
 
 
 def _near_frame(frame: str, others: Sequence[str]) -> str:
     """Return a frame with words or a namespace more or less, or one that is a slip away."""
+    if len(others) > _MOST_COMPARED:
+        return ""
     inside = (other for other in others if _extends(frame, other) or _extends(other, frame))
     return next(chain(inside, get_close_matches(frame, others, 1, _NEAR_RATIO)), "")
 

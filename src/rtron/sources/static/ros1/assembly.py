@@ -11,7 +11,7 @@ from rtron.sources.static.common.endpoints import (
     declared_endpoints,
     declared_service_sides,
 )
-from rtron.sources.static.common.frames import TRANSFORMS, FrameBroadcasters
+from rtron.sources.static.common.frames import FrameBroadcasters
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
@@ -27,6 +27,7 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.names import TRANSFORMS
 
 _SIM_TIME = "/use_sim_time"
 

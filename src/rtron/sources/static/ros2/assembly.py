@@ -10,12 +10,7 @@ from itertools import islice
 
 from rtron.sources.declaration import CreatedNode, Declaration
 from rtron.sources.static.common.app_node import AppNode, may_both_start
-from rtron.sources.static.common.frames import (
-    TRANSFORM_TOPICS,
-    TRANSFORMS,
-    FrameBroadcasters,
-    node_name,
-)
+from rtron.sources.static.common.frames import FrameBroadcasters, node_name
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import TaskKind
@@ -32,6 +27,7 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.names import TRANSFORM_TOPICS, TRANSFORMS
 from rtron.vocabulary.remap_rules import expand_name, remaps_for_node
 
 _LIFECYCLE_MANAGER = "nav2_lifecycle_manager"

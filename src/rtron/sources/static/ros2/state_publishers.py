@@ -1,8 +1,9 @@
 """Latched topics of ROS 2 whose publisher sends once, or when something changes, not ever again."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import TypeAlias
 
@@ -28,7 +29,6 @@ from rtron.vocabulary import (
     Direction,
     Durability,
     Endpoint,
-    Evidence,
     InteractionGraph,
     Resolution,
     WiringFact,
@@ -48,7 +48,22 @@ _STARTED = frozenset({"on_configure", "on_activate", "on_deactivate", "on_cleanu
 """Methods that a library calls when a node changes its state."""
 _MAKERS = ENDPOINT_CALLS | {"create_lifecycle_publisher"}
 _Key: TypeAlias = tuple[str, int, str]
-_UnitsOf: TypeAlias = Callable[[str], list[Unit]]
+
+
+@dataclass(frozen=True, slots=True)
+class _NodeSource:
+    """What the source of a node tells about all of its publishers, each by its plain name.
+
+    `made` are the variables that get an endpoint, by its place, `sent` what is published by,
+    `handed_on` what loops use, what others get and what is renamed, `users` the functions that
+    mention a name, `started` what anybody calls.
+    """
+
+    made: Mapping[tuple[str, int], set[str]]
+    sent: set[str]
+    handed_on: set[str]
+    users: Mapping[str, set[str]]
+    started: frozenset[str]
 
 
 def with_state_publishers(graph: InteractionGraph, workspace: Workspace) -> InteractionGraph:
@@ -59,12 +74,13 @@ def with_state_publishers(graph: InteractionGraph, workspace: Workspace) -> Inte
     sources = WorkspaceSources(workspace)
     nodes = {node.name: node for node in graph.nodes}
 
-    def units_of(node: str) -> list[Unit]:
-        paths = node_sources(nodes[node], workspace) if node in nodes else {}
-        return [sources.lowered_unit(path, _language(path)) for path in paths]
+    @cache
+    def source_of(name: str) -> _NodeSource:
+        paths = node_sources(nodes[name], workspace) if name in nodes else {}
+        return _node_source([sources.lowered_unit(path, _language(path)) for path in paths])
 
     candidates = [end for end in graph.endpoints if _is_candidate(graph, end)]
-    facts = [fact for end in candidates for fact in _facts(end, units_of)]
+    facts = [fact for end in candidates for fact in _facts(end, source_of(end.node))]
     return replace(graph, wiring=(*graph.wiring, *facts))
 
 
@@ -82,25 +98,47 @@ def _is_candidate(graph: InteractionGraph, end: Endpoint) -> bool:
     return loses and end.resolution is not Resolution.MODEL and bool(end.evidence)
 
 
-def _facts(end: Endpoint, units_of: _UnitsOf) -> Iterator[WiringFact]:
-    units = units_of(end.node)
-    names = {name for unit in units for name in _publishers_at(unit, end.evidence)}
+def _facts(end: Endpoint, source: _NodeSource) -> Iterator[WiringFact]:
+    names = set[str]().union(
+        *(source.made.get((each.file, each.line), set()) for each in end.evidence)
+    )
     if len(names) != 1:
         return
     publisher = names.pop()
-    nodes = [node for unit in units for node in ir_nodes(_parts(unit))]
-    if _is_published(nodes, publisher) and not _is_repeated(nodes, publisher):
+    if publisher in source.sent and not _is_repeated(source, publisher):
         kind = WiringFactKind.STATE_PUBLISHER
         yield WiringFact(kind=kind, subject=end.topic, value=end.node, evidence=end.evidence)
 
 
-def _publishers_at(unit: Unit, places: tuple[Evidence, ...]) -> Iterator[str]:
-    """Yield the variables that get what is made at some places of a file."""
-    lines = {place.line for place in places if place.file == unit.file}
-    for name, value in _given(unit) if lines else ():
-        calls = (node for node in ir_nodes(value) if isinstance(node, Call))
-        if any(call.line in lines and _name(call.function) in _MAKERS for call in calls):
-            yield name
+def _node_source(units: Sequence[Unit]) -> _NodeSource:
+    nodes = [node for unit in units for node in ir_nodes(_parts(unit))]
+    functions = [node for node in nodes if isinstance(node, Function)]
+    named = [function for function in functions if function.name[:1] not in {"", "<"}]
+    mentions = {node.key: _mentions((node.body, node.initialisers)) for node in named}
+    loops = (_mentions(node.body) for node in nodes if isinstance(node, While))
+    calls = [node for node in nodes if isinstance(node, Call)]
+    passed_on = (_mentions((call.args, call.keywords)) for call in calls if _keeps(call))
+    values = (node.value for node in nodes if isinstance(node, (Assign, Declare, Return)))
+    return _NodeSource(
+        made=_made(units),
+        sent=set().union(*map(_sent, calls)),
+        handed_on=set().union(
+            *loops, *passed_on, (_name(each) for each in values if each is not None)
+        ),
+        users=_users(named, mentions),
+        started=_STARTED.union(*mentions.values()),
+    )
+
+
+def _made(units: Iterable[Unit]) -> Mapping[tuple[str, int], set[str]]:
+    """Return the variables that get an endpoint, by the file and line that make it."""
+    found: dict[tuple[str, int], set[str]] = defaultdict(set)
+    for unit in units:
+        for name, value in _given(unit):
+            for node in ir_nodes(value):
+                if isinstance(node, Call) and _name(node.function) in _MAKERS:
+                    found[unit.file, node.line].add(name)
+    return found
 
 
 def _given(unit: Unit) -> Iterator[tuple[str, object]]:
@@ -130,45 +168,36 @@ def _mentions(part: object) -> set[str]:
     return {_name(node) for node in ir_nodes(part) if isinstance(node, (Attr, Name))}
 
 
-def _is_published(nodes: Iterable[object], publisher: str) -> bool:
-    calls = (node.function for node in nodes if isinstance(node, Call))
-    sends = (each for each in calls if isinstance(each, Attr) and each.name == "publish")
-    return any(publisher in _mentions(each.owner) for each in sends)
+def _sent(call: Call) -> set[str]:
+    """Return the names of what a call may publish by."""
+    if not isinstance(call.function, Attr) or call.function.name != "publish":
+        return set()
+    return _mentions(call.function.owner)
 
 
-def _is_repeated(nodes: Sequence[object], publisher: str) -> bool:
+def _is_repeated(source: _NodeSource, publisher: str) -> bool:
     """Return whether a loop, a timer, a thread or another topic may have it sent again.
 
     So may somebody whom the publisher is handed to, or a library that calls a method by its name.
     """
-    functions = (node for node in nodes if isinstance(node, Function))
-    named = [function for function in functions if function.name[:1] not in {"", "<"}]
-    mentions = {node.key: _mentions((node.body, node.initialisers)) for node in named}
-    users = _users(named, mentions, publisher)
-    loops = any(users & _mentions(node.body) for node in nodes if isinstance(node, While))
-    calls = (node for node in nodes if isinstance(node, Call))
-    handed_on = any(users & _mentions((each.args, each.keywords)) for each in calls if _keeps(each))
-    given = (node.value for node in nodes if isinstance(node, (Assign, Declare, Return)))
-    renamed = any(value is not None and _name(value) in users for value in given)
-    started = _STARTED.union(*mentions.values())
-    return loops or handed_on or renamed or not users - {publisher} <= started
+    users, pending = {publisher}, [publisher]
+    while pending:
+        found = source.users.get(pending.pop(), set()) - users
+        users |= found
+        pending.extend(found)
+    return bool(users & source.handed_on) or not users - {publisher} <= source.started
 
 
 def _users(
-    functions: Iterable[Function], mentions: Mapping[_Key, set[str]], publisher: str
-) -> set[str]:
-    """Return a publisher and the functions that may use it, by others too; constructors apart."""
-    by_mention: dict[str, set[str]] = defaultdict(set)
+    functions: Iterable[Function], mentions: Mapping[_Key, set[str]]
+) -> Mapping[str, set[str]]:
+    """Return the functions that mention each name; constructors apart."""
+    users: dict[str, set[str]] = defaultdict(set)
     for function in functions:
         *owner, name = function.name.split("::")
         if name not in _MAKING and name not in owner[-1:]:
             for word in mentions[function.key]:
-                by_mention[word].add(name)
-    users, pending = {publisher}, [publisher]
-    while pending:
-        found = by_mention[pending.pop()] - users
-        users |= found
-        pending.extend(found)
+                users[word].add(name)
     return users
 
 
