@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from itertools import product
 
 from rtron.findings.app_facts import AppFacts, says_more
-from rtron.findings.inventory.things import is_harmless, thing_of, thing_of_node
+from rtron.findings.inventory.things import is_harmless, may_be_measured, thing_of, thing_of_node
 from rtron.findings.motion.arbiter import ARBITER_PACKAGES, is_one_stack
 from rtron.vocabulary import Direction, normalise_type
 from rtron.vocabulary.inventory import Means
@@ -50,8 +50,10 @@ def _lost_commands(app: AppFacts) -> dict[str, str]:
 
 
 def _is_lost(app: AppFacts, topic: str) -> bool:
-    is_sent = app.publishers(topic) and not is_harmless(topic, app.facts.topic(topic).type)
-    return bool(is_sent) and not (app.graph.subscribers(topic) or "{" in topic)
+    type = app.facts.topic(topic).type
+    is_measured = is_harmless(topic, type) or may_be_measured(topic, type)
+    is_other = is_measured or app.graph.subscribers(topic) or "{" in topic
+    return bool(app.publishers(topic)) and not is_other
 
 
 def _namesake(app: AppFacts, lost: str) -> str:
