@@ -133,8 +133,7 @@ class Ros2Middleware:
         """Do nothing: the audit sees it in the graph."""
 
     def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
-        """Know their children as relatives: a guard may start its own supervisor."""
-        self.transport.processes.other_pids = pids
+        """Do nothing: they have the parent that we have."""
 
     def create_listener(self, response: AlarmResponse) -> Part:
         """Return what reads the private outputs."""

@@ -23,7 +23,6 @@ class AlarmKind(StringEnum):
     UNREADABLE = "unreadable"
     UNDELIVERED = "undelivered"
     GUARD = "guard"
-    SUPERVISOR = "supervisor"
     AUDIT_LOG = "audit log"
 
 

@@ -76,19 +76,6 @@ def test_one_that_keeps_ending_is_tried_more_seldom(helper):
     assert set(gaps[3:]) == {MAX_RESTART_DELAY // SECOND}
 
 
-def test_none_is_started_while_another_is_there_and_one_soon_after_it_has_gone(order, helper):
-    there = [True]
-    waiting = HelperProcess(order, "link_program:main", lambda: there[0])
-    for second in range(100):
-        waiting.tick(second * SECOND)
-    assert waiting.process is None
-    there.clear()
-    there.append(False)
-    waiting.tick(99 * SECOND + MIN_RESTART_DELAY)
-    assert waiting.process is not None
-    waiting.stop()
-
-
 def test_one_that_ran_for_long_is_started_again_soon(helper):
     now = 0
     for _ in range(4):

@@ -128,7 +128,9 @@ def test_only_a_guard_that_serves_makes_place():
 
 
 def test_a_guard_that_is_told_to_end_makes_no_place():
-    fsm = SupervisorFsm(0, Supervision(), is_adopted=True)
+    fsm = SupervisorFsm(0, Supervision())
+    fsm.tick(0, GuardObservation(0, is_serving=False))
+    fsm.tick(1, GuardObservation(0, is_serving=True))
     fsm.shut_down(1)
     assert not fsm.replace_guard()
 

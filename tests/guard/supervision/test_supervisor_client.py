@@ -4,38 +4,32 @@ import os
 import signal
 import socket
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 import pytest
 from harness import wait_for
 
+from rtron.errors import SourceError
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.supervision import supervisor_handover
+from rtron.guard.supervision import guard_name
 from rtron.guard.supervision.guard_config import GuardConfig
+from rtron.guard.supervision.guard_name import (
+    GUARD,
+    answer_name,
+    await_former_guard,
+    take_name,
+)
 from rtron.guard.supervision.guard_process import spawn_guard
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
-from rtron.guard.supervision.supervisor_client import (
-    SUPERVISOR_HANG_TIMEOUT,
-    UNSUPERVISED_LIMIT,
-    SupervisorClient,
-)
-from rtron.guard.supervision.supervisor_handover import (
-    HAND_OVER_MESSAGE,
-    WATCHING_MESSAGE,
-    GuardExistsError,
-    HandoverAnswer,
-    HandoverSocket,
-    bind_guard_socket,
-    guard_address,
-    request_handover,
-)
+from rtron.guard.supervision.supervisor_client import HANG_TIMEOUT, SupervisorClient
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import SupervisorId
-from rtron.vocabulary import SECOND, Plan, Supervision
+from rtron.vocabulary import SECOND, Plan
 
 NO_FILE = 1 << 14
-BOUNDS = Supervision()
+PATIENCE_S = 20
 
 
 @pytest.fixture
@@ -51,31 +45,16 @@ def master(tmp_path):
 
 
 class ConnectedGuard:
-    """A guard that moves nothing, tied to a supervisor; another one cannot be started."""
+    """A guard that moves nothing, tied to a supervisor."""
 
-    def __init__(self, loop, master, bounds=BOUNDS):
+    def __init__(self, loop, master):
         self.loop = loop
         self.page = GuardMemory.create(0)
-        self.page[StatusWord.OWNER] = os.getpid()
         self.supervisor, self.life = socket.socketpair()
-        order = GuardConfig(plan=Plan(app="none", ros=1, supervision=bounds), master=master)
-        self.tie = SupervisorClient(order, self.page, self.life, NO_FILE)
+        order = GuardConfig(plan=Plan(app="none", ros=1), master=master)
+        self.tie = SupervisorClient(order, self.page, self.life)
         self.tie.attach(loop, Coordinator(MemoryTransport(), ()))
         self.tie.open()
-
-    def give_another(self):
-        """Let another supervisor take over."""
-        self.supervisor.close()
-        self.supervisor, self.life = socket.socketpair()
-        self.tie._on_accept(self.life)
-
-    def received(self):
-        """Return what the supervisor was told."""
-        self.supervisor.settimeout(0)
-        try:
-            return self.supervisor.recv(100)
-        except BlockingIOError:
-            return b""
 
     def run(self, duration):
         until = self.loop.now() + duration
@@ -95,87 +74,54 @@ def tied(loop, master):
     made.close()
 
 
-def test_a_supervisor_is_identified_once_it_has_told_its_participant(tied):
-    changes = []
-    tied.tie.on_change = lambda: changes.append(tied.tie.identify_supervisor())
-    ours = os.getpid()
-    assert tied.tie.identify_supervisor() == SupervisorId(ours)
+def test_a_supervisor_is_identified_by_its_process_and_its_participant(tied):
     tied.page.supervisor_participant.write(b"first")
-    assert tied.tie.identify_supervisor() == SupervisorId(ours, frozenset({b"first"}))
-    tied.supervisor.close()
-    tied.run(SECOND // 20)
-    assert changes == [SupervisorId()]
-    tied.give_another()
-    assert changes[1:] == [SupervisorId(ours)]
-    tied.page.supervisor_participant.write(b"second")
-    both = frozenset({b"first", b"second"})
-    assert tied.tie.identify_supervisor() == SupervisorId(ours, both)
-
-
-def test_a_caller_that_leaves_before_the_answer_leaves_no_descriptor_behind(loop, master):
-    sock = bind_guard_socket(master)
-    door = HandoverSocket(
-        loop, sock, lambda digest: (HandoverAnswer.SUPERVISED, -1), lambda life: None
-    )
-    with socket.socket(socket.AF_UNIX) as caller:
-        caller.connect(sock.getsockname())
-    for _ in range(3):
-        loop.step(0.1)
-    pairs = [socket.socketpair() for _ in range(4)]
-    for each in sum(pairs, ()):
-        loop.watch(each, lambda: None, lambda error: None)
-    for each in sum(pairs, ()):
-        loop.forget(each)
-        assert each.fileno() == -1
-    door.close()
+    found = tied.tie.identify_supervisor()
+    assert found == SupervisorId(os.getpid(), frozenset({b"first"}))
 
 
 @pytest.fixture
 def impatient(monkeypatch):
-    monkeypatch.setattr(supervisor_handover, "_RETRY_S", 0.001)
+    monkeypatch.setattr(guard_name, "_PAUSE_S", 0.001)
+
+
+def address(master):
+    return guard_name._address(GUARD, master)
 
 
 def test_who_has_the_guards_address_and_does_not_listen_keeps_no_guard_from_its_work(
     master, impatient
 ):
     with socket.socket(socket.AF_UNIX) as stranger:
-        stranger.bind(guard_address(master))
-        assert bind_guard_socket(master) is None
-    bind_guard_socket(master).close()
+        stranger.bind(address(master))
+        assert take_name(GUARD, master) is None
+    take_name(GUARD, master).close()
 
 
 @pytest.mark.parametrize("waiting", [0, 1])
 def test_a_guard_that_is_there_is_not_replaced_however_many_wait_for_it(master, impatient, waiting):
     with socket.socket(socket.AF_UNIX) as guard, ExitStack() as callers:
-        guard.bind(guard_address(master))
+        guard.bind(address(master))
         guard.listen(0)
         for _ in range(waiting):
-            callers.enter_context(socket.socket(socket.AF_UNIX)).connect(guard_address(master))
-        with pytest.raises(GuardExistsError):
-            bind_guard_socket(master)
+            callers.enter_context(socket.socket(socket.AF_UNIX)).connect(address(master))
+        with pytest.raises(SourceError, match="a guard is running on"):
+            take_name(GUARD, master)
 
 
-def test_a_supervisor_takes_the_place_of_one_that_has_just_died(tied):
-    tied.give_another()
-    tied.run(SECOND // 20)
-    tied.supervisor.settimeout(0)
-    with pytest.raises(BlockingIOError):
-        tied.supervisor.recv(1)
+def test_who_asks_for_a_name_leaves_no_connection_behind(loop, master, impatient):
+    with take_name(GUARD, master) as name:
+        name.listen(0)
+        answer_name(loop, name)
+        for _ in range(4):
+            assert guard_name._holder(GUARD, master) == (os.getpid(), os.getuid())
+            loop.step(0)
 
 
-def test_a_supervisor_is_told_that_another_takes_its_place(tied):
-    with tied.supervisor.dup() as former:
-        tied.give_another()
-        assert former.recv(len(HAND_OVER_MESSAGE)) == HAND_OVER_MESSAGE
-
-
-def test_a_guard_beats_and_tries_again_when_no_supervisor_can_be_started(tied, caplog):
+def test_a_guard_whose_supervisor_is_gone_ends(loop, tied):
+    loop.call_later(PATIENCE_S, pytest.fail)
     tied.supervisor.close()
-    tied.run(2 * UNSUPERVISED_LIMIT + SECOND // 2)
-    assert caplog.text.count("no supervisor can be started") == 2
-    beat = tied.page[StatusWord.GUARD_BEAT]
-    tied.run(SECOND // 10)
-    assert tied.page[StatusWord.GUARD_BEAT] > beat
+    loop.run()
 
 
 @pytest.fixture
@@ -191,25 +137,13 @@ def killed(monkeypatch):
     return sent
 
 
-def test_a_supervisor_that_starts_has_more_time_than_one_that_watches(tied, killed):
-    tied.give_another()
-    tied.page[StatusWord.SUPERVISOR_BEAT] = 1  # of the one before, which has not ended yet
-    tied.run(SUPERVISOR_HANG_TIMEOUT + SECOND // 2)
-    assert tied.received() == b""
-    tied.supervisor.send(WATCHING_MESSAGE)
-    wait_for(lambda: tied.run(SECOND // 10) or tied.received(), what="the dismissal")
-    assert killed == []
-
-
-def test_a_supervisor_that_does_not_leave_when_it_is_dismissed_is_killed(loop, master, killed):
-    guard = ConnectedGuard(loop, master, Supervision(start_within=SECOND // 5))
-    guard.give_another()
-    wait_for(lambda: guard.run(SECOND // 10) or guard.received(), what="the dismissal")
-    assert killed == []
-    wait_for(lambda: guard.run(SECOND // 10) or killed, what="the end")
-    assert set(killed) == {(os.getpid(), signal.SIGKILL)}
-    assert guard.received() == b""
-    guard.close()
+def test_a_supervisor_that_stands_still_is_killed_and_the_guard_ends(loop, tied, killed):
+    loop.call_later(PATIENCE_S, pytest.fail)
+    tied.page[StatusWord.SUPERVISOR_BEAT] = 1
+    begun = loop.now()
+    loop.run()
+    assert killed == [(os.getpid(), signal.SIGKILL)]
+    assert loop.now() - begun >= HANG_TIMEOUT
 
 
 def open_files():
@@ -237,22 +171,39 @@ def test_a_delivery_that_nobody_watches_is_an_alarm_with_what_to_do(loop, tied):
     wait_for(lambda: loop.step(0.01) or not alarms(), what="its end")
 
 
-def test_a_supervisor_that_is_gone_says_nothing_of_delivery(loop, tied):
-    tied.page[StatusWord.UNWATCHED] = 1
-    tied.supervisor.close()
-    wait_for(
-        lambda: loop.step(0.01) or not tied.tie.identify_supervisor().process,
-        what="the end of the supervisor",
-    )
-    tied.run(SECOND // 10)
-    assert all("delivers" not in alarm.reason for alarm in tied.tie._host.alarms.active)
+@pytest.fixture
+def elsewhere(master, impatient, monkeypatch):
+    """Have a guard run that is in another PID namespace: the kernel calls it 0."""
+    with take_name(GUARD, master):
+        monkeypatch.setattr(guard_name, "peer_credentials", lambda _: (0, os.getuid()))
+        yield
 
 
-def test_a_guard_in_another_pid_namespace_is_neither_adopted_nor_signalled(master, monkeypatch):
-    """The kernel calls it 0, and a signal to 0 is one to ourselves."""
-    listener = bind_guard_socket(master)
-    monkeypatch.setattr(supervisor_handover, "peer_credentials", lambda _: (0, os.getuid()))
-    assert request_handover(master, "digest") is None
-    with pytest.raises(GuardExistsError, match="in another container"):
-        bind_guard_socket(master)
-    listener.close()
+@pytest.mark.usefixtures("elsewhere")
+def test_a_guard_that_we_cannot_see_is_refused_and_not_signalled(master, killed, monkeypatch):
+    """A signal to 0 is one to ourselves."""
+    monkeypatch.setattr(guard_name, "END_TIMEOUT", 0)
+    for take in (partial(take_name, GUARD), await_former_guard):
+        with pytest.raises(SourceError, match="in another container"):
+            take(master)
+    assert killed == []
+
+
+def test_a_guard_that_has_lost_its_supervisor_and_does_not_end_is_killed(
+    master, impatient, monkeypatch
+):
+    name = take_name(GUARD, master)
+    sent = []
+
+    def kill(pid, number):
+        sent.append((pid, number))
+        name.close()
+
+    monkeypatch.setattr("os.kill", kill)
+    monkeypatch.setattr(guard_name, "END_TIMEOUT", SECOND // 20)
+    await_former_guard(master)
+    assert sent == [(os.getpid(), signal.SIGKILL)]
+
+
+def test_nobody_is_waited_for_where_no_guard_runs(master):
+    await_former_guard(master)

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from rtron.guard.supervision.supervisor_fsm import (
     END_TIMEOUT,
-    GUARD_EXISTS,
     LOST_TIMEOUT,
     OUT_OF_MEMORY,
     USELESS_AFTER,
@@ -60,12 +59,6 @@ def test_a_guard_is_started_at_once_and_left_alone_while_it_is_well():
     assert fsm.tick(6, ABSENT) == ()
     assert fsm.tick(7, WELL) == (SupervisorAction.RELEASE,)
     assert fsm.tick(8, WELL) == ()
-
-
-def test_an_adopted_guard_is_not_started():
-    fsm = SupervisorFsm(0, BOUNDS, is_adopted=True)
-    assert fsm.tick(0, WELL) == ()
-    assert fsm.connection_lost(1) == (SupervisorAction.BRAKE,)
 
 
 def test_silence_stops_the_robot_and_only_long_silence_kills():
@@ -216,15 +209,15 @@ def test_nobody_waits_for_a_guard_that_is_not_there():
     assert fsm.tick(fsm.restart_due, ABSENT) == ()
 
 
-@pytest.mark.parametrize(
-    ("code", "ends_with"),
-    [(0, 0), (GUARD_EXISTS, 2), (KILLED, None), (OUT_OF_MEMORY, None), (2, None)],
-)
-def test_what_becomes_of_the_supervisor_when_the_guard_ends(code, ends_with):
+def test_the_supervisor_ends_with_a_guard_that_ends_in_order():
     fsm = serving()
-    acts = dead(fsm, 1, code)
-    assert acts == (() if ends_with is None else (SupervisorAction.LEAVE,))
-    assert ends_with is None or fsm.code == ends_with
+    assert dead(fsm, 1, 0) == (SupervisorAction.LEAVE,)
+    assert fsm.code == 0
+
+
+@pytest.mark.parametrize("code", [KILLED, OUT_OF_MEMORY, 2])
+def test_a_guard_that_has_guarded_and_fails_is_followed_by_another(code):
+    assert dead(serving(), 1, code) == ()
 
 
 def test_a_guard_that_is_refused_at_once_is_not_started_again():
@@ -232,13 +225,6 @@ def test_a_guard_that_is_refused_at_once_is_not_started_again():
     fsm.tick(0, ABSENT)
     assert dead(fsm, 1, 2) == (SupervisorAction.LEAVE,)
     assert fsm.code == 2
-
-
-def test_another_supervisor_is_left_the_guard():
-    fsm = serving()
-    assert fsm.hand_over() == (SupervisorAction.LEAVE,)
-    assert fsm.connection_lost(1) == ()
-    assert fsm.tick(2, silent(GUARD_HANG_TIMEOUT)) == ()
 
 
 def test_a_guard_that_beats_and_does_not_deliver_is_stopped_and_not_killed():

@@ -1,12 +1,9 @@
 """The guard dies, hangs and starves between real nodes, and so does its supervisor."""
 
-import json
 import os
 import re
 import resource
 import signal
-import socket
-import sys
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,13 +15,6 @@ from log_lines import assert_each_has_a_time
 from rostopic import TWIST, say
 
 from rtron.guard.supervision.delivery_watch import ECHO_TOPIC
-from rtron.guard.supervision.shared_memory import GuardMemory
-from rtron.guard.supervision.supervisor_client import SUPERVISOR_HANG_TIMEOUT
-from rtron.guard.supervision.supervisor_handover import (
-    DISMISS_MESSAGE,
-    HandoverAnswer,
-    bind_guard_socket,
-)
 from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan, Supervision
 from rtron.wire.ros1.xmlrpc import ros_call
@@ -75,6 +65,10 @@ class Supervised:
     def pid_of(self, node):
         return self.ros1.ask(self.ros1.uri_of(node), "getPid")
 
+    @property
+    def log(self):
+        return self.process.log
+
     def speeds(self):
         return [float(x) for x, _ in self.driven.messages()]
 
@@ -95,18 +89,7 @@ class Supervised:
 
 @pytest.fixture
 def supervised(ros1, driver):
-    made = Supervised(ros1, driver)
-    yield made
-    end_remaining(made)
-
-
-def end_remaining(supervised):
-    """End what is left of a guard whose first supervisor was killed."""
-    for node in (SUPERVISOR_NODE, GUARD_NODE):
-        pid = supervised.pid_of(node)
-        if pid and supervised.process.ended:
-            os.kill(pid, signal.SIGTERM)
-            wait_for(lambda pid=pid: not lives(pid), what=f"the end of {node}")
+    return Supervised(ros1, driver)
 
 
 def members(group):
@@ -254,23 +237,55 @@ def test_who_stops_both_and_lets_both_go_on_gets_no_alarm(supervised):
     assert "stands still" not in supervised.process.log
 
 
-def test_the_guard_goes_on_without_its_supervisor_and_gets_another(supervised):
-    guard, supervisor = supervised.guard, supervised.supervisor
-    moving = supervised.speeds().index(SPEED)
-    os.kill(supervisor, signal.SIGKILL)
-    wait_for(lambda: supervised.process.ended, what="the supervisor's end")
-    supervised.wait_for_speed("the velocity", len(supervised.speeds()))
-    wait_for(lambda: supervised.supervisor not in (None, supervisor), what="another supervisor")
-    diagnostics = supervised.ros1.run("rostopic", "echo", "-n", "1", "/diagnostics")
-    assert "supervisor: it is gone; the guard goes on" in diagnostics
-    assert supervised.guard == guard
-    assert min(supervised.speeds()[moving:]) == SPEED
-    wait_for(supervised.is_wired, what="the new supervisor's connection")
-    told = len(supervised.speeds())
-    os.kill(guard, signal.SIGKILL)
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_guard_without_its_supervisor_stops_the_robot_and_ends(supervised, number):
+    guard, group, told = supervised.guard, supervised.process.pid, len(supervised.speeds())
+    os.kill(supervised.supervisor, number)
+    supervised.wait_for_stop(told)
+    wait_for(lambda: supervised.speeds()[-1] == 0.0, what="the rest")
+    wait_for(lambda: members(group) == [], what="the end of all")
+    assert not lives(guard)
+    assert "the robot is stopped, and the guard ends; start rtron guard again" in supervised.log
+    supervised.assert_nothing_unchecked()
+
+
+def test_the_next_guard_begins_when_the_one_without_a_supervisor_has_ended(supervised):
+    guard, told = supervised.guard, len(supervised.speeds())
+    os.kill(supervised.supervisor, signal.SIGKILL)
+    again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
     stopped = supervised.wait_for_stop(told)
     supervised.wait_for_speed("the velocity through the next guard", stopped)
+    assert not lives(guard)
+    assert supervised.supervisor == again.pid
     supervised.assert_nothing_unchecked()
+    again.stop()
+    assert again.code == 0
+
+
+@pytest.mark.parametrize("first", [GUARD_NODE, SUPERVISOR_NODE])
+def test_the_robot_is_stopped_although_guard_and_supervisor_die_soon_after_each_other(
+    supervised, first
+):
+    pids = {node: supervised.pid_of(node) for node in (GUARD_NODE, SUPERVISOR_NODE)}
+    told = len(supervised.speeds())
+    os.kill(pids.pop(first), signal.SIGKILL)
+    supervised.wait_for_stop(told)
+    (second,) = pids.values()
+    if lives(second):
+        os.kill(second, signal.SIGKILL)
+    supervised.assert_nothing_unchecked()
+    assert supervised.speeds()[-1] < SPEED
+
+
+@pytest.mark.long
+def test_a_guard_that_hangs_without_its_supervisor_is_killed_by_the_next(supervised):
+    guard, supervisor = supervised.guard, supervised.supervisor
+    supervised.tell_guard(signal.SIGSTOP)
+    os.kill(supervisor, signal.SIGKILL)
+    again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
+    wait_for(lambda: not lives(guard), what="the end of the guard that hangs")
+    supervised.wait_for_speed("the velocity through the next guard", len(supervised.speeds()))
+    again.stop()
 
 
 def test_the_robot_is_stopped_while_nothing_comes_out_of_the_guard(supervised):
@@ -294,119 +309,13 @@ def test_the_robot_is_stopped_while_nothing_comes_out_of_the_guard(supervised):
     supervised.assert_nothing_unchecked()
 
 
-@pytest.mark.long
-def test_a_supervisor_that_hangs_is_replaced(supervised):
-    guard, supervisor = supervised.guard, supervised.supervisor
-    os.kill(supervisor, signal.SIGSTOP)
-    wait_for(lambda: supervised.process.ended, what="the supervisor's end")
-    wait_for(lambda: supervised.supervisor not in (None, supervisor), what="another supervisor")
-    assert supervised.guard == guard
-
-
-@pytest.mark.long
-def test_a_new_command_takes_over_the_guard_that_runs(supervised):
-    guard, supervisor = supervised.guard, supervised.supervisor
-    moving = supervised.speeds().index(SPEED)
-    os.kill(supervisor, signal.SIGKILL)
-    again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
-    wait_for(lambda: supervised.supervisor == again.pid, what="the new supervisor")
-    assert supervised.guard == guard
-    assert min(supervised.speeds()[moving:]) == SPEED
-    again.stop()
-    assert again.code == 0
-    assert not lives(guard)
-
-
-SLOW = """
-import sys, time
-from pathlib import Path
-from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.supervision import supervisor
-from rtron.guard.supervision.guard_config import GuardConfig
-from rtron.guard.supervision.programs import run_program
-from rtron.planning import read_plan
-
-def open_slowly(*arguments):
-    time.sleep(float(sys.argv[3]))
-    return open_transport(*arguments)
-
-open_transport, supervisor.open_transport = supervisor.open_transport, open_slowly
-plan = read_plan(Path(sys.argv[1]))
-options = {"dry_run": False, "control": None, "figures": None, "link": None}
-config = GuardConfig(plan=plan, master=sys.argv[2], options=options)
-made = lambda: supervisor.Supervisor(config, config.write_to_memory(), EventLoop())
-sys.exit(run_program(lambda: made().run()))
-"""
-"""A supervisor that takes long to start, as on a busy machine."""
-
-
-@pytest.mark.long
-def test_a_supervisor_that_is_still_starting_is_not_killed(supervised):
-    guard, supervisor = supervised.guard, supervised.supervisor
-    longer_s = 2 * SUPERVISOR_HANG_TIMEOUT / SECOND
-    os.kill(supervisor, signal.SIGKILL)
-    words = (sys.executable, "-c", SLOW, supervised.plan, supervised.ros1.uri, longer_s)
-    again = supervised.ros1.spawn(*words)
-    wait_for(lambda: supervised.supervisor == again.pid or again.ended, what="the supervisor")
-    assert not again.ended, again.log
-    assert supervised.guard == guard
-    assert "the supervisor stands still" not in supervised.process.log
-    again.stop()
-    assert again.code == 0
-
-
-def test_a_supervisor_that_the_guard_does_not_wait_for_says_so_and_ends_with_2(ros1):
-    path = ros1.folder / "rtron.yaml"
-    path.write_text(write_plan(drive_plan()))
-    guard = bind_guard_socket(ros1.uri)
-    guard.settimeout(None)
-    starting = ros1.rtron("guard", "--plan", path)
-    connection, _ = guard.accept()
-    assert b"config" in connection.recv(1000)
-    memory = GuardMemory.create(1)
-    answer = json.dumps({"answer": HandoverAnswer.YES.value}).encode() + b"\n"
-    socket.send_fds(connection, [answer], [memory.descriptor])
-    connection.send(DISMISS_MESSAGE)
-    wait_for(lambda: starting.ended, what="the end")
-    assert starting.code == 2
-    assert f"error: the guard on {ros1.uri} has not waited for this supervisor" in starting.log
-    assert "help: " in starting.log
-    for each in (guard, connection, memory):
-        each.close()
-
-
-@pytest.mark.long
-def test_a_new_command_takes_the_place_of_the_one_that_the_guard_has_started(supervised):
-    supervisor = supervised.supervisor
-    os.kill(supervisor, signal.SIGKILL)
-    wait_for(lambda: supervised.supervisor not in (None, supervisor), what="another supervisor")
-    stand_in, guard = supervised.supervisor, supervised.guard
-    again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
-    wait_for(lambda: supervised.supervisor == again.pid, what="the new supervisor")
-    wait_for(lambda: not lives(stand_in), what="the end of the one before")
-    assert supervised.guard == guard
-    again.stop()
-    assert not lives(guard)
-
-
-@pytest.mark.long
-def test_a_new_command_with_another_plan_ends_the_guard_that_runs(supervised):
-    guard = supervised.guard
-    supervised.plan.write_text(write_plan(drive_plan()))
-    os.kill(supervised.supervisor, signal.SIGKILL)
-    again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
-    wait_for(lambda: supervised.guard not in (None, guard), what="the new guard")
-    assert not lives(guard)
-    wait_for(lambda: supervised.supervisor == again.pid, what="the new supervisor")
-    again.stop()
-
-
 def test_a_second_guard_is_refused(supervised):
-    guard = supervised.guard
+    guard, supervisor = supervised.guard, supervised.supervisor
     second = supervised.ros1.rtron("guard", "--plan", supervised.plan)
     wait_for(lambda: second.ended, what="the end of the second")
     assert second.code == 2
-    assert f"error: a guard is running on {supervised.ros1.uri}, process {guard}" in second.log
+    running = f"error: a guard is running on {supervised.ros1.uri}, process {supervisor}"
+    assert running in second.log
     assert supervised.guard == guard
 
 
@@ -476,40 +385,6 @@ def test_nothing_is_left_when_both_are_killed(supervised):
     for number in (supervised.supervisor, supervised.guard):
         os.kill(number, signal.SIGKILL)
     wait_for(lambda: members(group) == [], what="the end of all")
-
-
-@pytest.mark.long
-def test_a_guard_whose_supervisor_and_owner_are_gone_stops_the_robot_and_ends(ros1, driver):
-    path = ros1.folder / "rtron.yaml"
-    path.write_text(write_plan(plan_with_a_blocked_flow()))
-    words = f"{sys.executable} -m rtron guard --plan {path} & wait"
-    owner = ros1.spawn("sh", "-c", words)
-    ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
-    pids = [ros1.ask(ros1.uri_of(n), "getPid") for n in (SUPERVISOR_NODE, GUARD_NODE)]
-    os.kill(owner.pid, signal.SIGSTOP)
-    os.kill(pids[0], signal.SIGKILL)
-    os.kill(owner.pid, signal.SIGKILL)
-    wait_for(lambda: members(owner.pid) == [], what="the end of the guard")
-    assert not lives(pids[1])
-    assert "who has started it too" in owner.log
-
-
-@pytest.mark.long
-def test_what_a_guard_has_started_ends_when_the_first_owner_is_gone(ros1):
-    path = ros1.folder / "rtron.yaml"
-    path.write_text(write_plan(plan_with_a_blocked_flow()))
-    owner = ros1.spawn("sh", "-c", f"{sys.executable} -m rtron guard --plan {path} & wait; cat")
-    ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
-    first = ros1.ask(ros1.uri_of(SUPERVISOR_NODE), "getPid")
-    os.kill(owner.pid, signal.SIGSTOP)
-    os.kill(first, signal.SIGKILL)
-
-    def stand_in():
-        return ros1.ask(ros1.uri_of(SUPERVISOR_NODE), "getPid") not in (None, first)
-
-    wait_for(stand_in, what="the supervisor that the guard starts")
-    os.kill(owner.pid, signal.SIGKILL)
-    wait_for(lambda: members(owner.pid) == [], what="the end of all")
 
 
 @pytest.mark.skipif(find_spec("rclpy") is not None, reason="ROS 2 is here")

@@ -71,7 +71,6 @@ log = logging.getLogger(__name__)
 
 _DRAIN_S = 2.0
 _CHECK_S = 1.0
-_UNUSED_S = 30.0
 _NICE = 10
 """The guard's messages go before what is told about them (nice(2), SCHED_BATCH of sched(7))."""
 _RECONNECT_S = 2.0
@@ -91,11 +90,10 @@ class Relay:
         self._has_guard = False
         self._settings = read_settings(options.settings_file, machine_time())
         self._former_settings = self._settings
-        self._unused_since = time.monotonic()
         self._parent = os.getppid()
 
     async def run(self, ended: asyncio.Event) -> None:
-        """Relay until `ended`, or until nobody is left who needs it.
+        """Relay until `ended`, or until the supervisor has ended.
 
         SourceError if another link process has the same state.
         """
@@ -104,7 +102,7 @@ class Relay:
         )
         works = [
             asyncio.create_task(self._service.run()),
-            asyncio.create_task(self._run_until_unneeded(ended)),
+            asyncio.create_task(self._run_until_ended(ended)),
         ]
         async with server:
             done, _ = await asyncio.wait(works, return_when=asyncio.FIRST_COMPLETED)
@@ -142,16 +140,12 @@ class Relay:
         sock.listen()
         return sock
 
-    async def _run_until_unneeded(self, ended: asyncio.Event) -> None:
-        """End when told to, or when the supervisor is gone and no guard has come for a while."""
-        while not self._is_unneeded():
+    async def _run_until_ended(self, ended: asyncio.Event) -> None:
+        """End when told to, or when the supervisor has ended."""
+        while os.getppid() == self._parent:
             with suppress(asyncio.TimeoutError):  # not told to end: check again
                 await asyncio.wait_for(ended.wait(), _CHECK_S)
                 return
-
-    def _is_unneeded(self) -> bool:
-        is_unused = self._guard_writer is None and time.monotonic() - self._unused_since > _UNUSED_S
-        return is_unused and os.getppid() != self._parent
 
     async def _drain(self) -> None:
         """Give what waits a moment to go."""
@@ -187,7 +181,6 @@ class Relay:
             self._guard_writer.close()
             writer.close()
             self._guard_writer = None
-            self._unused_since = time.monotonic()
             asyncio.get_running_loop().call_later(_RECONNECT_S, self._withdraw)
 
     def _withdraw(self) -> None:

@@ -15,9 +15,8 @@ from rtron.guard.lanes.command.command_process import run_command_process
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import GuardConfig, read_config, stopped_streams
 from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
-from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
+from rtron.guard.supervision.shared_memory import BEGIN, GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import SupervisorClient
-from rtron.guard.supervision.supervisor_handover import BEGIN
 from rtron.guard.transport.factory import load_types, prepare_session, share_memory
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import build_streams
@@ -49,7 +48,7 @@ def main(numbers: str) -> None:
         return
 
     def guard() -> int:
-        client = SupervisorClient(config, memory, connection, config_file, session)
+        client = SupervisorClient(config, memory, connection, session)
         options = dict(config.options)
         if options.pop("dry_run"):
             from rtron.guard.dry_run import run_dry  # noqa: PLC0415 - loaded before

@@ -3,7 +3,7 @@
 import logging
 import signal
 import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from rtron.guard.supervision.programs import start_program
 from rtron.vocabulary import SECOND
@@ -20,15 +20,13 @@ _STOP_TIMEOUT_S = 10.0
 class HelperProcess:
     """Keeps one process running; the robot is stopped or slowed while it is away, at most.
 
-    One that ends at once is tried more seldom. While another supervisor's still runs and `is_there`
-    says so, none is started.
+    One that ends at once is tried more seldom.
     """
 
     def __init__(
         self,
         config_file: int,
         program: str,
-        is_there: Callable[[], bool] = lambda: False,
         *,
         files: Sequence[int] = (),
         has_plan: bool = True,
@@ -37,7 +35,6 @@ class HelperProcess:
         self._files, self._has_plan = files, has_plan
         self.process: subprocess.Popen[bytes] | None = None
         self._program = program
-        self._is_there = is_there
         self._config_file = config_file
         self._started_at = 0
         self._start_due: int | None = 0
@@ -49,11 +46,7 @@ class HelperProcess:
             return
         if self._start_due is None:
             self._start_due = now + self._wait(now - self._started_at)
-        if now < self._start_due:
-            return
-        if self._is_there():
-            self._start_due = now + MIN_RESTART_DELAY
-        else:
+        if now >= self._start_due:
             self._start(now)
 
     def _wait(self, life: int) -> int:

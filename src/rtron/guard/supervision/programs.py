@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from rtron.errors import RTronError
 from rtron.guard.supervision.guard_config import GuardConfig
-from rtron.guard.supervision.supervisor_fsm import GUARD_EXISTS, REFUSED
-from rtron.guard.supervision.supervisor_handover import GuardExistsError
+from rtron.guard.supervision.supervisor_fsm import REFUSED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -32,7 +31,6 @@ _CODE = (
 """While modules are loaded nothing is garbage, and a quarter of the time went into the search."""
 GUARD = "guard_program:main"
 SUPERVISOR = "supervisor_program:main"
-BACKUP_SUPERVISOR = "supervisor_program:run_backup"
 BULK = "bulk_program:main"
 LINK = "link_program:main"
 INCIDENTS = "incident_program:main"
@@ -79,7 +77,7 @@ def run_program(run: Callable[[], int]) -> int:
     except RTronError as error:
         rows = [f"error: {error}", *([f"help: {error.help}"] if error.help else [])]
         sys.stderr.write("\n".join(rows) + "\n")
-        return GUARD_EXISTS if isinstance(error, GuardExistsError) else REFUSED
+        return REFUSED
 
 
 def supervise(

@@ -22,6 +22,10 @@ _TYPE_INFO_BYTES = 1 << 16
 _LAST_MESSAGE_BYTES = 1 << 12
 
 
+BEGIN = b"B"
+"""What a supervisor sends to a guard that it has started, when it is to guard."""
+
+
 class StatusWord(IntEnum):
     """The words at the beginning, each written by one side only."""
 
@@ -35,13 +39,11 @@ class StatusWord(IntEnum):
     """When the supervisor's loop last came round (ns). The supervisor's."""
     STOPPED = 4
     """When the supervisor last stopped the robot (ns), 0 if never. The supervisor's."""
-    OWNER = 5
-    """The process that started the supervisor, roslaunch or a shell. The supervisor's."""
-    READY = 6
+    READY = 5
     """When the guard had loaded what it needs to begin (ns), 0 before. The guard's."""
-    UNDELIVERED = 7
+    UNDELIVERED = 6
     """Whether the supervisor's pings do not come back through the guard. The supervisor's."""
-    UNWATCHED = 8
+    UNWATCHED = 7
     """Whether no ping has ever come back, long after the guard began. The supervisor's."""
 
 

@@ -6,14 +6,18 @@ import os
 import signal
 from collections.abc import Iterable, Iterator, Sequence
 
-from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
-from rtron.guard.lanes.exchange.bulk_socket import BulkSocket
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
-from rtron.guard.supervision.guard_process import GuardProcess, adopt_guard, spawn_guard
+from rtron.guard.supervision.guard_name import (
+    SUPERVISOR,
+    answer_name,
+    await_former_guard,
+    take_name,
+)
+from rtron.guard.supervision.guard_process import GuardProcess, spawn_guard
 from rtron.guard.supervision.helper_process import HelperProcess
 from rtron.guard.supervision.intrusion_file import intrusion_file
 from rtron.guard.supervision.plan_trial import PlanTrial, make_plan_slot
@@ -27,11 +31,6 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorAction,
     SupervisorFsm,
 )
-from rtron.guard.supervision.supervisor_handover import (
-    DISMISS_MESSAGE,
-    HAND_OVER_MESSAGE,
-    is_running,
-)
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
 from rtron.guard.transport.factory import open_transport
 from rtron.vocabulary import SECOND
@@ -40,7 +39,6 @@ from rtron.wire.common.systemd import take_notifier
 log = logging.getLogger(__name__)
 
 _SPARE_AFTER = SECOND
-_OWNER_S = 0.5
 _SAVE_S = 1.0
 """How long an end waits for the disk."""
 _SPARE_RETRY = 5 * SECOND
@@ -50,64 +48,46 @@ _FOR_PLAN = "made place for another plan"
 class Supervisor:
     """Does what the state machine (`SupervisorFsm`) decides, until that is to leave."""
 
-    def __init__(
-        self, config: GuardConfig, config_file: int, loop: EventLoop, *, is_backup: bool = False
-    ) -> None:
-        """Take over the guard that runs on the master, or start one.
+    def __init__(self, config: GuardConfig, config_file: int, loop: EventLoop) -> None:
+        """Prepare to start a guard, once one that runs without a supervisor has ended.
 
-        SourceError if that guard has a supervisor, or if there is none to stand in for.
+        SourceError if a guard of this user is supervised on the master.
         """
         streams = stopped_streams(config.plan)
         self._stream_count = len(streams)
-        self._guard = adopt_guard(config, self._stream_count)
-        if is_backup and self._guard is None:
-            raise SourceError(f"the guard on {config.master} is gone")
+        self._name = take_name(SUPERVISOR, config.master)
+        await_former_guard(config.master)
+        self._guard: GuardProcess | None = None
         self._plan_trial = _plan_trial(config, config_file)
-        self._master = config.master
         self._loop = loop
         self._transport = open_transport(config.plan, config.master, loop)
         self._transport.set_shutdown_handler(self._refuse_shutdown)
         self._log_throttle = LogThrottle()
         self._systemd = take_notifier(os.environ)
-        memory = self._guard.memory if self._guard else GuardMemory.create(self._stream_count)
-        memory.supervisor_participant.write(self._transport.participant)
-        self._memory = memory
+        self._memory = memory = GuardMemory.create(self._stream_count)
         self._intrusions = intrusion_file(config)
-        if self._intrusions and self._guard is None:
+        if self._intrusions:
             memory.handover_state.write(self._intrusions.handover_document())
         self._brakes = StreamBrakes(streams, self._transport, memory)
         self._watchdog = Watchdog(loop.now())
         self._delay = SchedulingDelay(loop.now())
         self._delivery = DeliveryWatch(self._transport, loop.now())
-        self._fsm = SupervisorFsm(
-            loop.now(), config.plan.supervision, is_adopted=self._guard is not None
-        )
+        self._fsm = SupervisorFsm(loop.now(), config.plan.supervision)
         self._helpers = list(_helpers(config, config_file, self._plan_trial.slot_files))
         self._spare: GuardProcess | None = None
         self._spare_due = 0
         self._is_spare_ready = False
         self._failure = self._failure_report = ""
         self._is_leaving = self._is_end_requested = self._skips_final_stop = False
-        self._is_dismissed = False
-        self._first_owner = 0
-        if self._guard:
-            log.warning("taking over the guard, process %d", self._guard.pid)
-            self._watch_connection(self._guard)
-            if is_backup:
-                self._first_owner = memory[StatusWord.OWNER]
-                self._watch_owner()
+        if self._name:
+            answer_name(loop, self._name)
 
     def run(self) -> int:
-        """Supervise until told to end, or until the guard ends in order; return the exit code.
-
-        SourceError if the guard has not waited for this supervisor.
-        """
+        """Supervise until told to end, or until the guard ends in order; return the exit code."""
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self._loop.post(self._end))
         self._tick()
-        self._brakes.prepare()  # the guard is starting, or waits for the word that follows
-        if self._guard:
-            self._guard.notify_watching()
+        self._brakes.prepare()  # while the guard is starting
         self._loop.run()
         if self._spare:
             self._spare.discard()
@@ -117,16 +97,12 @@ class Supervisor:
             self._intrusions.finish(_SAVE_S)
         self._transport.close()
         self._loop.close()
-        if self._is_dismissed:
-            message = f"the guard on {self._master} has not waited for this supervisor"
-            raise SourceError(message, help="start rtron guard again: the machine is too busy")
         return self._fsm.code
 
     def _tick(self) -> None:
         now = self._loop.now()
         self._loop.call_at(now + BEAT_PERIOD, self._tick)
         self._memory[StatusWord.SUPERVISOR_BEAT] = now
-        self._memory[StatusWord.OWNER] = self._owner()
         try:
             self._watch_guard(now)
         finally:  # whatever fails there, the robot is stopped
@@ -160,18 +136,6 @@ class Supervisor:
         for helper in self._helpers:
             helper.tick(now)
 
-    def _owner(self) -> int:
-        """Return who has started this, or the first supervisor if a guard has started this."""
-        return self._first_owner or os.getppid()
-
-    def _watch_owner(self) -> None:
-        """End when nobody is left who would end what a guard has started."""
-        if not is_running(self._first_owner):
-            log.error("who has started the first supervisor is gone")
-            self._end()
-        else:
-            self._loop.call_later(_OWNER_S, self._watch_owner)
-
     def _perform(self, actions: Iterable[SupervisorAction], now: int) -> None:
         for action in actions:
             match action:
@@ -198,10 +162,7 @@ class Supervisor:
         self._plan_trial.begin()
         for helper in self._helpers:
             helper.use(self._plan_trial.config_file)
-        guard.memory[StatusWord.OWNER], guard.memory[StatusWord.SUPERVISOR_BEAT] = (
-            self._owner(),
-            now,
-        )
+        guard.memory[StatusWord.SUPERVISOR_BEAT] = now
         guard.memory.supervisor_participant.write(self._transport.participant)
         failure_report = (
             json.dumps({"why": self._failure_report}).encode() if self._failure_report else b""
@@ -284,20 +245,9 @@ class Supervisor:
     def _watch_connection(self, guard: GuardProcess) -> None:
         self._loop.watch(
             guard.connection,
-            lambda: self._on_readable(guard),
+            lambda: self._on_connection_lost(guard, "its connection has ended"),
             lambda error: self._on_connection_lost(guard, str(error)),
         )
-
-    def _on_readable(self, guard: GuardProcess) -> None:
-        received = guard.connection.recv(len(HAND_OVER_MESSAGE))
-        if not received:
-            self._on_connection_lost(guard, "its connection has ended")
-        elif received in (HAND_OVER_MESSAGE, DISMISS_MESSAGE):
-            self._is_dismissed = received == DISMISS_MESSAGE
-            log.warning("another supervisor takes over")
-            self._loop.forget(guard.connection)
-            self._guard = None
-            self._perform(self._fsm.hand_over(), self._loop.now())
 
     def _on_connection_lost(self, guard: GuardProcess, why: str) -> None:
         log.debug("the guard is lost: %s", why)
@@ -376,7 +326,7 @@ def _helpers(
 ) -> Iterator[HelperProcess]:
     """Yield what runs beside the guard: a dry run is one process."""
     if not config.options.get("dry_run"):
-        yield HelperProcess(config_file, BULK, BulkSocket(config.digest).is_taken)
+        yield HelperProcess(config_file, BULK)
     if config.options.get("link"):
         yield HelperProcess(config_file, LINK, files=slot_files, has_plan=False)
 

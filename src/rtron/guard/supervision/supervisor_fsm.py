@@ -27,8 +27,6 @@ _MAX_DELAY = 10 * SECOND
 OK, REFUSED = 0, 2
 OUT_OF_MEMORY = os.EX_OSERR
 """The exit code of a guard that has run out of memory."""
-GUARD_EXISTS = os.EX_UNAVAILABLE
-"""The exit code of a guard that has found another one on its master."""
 
 
 class GuardPhase(Enum):
@@ -72,14 +70,14 @@ class GuardObservation:
 class SupervisorFsm:
     """Turns what is seen into what is to be done; `code` is what the supervisor ends with."""
 
-    def __init__(self, now: int, bounds: Supervision, *, is_adopted: bool = False) -> None:
+    def __init__(self, now: int, bounds: Supervision) -> None:
         self._bounds = bounds
-        self.phase = GuardPhase.SERVING if is_adopted else GuardPhase.WAITING
+        self.phase = GuardPhase.WAITING
         self.code = OK
         self._phase_since = now
         self._restart_due = now
-        self._serving_since = now if is_adopted else None
-        self._has_served = is_adopted
+        self._serving_since: int | None = None
+        self._has_served = False
         self._failures = 0
         self._is_ending = False
         self.is_undelivered = False
@@ -118,7 +116,7 @@ class SupervisorFsm:
 
     def guard_ended(self, now: int, code: int) -> tuple[SupervisorAction, ...]:
         """Take note of the guard's exit code, minus the signal if one has killed it."""
-        refused = code == GUARD_EXISTS or (code == REFUSED and not self._has_served)
+        refused = code == REFUSED and not self._has_served
         if self._is_ending or refused or code == OK:
             return self._leave(REFUSED if refused and not self._is_ending else OK)
         self._await_next(now)
@@ -139,10 +137,6 @@ class SupervisorFsm:
             return False
         self.phase = GuardPhase.KILLED
         return True
-
-    def hand_over(self) -> tuple[SupervisorAction, ...]:
-        """Leave the guard to another supervisor."""
-        return self._leave(OK)
 
     @property
     def restart_due(self) -> int:

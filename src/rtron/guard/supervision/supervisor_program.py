@@ -12,19 +12,8 @@ from rtron.guard.transport.factory import share_memory
 
 def main(numbers: str) -> None:
     """Supervise the guard of the configuration in an open file; end with the exit code."""
-    _supervise(numbers, is_backup=False)
-
-
-def run_backup(numbers: str) -> None:
-    """Supervise only the guard that runs and has lost its supervisor; end with the exit code."""
-    _supervise(numbers, is_backup=True)
-
-
-def _supervise(numbers: str, *, is_backup: bool) -> None:
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
     start_logging(config.log_level, "supervisor")
     share_memory(config.plan.ros, on=False)
-    sys.exit(
-        run_program(lambda: Supervisor(config, config_file, EventLoop(), is_backup=is_backup).run())
-    )
+    sys.exit(run_program(lambda: Supervisor(config, config_file, EventLoop()).run()))

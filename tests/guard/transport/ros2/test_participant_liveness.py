@@ -288,7 +288,6 @@ def test_a_process_that_was_killed_lives_no_more_although_nobody_has_waited_for_
         found = processes.process(process.pid)
         assert found
         assert processes.is_running(found)
-        assert processes.is_related(process.pid)
         assert not processes.is_running((process.pid, found[1] + 1))
         process.kill()
         os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
@@ -296,8 +295,11 @@ def test_a_process_that_was_killed_lives_no_more_although_nobody_has_waited_for_
     assert not processes.is_running(found)
 
 
-def test_who_supervises_us_is_kin_whoever_started_it():
+def test_kin_are_who_supervises_us_and_what_it_has_started():
     processes = ProcessTable()
-    assert not processes.is_related(1) or os.getppid() == 1
-    processes.supervisor = lambda: 1
-    assert processes.is_related(1)
+    assert processes.is_related(os.getppid())
+    with subprocess.Popen([sys.executable, "-c", SLEEPS], stdin=subprocess.PIPE) as process:
+        assert not processes.is_related(process.pid)
+        processes.supervisor = os.getpid
+        assert processes.is_related(process.pid)
+        process.kill()

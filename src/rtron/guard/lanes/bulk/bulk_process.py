@@ -37,7 +37,7 @@ from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce
 from rtron.guard.system.process_priority import lower_priority
 from rtron.guard.system.state_folder import INCIDENTS, state_folder
-from rtron.vocabulary import BULK_NODE, SECOND, Mode, OnForeign, Plan, build_streams
+from rtron.vocabulary import BULK_NODE, Mode, OnForeign, Plan, build_streams
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -52,8 +52,6 @@ log = logging.getLogger(__name__)
 _NICE = 5
 """Commands go before what is carried here (nice(2), SCHED_BATCH of sched(7))."""
 _CHECK_S = 1.0
-_UNSUPERVISED = 3 * SECOND
-_UNUSED = 30 * SECOND
 
 
 def run_bulk_process(
@@ -91,7 +89,7 @@ def run_bulk_process(
             recorder.on_saved = service_link.report_incident
         parts.append(recorder)
     parts += _audit_parts(plan, middleware, connection, loop)
-    parts += [connection, UnusedEnd(connection, loop)]
+    parts += [connection, SupervisorEnd(loop)]
     if plan.ros != 1:
         parts.append(StandStillEnd(loop))
     run_parts(loop, parts)
@@ -187,32 +185,19 @@ class HeldStreams:
         self._brakes[topic].release()
 
 
-class UnusedEnd:
-    """Ends the process when no command process has come for a while, sooner without a supervisor.
+class SupervisorEnd:
+    """Ends the process when its supervisor has ended: the guard ends, too."""
 
-    A command process goes on without its supervisor, and so does this one; the next supervisor's
-    bulk process begins when this one has ended.
-    """
-
-    def __init__(self, connection: CommandConnection, loop: EventLoop) -> None:
-        self._connection = connection
+    def __init__(self, loop: EventLoop) -> None:
         self._loop = loop
         self._parent = os.getppid()
-        self._used_at = loop.now()
 
     def open(self) -> None:
         """Look from now on."""
         self._loop.call_later(_CHECK_S, self.open)
-        now = self._loop.now()
-        if self._connection.is_connected:
-            self._used_at = now
-        elif now - self._used_at > self._longest():
-            log.warning("the guard is gone: its bulk process ends")
+        if os.getppid() != self._parent:
+            log.warning("the supervisor is gone: the bulk process ends")
             self._loop.stop()
-
-    def _longest(self) -> int:
-        """Return how long nobody may need this process, ns."""
-        return _UNUSED if os.getppid() == self._parent else _UNSUPERVISED
 
     def close(self) -> None:
         """Look no more."""

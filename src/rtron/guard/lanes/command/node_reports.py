@@ -44,7 +44,6 @@ class NodeReports:
 
     def open(self) -> None:
         """Report from now on."""
-        self._supervisor.on_change = self._report
         send = self._sender.send
         self._middleware.set_listener_handlers(
             lambda topic, node: send(NewListener(topic, node)),

@@ -43,7 +43,7 @@ class BulkSocket:
         """Return the socket; its process has it until it ends. SourceError if another has it."""
         if not self._lock():
             raise SourceError(
-                "the guard has a bulk process already", help="it ends soon after its guard"
+                "the guard has a bulk process already", help="it ends soon after its supervisor"
             )
         self._path.unlink(missing_ok=True)
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -59,13 +59,6 @@ class BulkSocket:
     def connect(self, sock: socket.socket) -> bool:
         """Connect to the process that listens; False if none does."""
         return sock.connect_ex(str(self._path)) == 0
-
-    def is_taken(self) -> bool:
-        """Tell whether a process listens, without a word to it."""
-        if not self._lock():
-            return True
-        fcntl.lockf(self._locks, fcntl.LOCK_UN, 1, self._offset)
-        return False
 
     def close(self) -> None:
         """Let go of the folder, and of the place; a second call does nothing."""

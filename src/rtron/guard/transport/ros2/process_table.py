@@ -6,7 +6,7 @@ from those that we see, and from inside it no process outside is visible.
 
 import os
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,8 +43,7 @@ class ProcessTable:
     def __init__(self, proc: Path = Path("/proc")) -> None:
         self.supervisor: Callable[[], int] = lambda: 0
         """Returns the process id of our supervisor, 0 if there is none."""
-        self.other_pids: Callable[[], Iterable[int]] = tuple
-        """Tells the ids of the guard's other processes."""
+        self._parent = os.getppid()
         self._proc = proc
         self._namespace_pids: dict[int, int | None] = {}
         self._pids_by_low_bits: dict[int, list[int]] = {}
@@ -106,11 +105,10 @@ class ProcessTable:
         return None if ended else (pid, int(stat[_START_TIME]))
 
     def is_related(self, pid: int) -> bool:
-        """Return whether a process is our supervisor or our parent, or a child of the guard's."""
+        """Return whether a process is our supervisor, or has the parent that we have."""
+        family = {self.supervisor(), self._parent} - {0}
         with suppress(OSError):  # the process has ended
-            supervisor = self.supervisor()
-            parents = {os.getpid(), supervisor, *self.other_pids()} - {0}
-            return pid in (supervisor, os.getppid()) or int(self._stat(pid)[_PARENT]) in parents
+            return pid in family or int(self._stat(pid)[_PARENT]) in family
         return False
 
     def _running(self, known: dict[int, int | None]) -> Iterator[tuple[int, int | None]]:
