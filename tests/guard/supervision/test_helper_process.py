@@ -2,14 +2,15 @@
 
 import os
 import signal
+import subprocess
 import sys
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from harness import wait_for
 
-from rtron.guard.supervision import programs
 from rtron.guard.supervision.helper_process import (
     MAX_RESTART_DELAY,
     MIN_RESTART_DELAY,
@@ -26,11 +27,31 @@ def order():
     os.close(writing)
 
 
+CODE = "import signal; signal.signal(signal.SIGTERM, lambda *_: exit(7)); signal.pause()"
+
+
+class Started(subprocess.Popen):
+    """A process as `ForkedProcess` is one."""
+
+    def wait(self, timeout=None):
+        with suppress(subprocess.TimeoutExpired):
+            super().wait(timeout)
+        return self.returncode is not None
+
+
+class Starter:
+    """Starts processes in the fork server's place: a test has several threads, and cannot fork."""
+
+    def __init__(self, *command):
+        self._command = command
+
+    def start(self, program, files):
+        return Started(self._command)
+
+
 @pytest.fixture
-def helper(order, monkeypatch):
-    code = "import signal; signal.signal(signal.SIGTERM, lambda *_: exit(7)); signal.pause()"
-    monkeypatch.setattr(programs, "command", lambda role, files: [sys.executable, "-c", code])
-    helper = HelperProcess(order, "link_program:main")
+def helper(order):
+    helper = HelperProcess(Starter(sys.executable, "-c", CODE), order, "link_program:main")
     yield helper
     helper.stop()
 
@@ -98,9 +119,8 @@ def test_it_is_told_to_end(helper):
     assert helper.process.returncode == 7
 
 
-def test_a_program_that_cannot_be_started_is_tried_again(order, monkeypatch, caplog):
-    monkeypatch.setattr(programs, "command", lambda role, files: ["/no/such/program"])
-    helper = HelperProcess(order, "link_program:main")
+def test_a_program_that_cannot_be_started_is_tried_again(order, caplog):
+    helper = HelperProcess(Starter("/no/such/program"), order, "link_program:main")
     helper.tick(0)
     assert "cannot be started" in caplog.text
     helper.stop()

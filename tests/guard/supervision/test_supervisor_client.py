@@ -25,7 +25,6 @@ from rtron.guard.supervision.guard_process import spawn_guard
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import HANG_TIMEOUT, SupervisorClient
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.guard.transport.common.protocol import SupervisorId
 from rtron.vocabulary import SECOND, Plan
 
 NO_FILE = 1 << 14
@@ -74,10 +73,10 @@ def tied(loop, master):
     made.close()
 
 
-def test_a_supervisor_is_identified_by_its_process_and_its_participant(tied):
+def test_a_supervisor_tells_its_participant(tied):
+    assert tied.tie.supervisor_participant() == b""
     tied.page.supervisor_participant.write(b"first")
-    found = tied.tie.identify_supervisor()
-    assert found == SupervisorId(os.getpid(), frozenset({b"first"}))
+    assert tied.tie.supervisor_participant() == b"first"
 
 
 @pytest.fixture
@@ -150,10 +149,17 @@ def open_files():
     return sorted(Path("/proc/self/fd").iterdir())
 
 
+class Exhausted:
+    """A fork server on a machine that has no process left."""
+
+    def start(self, program, files):
+        raise BlockingIOError
+
+
 def test_a_guard_that_cannot_be_started_leaves_nothing_behind():
     before, files = signal.pthread_sigmask(signal.SIG_BLOCK, ()), open_files()
     with pytest.raises(OSError):
-        spawn_guard(NO_FILE, 1)
+        spawn_guard(Exhausted(), NO_FILE, 1)
     assert signal.pthread_sigmask(signal.SIG_BLOCK, ()) == before
     assert open_files() == files
 

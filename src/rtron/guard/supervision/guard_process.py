@@ -2,10 +2,10 @@
 
 import signal
 import socket
-import subprocess
 from contextlib import suppress
 
-from rtron.guard.supervision.programs import GUARD, start_program
+from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
+from rtron.guard.supervision.programs import GUARD
 from rtron.guard.supervision.shared_memory import BEGIN, GuardMemory
 
 _LEAVE_S = 1.0
@@ -15,7 +15,7 @@ class GuardProcess:
     """A guard that was started."""
 
     def __init__(
-        self, process: "subprocess.Popen[bytes]", memory: GuardMemory, connection: socket.socket
+        self, process: ForkedProcess, memory: GuardMemory, connection: socket.socket
     ) -> None:
         self.memory = memory
         self.connection = connection
@@ -37,10 +37,9 @@ class GuardProcess:
     def discard(self) -> None:
         """Do without a guard that has not begun; it has a moment to leave the graph."""
         self.connection.close()
-        with suppress(subprocess.TimeoutExpired):
-            self._process.wait(_LEAVE_S)
+        self._process.wait(_LEAVE_S)
         self.send_signal(signal.SIGKILL)
-        self._process.wait()
+        self._process.wait(_LEAVE_S)
         self.memory.close()
 
     def send_signal(self, number: int) -> None:
@@ -52,23 +51,23 @@ class GuardProcess:
         return self._process.poll()
 
 
-def spawn_guard(config_file: int, streams: int) -> GuardProcess:
+def spawn_guard(server: ForkServer, config_file: int, streams: int) -> GuardProcess:
     """Start a guard with a page of its own; it waits until it is told to begin.
 
     OSError if the system gives no memory, file or process for it.
     """
     memory = GuardMemory.create(streams)
     try:
-        return _spawn(config_file, memory)
+        return _spawn(server, config_file, memory)
     except BaseException:
         memory.close()
         raise
 
 
-def _spawn(config_file: int, memory: GuardMemory) -> GuardProcess:
+def _spawn(server: ForkServer, config_file: int, memory: GuardMemory) -> GuardProcess:
     parent_socket, child_socket = socket.socketpair()
     try:
-        process = start_program(GUARD, (config_file, memory.descriptor, child_socket.fileno()))
+        process = server.start(GUARD, (config_file, memory.descriptor, child_socket.fileno()))
     except BaseException:
         parent_socket.close()
         raise

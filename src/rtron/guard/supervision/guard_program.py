@@ -4,22 +4,16 @@ import gc
 import select
 import socket
 import sys
-from contextlib import suppress
 
-from rtron.errors import RTronError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.core.message_types import standard_info
-from rtron.guard.core.observations import observations_of
-from rtron.guard.core.report_messages import DIAGNOSTICS, STRING, UINT64
 from rtron.guard.lanes.command.command_process import run_command_process
 from rtron.guard.log_format import start_logging
-from rtron.guard.supervision.guard_config import GuardConfig, read_config, stopped_streams
+from rtron.guard.supervision.guard_config import read_config, stopped_streams
+from rtron.guard.supervision.preload import prepare_plan
 from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
 from rtron.guard.supervision.shared_memory import BEGIN, GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import SupervisorClient
-from rtron.guard.transport.factory import load_types, prepare_session, share_memory
-from rtron.messages.common.encoding import Encoding
-from rtron.vocabulary import build_streams
+from rtron.guard.transport.factory import prepare_session, share_memory
 
 _DISCOVERY_S = 4.0
 """How long it takes to know a domain: Fast DDS asks after what was lost every 3 s."""
@@ -38,7 +32,9 @@ def main(numbers: str) -> None:
     memory = GuardMemory(memory_file, len(stopped_streams(config.plan)))
     share_memory(config.plan.ros, on=config.options["dry_run"])
     session = prepare_session(config.plan.ros, config.master)
-    _load(config)
+    prepare_plan(config.plan)
+    gc.collect()
+    gc.freeze()
     if session:
         select.select([connection], (), (), _DISCOVERY_S)
     memory[StatusWord.READY] = EventLoop.now()
@@ -60,26 +56,3 @@ def main(numbers: str) -> None:
         return 0
 
     sys.exit(run_program(guard))
-
-
-def _load(config: GuardConfig) -> None:
-    """Read message types and compile expressions now: on ROS 2 a definition takes up to 0.4 s.
-
-    What fails here fails again when the guard begins, and is reported there. What only some guards
-    need is imported now, too, so that a spare guard begins at once.
-    """
-    if config.options["dry_run"]:
-        import rtron.guard.dry_run  # noqa: PLC0415
-    elif config.options.get("link"):
-        import rtron.guard.lanes.command.service_parts  # noqa: F401, PLC0415
-    plan = config.plan
-    encoding = Encoding.ROS1 if plan.ros == 1 else Encoding.CDR
-    own = [DIAGNOSTICS[encoding].type, STRING.type, UINT64.type]
-    types = [each.type for each in build_streams(plan)]
-    with suppress(RTronError):
-        observations_of(plan)
-        load_types(plan.ros, [*own, *types])
-        for type in types:
-            standard_info(type, encoding)
-    gc.collect()
-    gc.freeze()

@@ -2,10 +2,9 @@
 
 import logging
 import signal
-import subprocess
 from collections.abc import Sequence
 
-from rtron.guard.supervision.programs import start_program
+from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
@@ -25,6 +24,7 @@ class HelperProcess:
 
     def __init__(
         self,
+        server: ForkServer,
         config_file: int,
         program: str,
         *,
@@ -33,7 +33,8 @@ class HelperProcess:
     ) -> None:
         """Start the program with the configuration and `files`; one that `has_plan` follows it."""
         self._files, self._has_plan = files, has_plan
-        self.process: subprocess.Popen[bytes] | None = None
+        self.process: ForkedProcess | None = None
+        self._server = server
         self._program = program
         self._config_file = config_file
         self._started_at = 0
@@ -63,7 +64,7 @@ class HelperProcess:
     def _start(self, now: int) -> None:
         self._started_at, self._start_due = now, None
         try:
-            self.process = start_program(self._program, [self._config_file, *self._files])
+            self.process = self._server.start(self._program, [self._config_file, *self._files])
         except OSError as error:
             self.process = None
             text = "%s cannot be started, tried again soon: %s"
@@ -82,8 +83,5 @@ class HelperProcess:
         if self.process is None or self.process.poll() is not None:
             return
         self.process.send_signal(signal.SIGTERM)
-        try:
-            self.process.wait(_STOP_TIMEOUT_S)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            self.process.wait()
+        self.process.wait(_STOP_TIMEOUT_S)
+        self.process.send_signal(signal.SIGKILL)

@@ -10,6 +10,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
+from rtron.guard.supervision.fork_server import ForkServer
 from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
 from rtron.guard.supervision.guard_name import (
     SUPERVISOR,
@@ -48,13 +49,16 @@ _FOR_PLAN = "made place for another plan"
 class Supervisor:
     """Does what the state machine (`SupervisorFsm`) decides, until that is to leave."""
 
-    def __init__(self, config: GuardConfig, config_file: int, loop: EventLoop) -> None:
+    def __init__(
+        self, config: GuardConfig, config_file: int, loop: EventLoop, server: ForkServer
+    ) -> None:
         """Prepare to start a guard, once one that runs without a supervisor has ended.
 
         SourceError if a guard of this user is supervised on the master.
         """
         streams = stopped_streams(config.plan)
         self._stream_count = len(streams)
+        self._server = server
         self._name = take_name(SUPERVISOR, config.master)
         await_former_guard(config.master)
         self._guard: GuardProcess | None = None
@@ -73,7 +77,7 @@ class Supervisor:
         self._delay = SchedulingDelay(loop.now())
         self._delivery = DeliveryWatch(self._transport, loop.now())
         self._fsm = SupervisorFsm(loop.now(), config.plan.supervision)
-        self._helpers = list(_helpers(config, config_file, self._plan_trial.slot_files))
+        self._helpers = list(_helpers(server, config, config_file, self._plan_trial.slot_files))
         self._spare: GuardProcess | None = None
         self._spare_due = 0
         self._is_spare_ready = False
@@ -81,6 +85,7 @@ class Supervisor:
         self._is_leaving = self._is_end_requested = self._skips_final_stop = False
         if self._name:
             answer_name(loop, self._name)
+        loop.watch(server.connection, self._on_server_lost, lambda error: self._on_server_lost())
 
     def run(self) -> int:
         """Supervise until told to end, or until the guard ends in order; return the exit code."""
@@ -190,7 +195,7 @@ class Supervisor:
     def _try_spawn(self, failure: str) -> GuardProcess | None:
         """Start a guard; None if the system has nothing left for it now."""
         try:
-            return spawn_guard(self._plan_trial.config_file, self._stream_count)
+            return spawn_guard(self._server, self._plan_trial.config_file, self._stream_count)
         except OSError as error:
             log.warning("%s, tried again soon: %s", failure, error)
             return None
@@ -310,6 +315,12 @@ class Supervisor:
         self._is_end_requested = True
         self._perform(self._fsm.shut_down(now), now)
 
+    def _on_server_lost(self) -> None:
+        """End: no guard could take the place of this one."""
+        self._loop.forget(self._server.connection)
+        log.error("what starts the guard's processes is gone: the guard ends, start it again")
+        self._end()
+
     def _refuse_shutdown(self, node: str, reason: str) -> None:
         """Go on: what stops the robot is not ended over the network."""
         if self._log_throttle.allows(node, self._loop.now()):
@@ -322,13 +333,13 @@ def _plan_trial(config: GuardConfig, config_file: int) -> PlanTrial:
 
 
 def _helpers(
-    config: GuardConfig, config_file: int, slot_files: Sequence[int]
+    server: ForkServer, config: GuardConfig, config_file: int, slot_files: Sequence[int]
 ) -> Iterator[HelperProcess]:
     """Yield what runs beside the guard: a dry run is one process."""
     if not config.options.get("dry_run"):
-        yield HelperProcess(config_file, BULK)
+        yield HelperProcess(server, config_file, BULK)
     if config.options.get("link"):
-        yield HelperProcess(config_file, LINK, files=slot_files, has_plan=False)
+        yield HelperProcess(server, config_file, LINK, files=slot_files, has_plan=False)
 
 
 def _exit_text(code: int) -> str:

@@ -27,7 +27,7 @@ from rtron.guard.supervision.shared_memory import (
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
 from rtron.guard.system.out_of_memory import exit_if_out_of_memory
 from rtron.guard.system.unix_socket import peer_credentials
-from rtron.guard.transport.common.protocol import SupervisorId, TypeInfo
+from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.vocabulary import (
     GUARD_NODE,
     SECOND,
@@ -109,10 +109,9 @@ class SupervisorClient:
         """Let the supervisor know that the guard ends in order; its name goes with it."""
         self._memory[StatusWord.LEAVING] = 1
 
-    def identify_supervisor(self) -> SupervisorId:
-        """Return who supervises the guard."""
-        _, participant = self._memory.supervisor_participant.read()
-        return SupervisorId(peer_credentials(self._connection)[0], frozenset((participant,)))
+    def supervisor_participant(self) -> bytes:
+        """Return the supervisor's participant in ROS 2."""
+        return self._memory.supervisor_participant.read()[1]
 
     def _beat(self) -> None:
         now = self._loop.now()

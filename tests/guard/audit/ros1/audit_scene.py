@@ -17,7 +17,6 @@ ROGUE = "/intruder"
 STOP = ("0", "0")
 NOT_OF_THE_AUDIT = (
     AlarmKind.GUARD,
-    AlarmKind.SUPERVISOR,
     AlarmKind.INTRUSION,
     AlarmKind.UNDELIVERED,
 )

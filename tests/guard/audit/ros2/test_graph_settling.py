@@ -17,7 +17,6 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.audit.ros2 import auditor as auditor_module
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.middleware import Ros2Middleware
-from rtron.guard.transport.common.protocol import SupervisorId
 from rtron.vocabulary import SECOND, AlarmKind, Direction, Mode
 
 pytestmark = pytest.mark.ros2
@@ -45,7 +44,7 @@ class Domain:
         self.graph = graph
         session = SimpleNamespace(node=lambda name: None)
         transport = SimpleNamespace(
-            graph=graph, processes=None, session=session, supervisor=SupervisorId
+            graph=graph, processes=None, session=session, supervisor_participant=bytes
         )
         self.response = SimpleNamespace(
             raise_=lambda alarm, now, *streams: self.alarms.append(alarm),

@@ -9,12 +9,12 @@ from proc_folder import ANOTHER, FIRST_NAMESPACE, ProcFolder
 
 from rtron.guard.audit.ros2.observed_graph import ObservedGraph
 from rtron.guard.audit.ros2.supervisor_participants import SupervisorParticipants
-from rtron.guard.transport.common.protocol import SupervisorId
 from rtron.guard.transport.ros2.participants import ParticipantLiveness
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE
 
 OUT = "/rtron/cmd_vel/out"
-PARENT = os.getppid()
+FORK_SERVER = os.getppid()
+STARTER = 8000
 
 
 def participant(pid, chance=b"\x2a\x2a", number=0):
@@ -22,21 +22,28 @@ def participant(pid, chance=b"\x2a\x2a", number=0):
     return b"\x01\x0f\x78\xfd" + low + chance + bytes([number, 0, 0, 0])
 
 
-OURS, SUPERVISOR = participant(os.getpid()), participant(PARENT)
-TWIN = participant(PARENT, number=1)
-ELSEWHERE = participant(PARENT, chance=b"\1\1")
+OURS, SUPERVISOR = participant(os.getpid()), participant(STARTER)
+TWIN = participant(STARTER, number=1)
+ELSEWHERE = participant(STARTER, chance=b"\1\1")
 
 
 class Audit:
     def __init__(self, folder, namespace):
         self.machine = ProcFolder(folder, namespace=namespace)
-        for pid in (os.getpid(), PARENT):
-            self.machine.start(pid)
+        self.start(STARTER, 1)
+        self.start(FORK_SERVER, STARTER)
+        self.start(os.getpid(), FORK_SERVER)
         self._processes = self.machine.processes()
         self.lives = ParticipantLiveness(OURS, self._processes)
-        self.supervisor = SupervisorId()
-        transport = SimpleNamespace(processes=self._processes, supervisor=lambda: self.supervisor)
+        self.supervisor = b""
+        transport = SimpleNamespace(
+            processes=self._processes, supervisor_participant=lambda: self.supervisor
+        )
         self._kin = SupervisorParticipants(self.lives, transport)
+
+    def start(self, pid, parent):
+        self.machine.start(pid)
+        self.machine.give_parent(pid, parent)
 
     def found(self, *ends):
         self.lives.update((end.participant for end in ends), 0)
@@ -58,13 +65,20 @@ def speaks(who, node=SUPERVISOR_NODE):
 
 
 @pytest.mark.parametrize("name", ["", SUPERVISOR_NODE, GUARD_NODE])
-def test_our_parent_is_kin_named_or_not(audit, name):
+def test_who_started_our_parent_is_kin_named_or_not(audit, name):
     assert audit.found(speaks(SUPERVISOR, name)) == {SUPERVISOR}
+
+
+def test_what_our_parent_has_started_is_kin(audit):
+    spare, other = participant(8001), participant(8002)
+    audit.start(8001, FORK_SERVER)
+    audit.start(8002, STARTER)
+    assert audit.found(speaks(spare), speaks(other)) == {spare}
 
 
 def test_it_stays_kin_when_it_has_died_until_the_domain_has_lost_it(audit):
     assert audit.found(speaks(SUPERVISOR)) == {SUPERVISOR}
-    audit.machine.end(PARENT)
+    audit.machine.end(STARTER)
     assert audit.found(speaks(SUPERVISOR)) == {SUPERVISOR}
     assert audit.found() == frozenset()
 
@@ -85,7 +99,7 @@ def test_of_two_that_come_at_once_neither_is_until_one_has_left(audit):
     assert audit.found(speaks(SUPERVISOR)) == {SUPERVISOR}
 
 
-def test_in_a_container_somebody_with_our_parents_id_and_another_name_is_not_kin(contained):
+def test_in_a_container_somebody_with_our_supervisors_id_and_another_name_is_not_kin(contained):
     assert contained.found(speaks(ELSEWHERE, "/rogue")) == frozenset()
 
 
@@ -96,9 +110,9 @@ def test_in_a_container_who_gets_another_name_is_kin_no_more(contained):
 
 
 class TestWithoutProcessIds:
-    """Where GIDs tell no process, the supervisors' own word counts."""
+    """Where GIDs tell no process, the supervisor's own word counts."""
 
-    FORMER, PRESENT, ROGUE = participant(4711), participant(4712), participant(4713)
+    PRESENT, ROGUE = participant(4712), participant(4713)
 
     @pytest.fixture
     def audit(self, audit):
@@ -112,10 +126,5 @@ class TestWithoutProcessIds:
     def test_then_the_name_is_nothing(self, audit):
         found = [speaks(self.PRESENT), speaks(self.ROGUE)]
         assert audit.found(*found) == {self.PRESENT, self.ROGUE}
-        audit.supervisor = SupervisorId(1, frozenset({self.PRESENT}))
+        audit.supervisor = self.PRESENT
         assert audit.found(*found) == {self.PRESENT}
-
-    def test_one_before_it_stays_kin_as_long_as_it_is_there(self, audit):
-        audit.supervisor = SupervisorId(1, frozenset({self.FORMER, self.PRESENT}))
-        assert audit.found(speaks(self.FORMER)) == {self.FORMER}
-        assert audit.found(speaks(self.PRESENT)) == {self.PRESENT}

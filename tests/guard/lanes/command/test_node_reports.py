@@ -17,7 +17,6 @@ from rtron.guard.lanes.exchange.messages import (
     ShutdownRequest,
 )
 from rtron.guard.middleware import Ros1Middleware
-from rtron.guard.transport.common.protocol import SupervisorId
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.wire.ros1.tcpros import encode_header
 
@@ -42,7 +41,7 @@ class Scene:
             is_connected=True,
             former_participants=frozenset,
         )
-        supervisor = SimpleNamespace(identify_supervisor=SupervisorId)
+        supervisor = SimpleNamespace(supervisor_participant=bytes)
         middleware = Ros1Middleware(PLAN, self.transport, self.loop)
         self.reports = NodeReports(connection, middleware, self.loop, supervisor)
         self.reports.open()

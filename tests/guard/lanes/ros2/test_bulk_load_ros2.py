@@ -62,16 +62,24 @@ def test_commands_do_not_wait_for_pictures(ros2):
 def test_what_carries_commands_never_waits_for_shared_memory(guard):
     """Whoever opens that of a process that stands still hears nothing meanwhile."""
     shares = {name: "/dev/shm/fastdds_" in maps for name, maps in programs_of(guard)}
-    assert shares == {"supervisor_program": False, "guard_program": False, "bulk_program": True}
+    assert shares == {
+        "rtron-superviso": False,
+        "rtron-forks": False,
+        "rtron-guard": False,
+        "rtron-bulk": True,
+    }
 
 
 def programs_of(guard):
     """Give each program of the guard, the supervisor first, and the files in its memory."""
-    children = Path(f"/proc/{guard.pid}/task/{guard.pid}/children").read_text().split()
-    for pid in (guard.pid, *children):
-        words = Path(f"/proc/{pid}/cmdline").read_text().split("\0")
-        (name,) = (word.removeprefix("rtron-") for word in words if word.startswith("rtron-"))
+    (server,) = children(guard.pid)
+    for pid in (guard.pid, server, *children(server)):
+        name = Path(f"/proc/{pid}/comm").read_text().strip()
         yield name, Path(f"/proc/{pid}/maps").read_text()
+
+
+def children(pid):
+    return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
 
 
 def bulk_process(guard):

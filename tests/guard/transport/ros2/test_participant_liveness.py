@@ -293,13 +293,3 @@ def test_a_process_that_was_killed_lives_no_more_although_nobody_has_waited_for_
         os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
         assert not processes.is_running(found)
     assert not processes.is_running(found)
-
-
-def test_kin_are_who_supervises_us_and_what_it_has_started():
-    processes = ProcessTable()
-    assert processes.is_related(os.getppid())
-    with subprocess.Popen([sys.executable, "-c", SLEEPS], stdin=subprocess.PIPE) as process:
-        assert not processes.is_related(process.pid)
-        processes.supervisor = os.getpid
-        assert processes.is_related(process.pid)
-        process.kill()

@@ -1,9 +1,7 @@
-"""Which participants are the supervisors': they may say in the guard's place what stops the robot.
+"""Which participants are the supervisor's: it may say in the guard's place what stops the robot.
 
-A supervisor is the process that has started the guard, one that the guard has started, or one that
-has taken a running guard over; it has one participant. Where GIDs contain process ids the
-processes tell which participants these are, elsewhere the supervisors themselves do, in the memory
-that they share with the guard.
+It has one. Where GIDs contain process ids these tell which it is, and which the guards before it
+had; elsewhere the supervisor itself does, in the memory that it shares with the guard.
 """
 
 from __future__ import annotations
@@ -48,11 +46,11 @@ class SupervisorParticipants:
         return frozenset(self._known) if has_process_ids else self._announced(present, observed)
 
     def _announced(self, present: set[bytes], observed: ObservedGraph) -> frozenset[bytes]:
-        """Return those that our supervisors had; until one has told, all that have its name."""
-        announced = self._transport.supervisor().participants
-        if announced is None:
+        """Return the one that our supervisor has; until it has told, all that have its name."""
+        announced = self._transport.supervisor_participant()
+        if not announced:
             return frozenset(observed.participants.get(SUPERVISOR_NODE, ()))
-        return announced & present
+        return frozenset({announced} & present)
 
     def _with_own_process(self, participants: Iterable[bytes]) -> dict[bytes, Process | None]:
         """Return those of processes that have no other participant here, with their processes."""

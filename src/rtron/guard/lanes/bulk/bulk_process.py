@@ -138,7 +138,7 @@ def _audit_parts(
     streams = frozenset(each.topic for each in build_streams(command_part(plan)))
     commands = CommandNodes(connection, loop, streams)
     middleware.set_other_pids(connection.pids)
-    middleware.transport.set_supervisor(lambda: commands.report.supervisor)
+    middleware.transport.set_supervisor(lambda: commands.report.supervisor_participant)
     middleware.transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
     stops_streams = plan.audit.on_foreign is OnForeign.STOP
     response = RemoteResponse(connection, loop, stops_streams=stops_streams)

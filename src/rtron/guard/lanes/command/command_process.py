@@ -141,7 +141,7 @@ def _set_handlers(
 ) -> None:
     """Let the transport tell what it cannot read, and know our supervisor."""
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
-    transport.set_supervisor(supervisor.identify_supervisor)
+    transport.set_supervisor(supervisor.supervisor_participant)
 
 
 def _handover_state(supervisor: SupervisorClient, heartbeat: HeartbeatFile) -> HandoverState:

@@ -67,7 +67,9 @@ class NodeReports:
         report = self._middleware.report_nodes()
         former = report.former_participants | self._connection.former_participants()
         report = replace(
-            report, former_participants=former, supervisor=self._supervisor.identify_supervisor()
+            report,
+            former_participants=former,
+            supervisor_participant=self._supervisor.supervisor_participant(),
         )
         if report != self._last_report:
             self._last_report = report

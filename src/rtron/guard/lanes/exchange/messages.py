@@ -6,7 +6,6 @@ from typing import Any
 
 from rtron.guard.core.report_messages import Status
 from rtron.guard.lanes.exchange.lane_state import LaneState
-from rtron.guard.transport.common.protocol import SupervisorId
 from rtron.vocabulary import Alarm, EventKind, GuardEventLevel, Settings
 
 MAX_ALARMS = 256
@@ -18,8 +17,8 @@ class NodesReport:
     """The nodes of the command process in the graph.
 
     ROS 1: the `uris` of its nodes, their TCPROS `port`, and who has subscribed each private
-    output. ROS 2: its `participant`, the first bytes of the GIDs, and the `former_participants`
-    of processes of the guard that have ended.
+    output. ROS 2: its `participant`, the first bytes of the GIDs, the supervisor's, and the
+    `former_participants` of processes of the guard that have ended.
     """
 
     uris: Mapping[str, str] = field(default_factory=dict)
@@ -27,7 +26,7 @@ class NodesReport:
     subscribers: Mapping[str, frozenset[str]] = field(default_factory=dict)
     participant: bytes = b""
     former_participants: frozenset[bytes] = frozenset()
-    supervisor: SupervisorId = field(default_factory=SupervisorId)
+    supervisor_participant: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)

@@ -201,17 +201,6 @@ class Transport(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class SupervisorId:
-    """The guard's supervisor: its process id, 0 if there is none, and its participants (ROS 2).
-
-    `participants` are those of the supervisors so far; None until the present one has told its own.
-    """
-
-    process: int = 0
-    participants: frozenset[bytes] | None = None
-
-
 class LiveTransport(Transport, Protocol):
     """A transport in a running graph, where other nodes make requests and send what they like."""
 
@@ -232,8 +221,8 @@ class LiveTransport(Transport, Protocol):
         """What identifies this process in the graph: the first bytes of its GIDs (ROS 2)."""
         ...
 
-    def set_supervisor(self, supervisor: Callable[[], SupervisorId]) -> None:
-        """Take the guard's supervisor, whose nodes are the guard's (ROS 2)."""
+    def set_supervisor(self, participant: Callable[[], bytes]) -> None:
+        """Take what tells the supervisor's participant, b"" if not yet: its nodes are ours."""
         ...
 
     def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:

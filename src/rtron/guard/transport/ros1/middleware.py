@@ -14,7 +14,6 @@ from rtron.guard.transport.common.protocol import (
     LostHandler,
     Output,
     SubscriberProgress,
-    SupervisorId,
     TypeInfo,
     ignore_lost,
 )
@@ -146,7 +145,7 @@ class Ros1Transport:
         """Nothing: nodes are known by their names and addresses."""
         return b""
 
-    def set_supervisor(self, supervisor: Callable[[], SupervisorId]) -> None:
+    def set_supervisor(self, participant: Callable[[], bytes]) -> None:
         """Do nothing: the supervisor's nodes are known by their names."""
 
     def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:

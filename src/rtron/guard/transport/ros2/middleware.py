@@ -14,7 +14,6 @@ from rtron.guard.transport.common.protocol import (
     LostHandler,
     Output,
     SubscriberProgress,
-    SupervisorId,
     ignore_lost,
 )
 from rtron.guard.transport.common.stage import Stage
@@ -71,7 +70,7 @@ class Ros2Transport:
         self.rcl = Rcl(self._sender_ids)
         self.graph = RosGraph(loop, session, self.rcl, node)
         self.processes = ProcessTable()
-        self.supervisor: Callable[[], SupervisorId] = SupervisorId
+        self.supervisor_participant: Callable[[], bytes] = bytes
         liveness = ParticipantLiveness(self.graph.participant, self.processes)
         self._owners = NameOwners()
         self._handover = HandoverState()
@@ -123,10 +122,9 @@ class Ros2Transport:
         """The first bytes of the GIDs of this process."""
         return self.graph.participant
 
-    def set_supervisor(self, supervisor: Callable[[], SupervisorId]) -> None:
-        """Take the process whose participants count as the guard's."""
-        self.supervisor = supervisor
-        self.processes.supervisor = lambda: supervisor().process
+    def set_supervisor(self, participant: Callable[[], bytes]) -> None:
+        """Take what tells the participant that counts as the guard's."""
+        self.supervisor_participant = participant
 
     def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:
         """Return nothing: rcl tells no single reader's acknowledgements; see `LiveTransport`."""

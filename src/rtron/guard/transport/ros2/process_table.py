@@ -6,7 +6,7 @@ from those that we see, and from inside it no process outside is visible.
 
 import os
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -41,14 +41,12 @@ class ProcessTable:
     """Finds a process by the low bits of its own id; `update` follows starts and ends."""
 
     def __init__(self, proc: Path = Path("/proc")) -> None:
-        self.supervisor: Callable[[], int] = lambda: 0
-        """Returns the process id of our supervisor, 0 if there is none."""
-        self._parent = os.getppid()
         self._proc = proc
         self._namespace_pids: dict[int, int | None] = {}
         self._pids_by_low_bits: dict[int, list[int]] = {}
         self._sees_all_processes = False
         self._updated_at = 0
+        self._parent = os.getppid()
 
     def update(self, now: int) -> None:
         """Read the processes that run at `now` (ns), except those known for less than a second."""
@@ -105,10 +103,10 @@ class ProcessTable:
         return None if ended else (pid, int(stat[_START_TIME]))
 
     def is_related(self, pid: int) -> bool:
-        """Return whether a process is our supervisor, or has the parent that we have."""
-        family = {self.supervisor(), self._parent} - {0}
-        with suppress(OSError):  # the process has ended
-            return pid in family or int(self._stat(pid)[_PARENT]) in family
+        """Return whether a process has started our parent, the fork server, or is its child."""
+        with suppress(OSError):  # one of them has ended
+            supervisor = int(self._stat(self._parent)[_PARENT])
+            return pid == supervisor or int(self._stat(pid)[_PARENT]) == self._parent
         return False
 
     def _running(self, known: dict[int, int | None]) -> Iterator[tuple[int, int | None]]:
