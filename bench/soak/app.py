@@ -31,7 +31,9 @@ _GUARD = "the guard begins, process "
 _FLOW = "flow1"
 _RECENT_BYTES = 5000
 PROGRAMS = ("guard", "bulk", "supervisor")
-"""The processes of the guard, as the module of each is called."""
+"""The processes of the guard."""
+_NAME_LENGTH = 15
+"""Of a process (proc(5), comm)."""
 _WRITERS = ("base", "viewer", "camera", "detector", "dock", "planner")
 _OTHERS = ("base", "viewer", "dock", "planner", "detector", "nav", "joystick", "rogue")
 
@@ -59,8 +61,7 @@ class SoakedApp:
     def ended(self) -> list[str]:
         """Return who has ended for good although nobody ended it: the app's roles, and programs.
 
-        The process of `rtron guard` is the first supervisor only; a program is gone when it has no
-        process at all.
+        A program is gone when it has no process at all.
         """
         app = (each for each in self._running.items() if each[0] != "guard")
         roles = [role for role, process in app if process.poll() is not None]
@@ -104,7 +105,8 @@ class SoakedApp:
 
     def pids(self, program: str) -> list[int]:
         """Return the processes of one of the guard's programs."""
-        return [pid for pid in _all_pids() if self._is_ours(pid, f"rtron-{program}_program")]
+        name = f"rtron-{program}"[:_NAME_LENGTH]
+        return [pid for pid in _all_pids() if self._is_ours(pid, name)]
 
     def send(self, pid: int, number: signal.Signals) -> None:
         """Send a signal to a process, if it is there."""
@@ -130,13 +132,13 @@ class SoakedApp:
         )
         return run.returncode == 0 or "no intruder" in run.stderr
 
-    def _is_ours(self, pid: int, word: str) -> bool:
+    def _is_ours(self, pid: int, name: str) -> bool:
         folder = Path("/proc", str(pid))
         try:
-            command, environ = (folder / "cmdline").read_bytes(), (folder / "environ").read_bytes()
+            found, environ = (folder / "comm").read_text(), (folder / "environ").read_bytes()
         except OSError:
             return False
-        return word.encode() in command and str(self._testbed.folder).encode() in environ
+        return found.strip() == name and str(self._testbed.folder).encode() in environ
 
     def _guard_command(self) -> list[str]:
         arguments = ("guard", "--plan", self._plan, "--control-socket", self._socket)

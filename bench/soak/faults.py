@@ -117,9 +117,10 @@ class RandomFaults:
         return Counter({name: done[name] for name in self._weights})
 
     def _kill_supervisor(self) -> None:
-        """Kill it, and wait until the next one watches: before, nobody stops for the guard."""
+        """Kill it, so that the guard ends, too, and start all anew, as a launch does."""
         now = time.monotonic_ns()
-        self._kill("supervisor")
+        self._app.end("guard", signal.SIGKILL)
+        self._app.start("guard")
         self._app.log.wait("its delivery is watched", now, _LIMIT_S)
 
     def _kill(self, program: str) -> None:
