@@ -9,7 +9,7 @@ fi
 [ "${1:-}" = guard ] || exec rtron "$@"
 
 # A container ends with its first process, and the guard with it: the base would keep its last velocity.
-# So this shell is the first, and where a supervisor is killed the next one takes over the guard that guards on.
+# So this shell is the first, and where a supervisor is killed, the guard stops the robot and both are started again.
 # The trap tells the newest by `$!`, which is there before a variable could be.
 told=
 trap 'told=1; kill -TERM "$!" 2>/dev/null || :' TERM INT

@@ -92,6 +92,10 @@ def supervised(ros1, driver):
     return Supervised(ros1, driver)
 
 
+def parent(pid):
+    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+
+
 def members(group):
     """Return the processes of a group that live."""
     found = []
@@ -275,6 +279,21 @@ def test_the_robot_is_stopped_although_guard_and_supervisor_die_soon_after_each_
         os.kill(second, signal.SIGKILL)
     supervised.assert_nothing_unchecked()
     assert supervised.speeds()[-1] < SPEED
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_the_guard_ends_when_no_other_could_take_its_place(supervised, number):
+    server = parent(supervised.guard)
+    told = len(supervised.speeds())
+    os.kill(server, number)
+    if number == signal.SIGSTOP:  # it is asked when a guard is to begin
+        for pid in (spare_of(supervised), supervised.guard):
+            os.kill(pid, signal.SIGKILL)
+    supervised.wait_for_stop(told)
+    wait_for(lambda: members(supervised.process.pid) == [], what="the end of all")
+    assert supervised.process.code == os.EX_OSERR
+    assert "what starts the guard's processes is gone" in supervised.log
+    supervised.assert_nothing_unchecked()
 
 
 @pytest.mark.long

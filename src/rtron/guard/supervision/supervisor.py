@@ -26,6 +26,7 @@ from rtron.guard.supervision.programs import BULK, LINK
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.stream_brakes import StreamBrakes
 from rtron.guard.supervision.supervisor_fsm import (
+    OK,
     OUT_OF_MEMORY,
     GuardObservation,
     GuardPhase,
@@ -82,6 +83,7 @@ class Supervisor:
         self._spare_due = 0
         self._is_spare_ready = False
         self._failure = self._failure_report = ""
+        self._code = OK
         self._is_leaving = self._is_end_requested = self._skips_final_stop = False
         if self._name:
             answer_name(loop, self._name)
@@ -102,7 +104,7 @@ class Supervisor:
             self._intrusions.finish(_SAVE_S)
         self._transport.close()
         self._loop.close()
-        return self._fsm.code
+        return self._code or self._fsm.code
 
     def _tick(self) -> None:
         now = self._loop.now()
@@ -318,6 +320,7 @@ class Supervisor:
     def _on_server_lost(self) -> None:
         """End: no guard could take the place of this one."""
         self._loop.forget(self._server.connection)
+        self._code = os.EX_OSERR
         log.error("what starts the guard's processes is gone: the guard ends, start it again")
         self._end()
 
