@@ -5,8 +5,9 @@
 A node whose parameter for the timeout of its commands (`cmd_vel_timeout` and its kin) is 0 or less,
 which turns the timeout off. The parameters are those of the launch; a running app tells its own.
 And a node that obeys velocities, whose source opens hardware, and in whose source nothing looks at
-how old a command is: no watchdog, no timeout, no time of the last command. Then only the hardware
-could stop; whether it does, no scan sees. An autopilot or a vendor's base mostly does: no finding.
+how old a command is: no watchdog, no timeout, no time of the last command, no comparison of the
+time since something that it remembers. Then only the hardware could stop; whether it does, no scan
+sees. An autopilot or a vendor's base mostly does: no finding.
 
 ## Why it matters
 
