@@ -56,7 +56,7 @@ _NOW = (
     r"(?:now|time|monotonic|perf_counter|millis|clock)\w{0,10}(?:\(\))?(?:\.\w{1,20}(?:\(\))?)?"
     r"(?:\s?[*/]\s?[\de.+-]{1,8})?"
 )
-_KEPT = (
+_ATTRIBUTE = (
     r"(?!(?:self\.|this->|m_)?\w{0,30}(?:pub|odom|print|log|imu|scan|sen[dst]|loop|update|diag|status"
     r"|control|tf|frame|report|read|poll|step|tick|blink|batt))"
     r"(?:(?:self\.|this->|m_)\w{1,40}|_?(?:last|prev)\w{0,40}|\w{1,40}_\b)"
@@ -65,10 +65,10 @@ _KEPT = (
 _NOT_ZERO = r"(?!=?\s?0(?:\.0*)?(?![\w.]))"
 """Behind a comparison: that any time has passed tells nothing."""
 _SINCE = (
-    rf"{_NOW}\s?-\s?{_KEPT}[^\n;]{{0,40}}?(?<!-)[<>]{_NOT_ZERO}"
-    rf"|(?<![\w.])(?P<since>\w{{1,30}})\s?=[^\n;]{{0,60}}?{_NOW}\s?-\s?{_KEPT}"
+    rf"{_NOW}\s?-\s?{_ATTRIBUTE}[^\n;]{{0,40}}?(?<!-)[<>]{_NOT_ZERO}"
+    rf"|(?<![\w.])(?P<since>\w{{1,30}})\s?=[^\n;]{{0,60}}?{_NOW}\s?-\s?{_ATTRIBUTE}"
     rf"[\s\S]{{0,200}}?(?<![\w.])(?P=since)[^\n;]{{0,20}}?(?<!-)>{_NOT_ZERO}"
-    rf"|{_KEPT}\s?\+[^\n;]{{1,60}}?(?<!-)[<>][^\n;]{{0,40}}?{_NOW}"
+    rf"|{_ATTRIBUTE}\s?\+[^\n;]{{1,60}}?(?<!-)[<>][^\n;]{{0,40}}?{_NOW}"
 )
 """A time since something that is compared: it may be since the last command."""
 _COMMENTS = {
