@@ -521,6 +521,8 @@ class TestLooseCommand:
             ("/camera", "realsense2_camera", True),
             ("/rplidar", "rplidar_ros", True),
             ("/rover/camera", "realsense2_camera", True),
+            ("/velodyne", "velodyne_driver", True),
+            ("/driver", "acme_lidar_driver", True),
             ("/base_driver", "acme_base", False),
             ("/rover", "camera_rover_driver", False),
             ("/camera", "camera_rover_driver", False),

@@ -1,6 +1,5 @@
 """What the rules of findings ask of an app: its graph, what was not read, and what moves it."""
 
-import re
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
@@ -9,6 +8,7 @@ from functools import cached_property
 from itertools import chain
 from typing import TypeAlias, TypeVar, cast
 
+from rtron.findings.measurement_names import is_called_sensor, moves_nothing
 from rtron.risks.graph_facts import GraphFacts, evidence_of
 from rtron.vocabulary import (
     Consequence,
@@ -43,17 +43,6 @@ _UNREAD_FILES = ("include", "launch ", "component", "composable", "robot_descrip
 _OF_PX4 = {Direction.SUBSCRIBE: "/fmu/in/", Direction.PUBLISH: "/fmu/out/"}
 """What the autopilot subscribes and publishes (PX4: uXRCE-DDS), whose firmware no scan reads."""
 _UNREAD_ACTIONS = "what it starts is not known"
-_MOVES_NOTHING = re.compile(
-    r"(?:camera|lidar|laser|image|video|imu|gps|gnss|map|map_server|mapping|slam|localization)s?"
-    r"|realsense2?|rplidar|velodyne|ouster|hokuyo|urg|depthai|zed|usbcam|amcl|cartographer|rtabmap"
-    r"|ekf|rviz2?|description|tf2?|yolo\w*|detector|detection|audio|speech|led|leds|diagnostics?"
-)
-"""Words in the names of what neither sends commands of motion nor obeys them."""
-_MOVES = re.compile(
-    r"(?:^|[\W_])(?:driver|base|chassis|rover|robot|vehicle|nav|navigation|follower|teleop|control"
-    r"|controller|motor|wheel|drive|servo)s?\d*(?![a-z\d]|_description)"
-)
-"""Words beside those that say that it may do so all the same: `camera_rover_driver`."""
 _OpenName: TypeAlias = tuple[str, str]
 """A name that is known in part, and the type of its endpoint."""
 _T = TypeVar("_T")
@@ -216,11 +205,10 @@ class AppFacts:
             for fact in self._unread_facts
             if not self._commands_of_unread.isdisjoint(fact.others)
         }
-        nodes = (
-            f"{name.rpartition('/')[2]}_{self.nodes[name].package}"
-            for name in {*self.unread_nodes} - given
+        nodes = (self.nodes[name] for name in {*self.unread_nodes} - given)
+        return not (
+            all(map(is_called_sensor, nodes)) and all(map(moves_nothing, self.unread_files))
         )
-        return not all(map(_moves_nothing, (*nodes, *self.unread_files)))
 
     @cached_property
     def _commands_of_unread(self) -> frozenset[str]:
@@ -304,12 +292,6 @@ class AppFacts:
             for type in () if "{" in topic else self.types(topic, Direction.PUBLISH):
                 names[type].append(topic)
         return names
-
-
-def _moves_nothing(name: str) -> bool:
-    """Return whether a part of the name of a node or a file says that it commands no motion."""
-    parts = (part for part in name.lower().split("/") if not _MOVES.search(part))
-    return any(map(_MOVES_NOTHING.fullmatch, re.split(r"\W|_", "/".join(parts))))
 
 
 def _is_unknown(type: str) -> bool:

@@ -6,10 +6,12 @@ from collections.abc import Iterable, Mapping
 from itertools import product
 
 from rtron.findings.app_facts import AppFacts, says_more
-from rtron.findings.inventory.things import is_harmless, may_be_measured, thing_of, thing_of_node
+from rtron.findings.inventory.things import is_harmless, thing_of, thing_of_node
+from rtron.findings.measurement_names import may_be_measured
 from rtron.findings.motion.arbiter import ARBITER_PACKAGES, is_one_stack
 from rtron.vocabulary import Direction, normalise_type
 from rtron.vocabulary.inventory import Means
+from rtron.vocabulary.names import are_nested
 
 _MOST_COMPARED = 200
 """Among more topics a pair tells nothing, and comparing them takes long."""
@@ -24,11 +26,8 @@ _AMBIGUOUS = (
 """Types of commands that tell of measurements, too."""
 _COMMANDS = re.compile(r"cmd|command|teleop|joy|goal|desired|target|setpoint|(?<!wheel_)vel(?:_|$)")
 """What in a name says that it is a command."""
-_MEASURED = re.compile(
-    r"odom|estimat|measured|actual|feedback|(?:^|[/_])(?:state|status|raw|imu|gps|error)(?:[/_]|$)"
-    r"|ground_truth|local_position|(?:cmd\w*|vel)_out$"
-)
-"""What in a name says that it tells of a motion, or of a command afterwards."""
+_ECHO = re.compile(r"(?:cmd\w*|vel)_out$")
+"""How the names end of what tells of a command afterwards."""
 _SIDES = re.compile(
     r"\d+|[a-z]\d|left|right|front|rear|back|upper|lower|top|bottom|port|starboard|[lr]|[a-h]|[xyz]"
 )
@@ -51,7 +50,7 @@ def _lost_commands(app: AppFacts) -> dict[str, str]:
 
 def _is_lost(app: AppFacts, topic: str) -> bool:
     type = app.facts.topic(topic).type
-    is_measured = is_harmless(topic, type) or may_be_measured(topic, type)
+    is_measured = is_harmless(topic, type) or may_be_measured(topic)
     is_other = is_measured or app.graph.subscribers(topic) or "{" in topic
     return bool(app.publishers(topic)) and not is_other
 
@@ -67,7 +66,7 @@ def _is_namesake(app: AppFacts, lost: str, obeyed: str) -> bool:
         each.rpartition("/") for each in (lost, obeyed)
     )
     if name == other_name:
-        return namespace != other_namespace and _are_nested(namespace, other_namespace)
+        return namespace != other_namespace and are_nested(namespace, other_namespace)
     is_near = namespace == other_namespace and says_more(name, other_name)
     return is_near and not may_be_linked(app, lost, obeyed)
 
@@ -122,7 +121,7 @@ def _only_open(app: AppFacts, lost: str, open_topics: Mapping[str, list[str]]) -
 
 def _is_command(app: AppFacts, topic: str) -> bool:
     """Return whether a topic commands, and does not tell of a motion by the same type."""
-    if _MEASURED.search(topic.lower()):
+    if may_be_measured(topic) or _ECHO.search(topic.lower()):
         return False
     if not app.facts.topic(topic).type.startswith(_AMBIGUOUS) or _COMMANDS.search(topic.lower()):
         return True
@@ -145,7 +144,7 @@ def _fits(app: AppFacts, lost: str, obeyed: str) -> bool:
     (namespace, _, name), (other_namespace, _, other_name) = (
         each.rpartition("/") for each in (lost, obeyed)
     )
-    is_other_robot = name == other_name and not _are_nested(namespace, other_namespace)
+    is_other_robot = name == other_name and not are_nested(namespace, other_namespace)
     homes = product(
         *(
             {node.rpartition("/")[0] for node in nodes}
@@ -153,7 +152,7 @@ def _fits(app: AppFacts, lost: str, obeyed: str) -> bool:
         )
     )
     are_apart = is_other_robot or _are_twins(lost, obeyed)
-    if are_apart or not any(_are_nested(*each) for each in homes):
+    if are_apart or not any(are_nested(*each) for each in homes):
         return False
     return _may_be_meant(app, lost, obeyed) and not may_be_linked(app, lost, obeyed)
 
@@ -165,12 +164,6 @@ def _move_one_thing(app: AppFacts, lost: str, obeyed: str) -> bool:
     )
     nodes = (*app.publishers(lost), *app.readers(obeyed))
     return thing is other and {thing, None}.issuperset(map(thing_of_node, nodes))
-
-
-def _are_nested(one: str, other: str) -> bool:
-    """Return whether one namespace is the other, or within it."""
-    outer, inner = sorted((f"{one}/", f"{other}/"), key=len)
-    return inner.startswith(outer)
 
 
 def _are_twins(one: str, other: str) -> bool:

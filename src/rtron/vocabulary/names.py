@@ -56,6 +56,12 @@ def matches_node(pattern: str, node: str) -> bool:
     return pattern == node or fnmatchcase(node, pattern)
 
 
+def are_nested(namespace: str, other: str) -> bool:
+    """Return whether one namespace is the other, or within it."""
+    outer, inner = sorted((f"{namespace}/", f"{other}/"), key=len)
+    return inner.startswith(outer)
+
+
 def fits_open_name(name: str, open_names: Iterable[str]) -> bool:
     """Return whether a name may be one of those that are known in part: `{…}` is not known."""
     return any("{" in each and fnmatchcase(name, _as_pattern(each)) for each in open_names)

@@ -1,16 +1,14 @@
 """What moves the robot: which commands a plan is to guard, and why it does not guard the others."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from rtron.coherence import guards_nothing
-from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.node_roles import is_no_driver
-from rtron.findings.motion.network_bridge import carriers
-from rtron.findings.motion.several_publishers import moves
+from rtron.findings.inventory.node_roles import unread_drivers
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import Mode, Plan, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
+from rtron.vocabulary.names import are_nested
 from rtron.wording import join_names
 from rtron.workflows.scan import ScanResult
 
@@ -27,25 +25,18 @@ def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
     moving = (mover for mover in scan.inventory if mover.thing not in NO_MOTION)
     commands = (each for mover in moving for each in mover.last_commands)
     topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
-    unread = _unread_drivers(scan.app)
+    unread = unread_drivers(scan.app)
     return {
-        each.name: () if each.receivers else tuple(n for n in unread if _may_obey(n, each.name))
+        each.name: () if each.receivers else tuple(_within_reach(each.name, unread))
         for each in topics
         if (each.receivers and each.senders) or scan.app.is_motion(each.name)
     }
 
 
-def _unread_drivers(app: AppFacts) -> list[str]:
-    """Return the nodes that were not read and are called like drivers, but those for others."""
-    others = carriers(app)
-    nodes = (app.nodes[name] for name in app.unread_nodes if name not in others)
-    return [n.name for n in nodes if moves(n.name, n.package) and not is_no_driver(n)]
-
-
-def _may_obey(node: str, topic: str) -> bool:
-    """Return whether the namespace of a node or a topic is within that of the other."""
-    outer, inner = sorted((node.rpartition("/")[0], topic.rpartition("/")[0]), key=len)
-    return f"{inner}/".startswith(f"{outer}/")
+def _within_reach(topic: str, nodes: Iterable[str]) -> Iterator[str]:
+    """Yield the nodes of which the namespace is within that of a topic, or the other way round."""
+    namespace = topic.rpartition("/")[0]
+    return (node for node in nodes if are_nested(node.rpartition("/")[0], namespace))
 
 
 def find_unguarded_commands(plan: Plan, scan: ScanResult | None = None) -> tuple[PlanProblem, ...]:

@@ -8,8 +8,9 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
-from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles, is_no_driver
+from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles
 from rtron.findings.inventory.stopping import stopping
+from rtron.findings.measurement_names import is_called_sensor
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary.inventory import (
@@ -68,7 +69,7 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
     packages = {
         node: app.nodes[node].package
         for node in app.unread_nodes
-        if node not in listed and not is_no_driver(app.nodes[node])
+        if node not in listed and not is_called_sensor(app.nodes[node])
     }
     named = [n for n, p in packages.items() if p in FIRMWARE_PACKAGES or moves(n, p)]
     has_driver = any(mover.drivers or mover.unread for mover in movers)
@@ -114,7 +115,7 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
     nodes = tuple(
         node
         for node in app.unread_nodes
-        if node not in bridges(app) and not is_no_driver(app.nodes[node])
+        if node not in bridges(app) and not is_called_sensor(app.nodes[node])
     )
     return nodes or tuple(name for name in app.unread_files if ".launch" in name)[:1]
 

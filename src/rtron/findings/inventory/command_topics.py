@@ -8,12 +8,8 @@ from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles
-from rtron.findings.inventory.things import (
-    may_be_command,
-    may_be_measured,
-    thing_of,
-    thing_of_node,
-)
+from rtron.findings.inventory.things import may_be_command, thing_of, thing_of_node
+from rtron.findings.measurement_names import may_be_measured
 from rtron.findings.motion.arbiter import arbiters, priorities
 from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Command, Means, Thing
@@ -27,6 +23,7 @@ _OF_BASE = re.compile(
     "drive|steer|wheel|base|chassis|omni|mecanum|ackermann|tricycle|bicycle", re.IGNORECASE
 )
 """Words in the classes of controllers that move a base: beside an arm, others move that."""
+_TWIST = "geometry_msgs/Twist"
 _JOY = "sensor_msgs/Joy"
 _HANDS = frozenset({_JOY, "visualization_msgs/InteractiveMarkerFeedback"})
 """What a person does: with a joystick, and with a marker in a viewer."""
@@ -102,9 +99,8 @@ class CommandTopics:
     def _thing(self, topic: str) -> Thing | None:
         """Return what a topic moves: a velocity that a driver obeys is no measurement."""
         type = self.app.facts.topic(topic).type
-        if may_be_measured(topic, type) and not any(
-            map(self.roles.may_obey, self.app.readers(topic))
-        ):
+        is_obeyed = any(map(self.roles.may_obey, self.app.readers(topic)))
+        if normalise_type(type).startswith(_TWIST) and not is_obeyed and may_be_measured(topic):
             return None
         return thing_of(topic, type, Means.TOPIC)
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.things import has_moving_name
+from rtron.findings.measurement_names import is_called_sensor
+from rtron.findings.motion.network_bridge import carriers
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary import Node, WiringFact, WiringFactKind, normalise_type
 
@@ -21,18 +22,15 @@ _DRIVER_PACKAGES = (
     *FIRMWARE_PACKAGES,
 )
 """Packages whose nodes stand next to hardware or a simulation, whatever they publish."""
-_MEASURED = frozenset({"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"})
+_SCANS_AND_IMAGES = frozenset(
+    {"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"}
+)
 _LISTENERS = re.compile(
     r"(?:filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot|speech|marker)\w*"
     r"|lights?|lcd|sound|gui"
 )
 """Words in the names of nodes that hear commands and obey none."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
-_SENSORS = re.compile(
-    r"(?:^|[/_-])(?:nmea|navsat|gnss|gps|imu|lidar|camera|message_info)(?:[/_-]|$)"
-)
-"""Words in the names of what measures, whatever port it opens; rosserial's node for types, too."""
-_MOVING = re.compile(r"(?:^|[_-])(?:base|rover|robot|actuator)(?:[_-]|$)")
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
 
 
@@ -85,7 +83,7 @@ class NodeRoles:
             return False
         types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
         obeyed = (end.topic for end in self.app.graph.subscribed_by(node))
-        return not types.isdisjoint(_MEASURED) and not any(map(self.app.is_motion, obeyed))
+        return not types.isdisjoint(_SCANS_AND_IMAGES) and not any(map(self.app.is_motion, obeyed))
 
     def measures_motion(self, node: str, *, is_driver: bool) -> bool:
         """Return whether a node senses where it is or how it moves; a driver by odometry, too."""
@@ -130,11 +128,11 @@ class NodeRoles:
         return self.drives(node) or is_unread or not types.isdisjoint(_MOVED)
 
 
-def is_no_driver(node: Node) -> bool:
-    """Return whether a node that was not read is called like a sensor, and like no actuator."""
-    names = node.name.rpartition("/")[2], node.package
-    is_sensor = any(map(_SENSORS.search, names))
-    return is_sensor and not any(has_moving_name(name) or _MOVING.search(name) for name in names)
+def unread_drivers(app: AppFacts) -> list[str]:
+    """Return the nodes that were not read and are called like drivers, but those for others."""
+    others = carriers(app)
+    nodes = (app.nodes[name] for name in app.unread_nodes if name not in others)
+    return [n.name for n in nodes if moves(n.name, n.package) and not is_called_sensor(n)]
 
 
 def _is_named_listener(node: Node) -> bool:

@@ -2,6 +2,7 @@
 
 import re
 
+from rtron.findings.measurement_names import is_measured
 from rtron.vocabulary import normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Means, Thing
 
@@ -69,27 +70,13 @@ _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _HARMLESS = re.compile(
-    r"_get_|^(?:measured|estimated|actual|current|prev|previous|gps|odom|imu)_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect)(?:_|$)"
+    r"_get_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect)(?:_|$)"
     r"|^clear_\w*maps?$|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
     r"|image|camera_info|calibrat\w+|parameters?|logger\w*|diagnostics|tf|pose_estimate|status"
     r"|(?<!component_)state|states|running|saved|log|feedback|info|marker\w*|initialpose|clicked_point|measured|estimated?|position_estimate)$"
 )
 """Last names of what reads, shows or estimates."""
 _SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps))")
-_TWIST = "geometry_msgs/Twist"
-_ESTIMATES = re.compile(
-    r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?"
-    r"|navsat|gnss|gps|imu|vicon|mocap)/"
-    r"|(?:^|[/_])(?:image|compressed|points|depth)(?:[/_]|$)"
-)
-"""Namespaces of what is measured, and words of what is seen."""
-_MEASURED_TWIST = re.compile(
-    r"(?:wheels?|encoders?|real|true|sensed|estimated|ground_truth|feedback)_?(?:vel\w*|speeds?|twist)"
-    r"|(?:vel|velocity|speed|twist|fix)_(?:raw|meas\w*|actual|real|est\w*|feedback|fb|velocity)"
-)
-"""Names of velocities that were measured, where each is a whole Twist, not one of a wheel."""
-_COMMANDED = re.compile(r"cmd|command|setpoint")
-"""Words in the names of what is no measurement, whatever else they say."""
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps"
     r"|record\w*|snapshot|photo|video|camera|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
@@ -130,11 +117,6 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
     return usual or named or (Thing.DEVICE if _COMMAND_TYPE.search(type) else None)
 
 
-def has_moving_name(name: str) -> bool:
-    """Return whether the last part of a node's or package's name says what it moves."""
-    return _by_words(name.rpartition("/")[2]) is not None
-
-
 def thing_of_node(name: str) -> Thing | None:
     """Return what a node moves, as far as its name tells more than that it moves something."""
     found = _by_words(name.rpartition("/")[2])
@@ -144,15 +126,8 @@ def thing_of_node(name: str) -> Thing | None:
 def is_harmless(name: str, type: str) -> bool:
     """Return whether a name or a type says that something is read, shown or estimated."""
     last = _last_part(name)
-    is_estimate = _ESTIMATES.search(name) and not _COMMANDED.search(last)
-    is_named = (_HARMLESS.search(last) and not _SETS.match(last)) or is_estimate
-    return bool(is_named or _HARMLESS_TYPES.match(_plain_type(type)))
-
-
-def may_be_measured(name: str, type: str) -> bool:
-    """Return whether a velocity is a measurement by its name, if nobody obeys it."""
-    is_named = _MEASURED_TWIST.fullmatch(_last_part(name)) and not _COMMANDED.search(name)
-    return bool(is_named) and _plain_type(type).startswith(_TWIST)
+    is_named = _HARMLESS.search(last) and not _SETS.match(last)
+    return bool(is_named or is_measured(name) or _HARMLESS_TYPES.match(_plain_type(type)))
 
 
 def may_be_command(name: str, type: str) -> bool:

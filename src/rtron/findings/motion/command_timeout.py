@@ -5,8 +5,9 @@
 A node whose parameter for the timeout of its commands (`cmd_vel_timeout` and its kin) is 0 or less,
 which turns the timeout off. The parameters are those of the launch; a running app tells its own.
 And a node that obeys velocities, whose source opens hardware, and in whose source nothing looks at
-how old a command is: no watchdog, no timeout, no time of the last command. Then only the hardware
-could stop; whether it does, no scan sees. An autopilot or a vendor's base mostly does: no finding.
+how old a command is: no watchdog, no timeout, no time of the last command, no comparison of the
+time since something that it remembers. Then only the hardware could stop; whether it does, no scan
+sees. An autopilot or a vendor's base mostly does: no finding.
 
 ## Why it matters
 
@@ -22,12 +23,12 @@ for so long.
 `/diff_drive_controller` has `cmd_vel_timeout: 0.0`.
 """
 
-import re
 from collections import defaultdict
 from collections.abc import Iterator
 from math import inf
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.measurement_names import is_measured
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (
     Certainty,
@@ -51,7 +52,6 @@ TIMEOUT_NAMES = (
 """Parameters that say how long a command counts."""
 CLEVER_DEVICES = frozenset({"vehicle link", "vendor SDK"})
 """Devices that mostly stop by themselves: an autopilot, a base with a controller of its own."""
-_MEASURED = re.compile("gps|odom|imu|measured|actual|current|estimat")
 _VELOCITIES = ("geometry_msgs/Twist", "ackermann_msgs/")
 
 
@@ -84,8 +84,7 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
 
 def _is_velocity(end: Endpoint) -> bool:
     """Return whether a topic carries a velocity that is commanded, not measured."""
-    is_measured = _MEASURED.search(end.topic.rpartition("/")[2]) is not None
-    return normalise_type(end.type).startswith(_VELOCITIES) and not is_measured
+    return normalise_type(end.type).startswith(_VELOCITIES) and not is_measured(end.topic)
 
 
 def _ageless(app: AppFacts, node: str, device: WiringFact) -> Finding:

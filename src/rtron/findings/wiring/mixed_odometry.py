@@ -41,7 +41,7 @@ from rtron.vocabulary import Certainty, Consequence, Endpoint, Finding, normalis
 from rtron.wording import conjugate, join_names
 
 _ODOMETRY = "nav_msgs/Odometry"
-_MEASUREMENTS = frozenset(
+_MEASUREMENT_TYPES = frozenset(
     {
         *(_ODOMETRY, "sensor_msgs/Imu", "sensor_msgs/NavSatFix"),
         *("geometry_msgs/PoseWithCovarianceStamped", "geometry_msgs/TwistWithCovarianceStamped"),
@@ -106,7 +106,7 @@ def _is_filter(app: AppFacts, node: str) -> bool:
 
 
 def _is_measurement(type: str) -> bool:
-    return normalise_type(type) in _MEASUREMENTS
+    return normalise_type(type) in _MEASUREMENT_TYPES
 
 
 def _need_one_pose(app: AppFacts, nodes: Iterable[str]) -> bool:

@@ -42,6 +42,9 @@ def test_a_node_whose_name_is_another_each_time_is_not(repeated_nodes):
     assert repeated_nodes(NODE.format('name="$(var which)"')) == []
     assert repeated_nodes(NODE.format('namespace="$(var which)"')) == []
     assert repeated_nodes(LOAD) == []
+    for name in ("__node", "__ns"):
+        remap = f'><remap from="{name}" to="/$(var which)"/></node>'
+        assert repeated_nodes(NODE.format("").replace("/>", remap)) == []
 
 
 def test_a_node_that_may_start_once_only_is_not(repeated_nodes):

@@ -36,7 +36,9 @@ class LaunchEnvironment(Mapping[str, str]):
 
 def unset_reason(default: str | None) -> str:
     """Return what counts in place of a variable that is not given."""
-    return "is not given" if default is None else f"is not given; `{default}` counts"
+    if not default:
+        return "is not given" if default is None else "is not given, so it is empty"
+    return f"is not given; `{default}` counts"
 
 
 def look_up(environ: Mapping[str, str], name: str, default: str | None = None) -> str | None:

@@ -1,6 +1,6 @@
 """What a launch starts, taken with all that the graph of an app asks for."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,9 @@ _KINDS = {
     "lifecycle_node": StartKind.LIFECYCLE_NODE,
     "node_container": StartKind.CONTAINER,
 }
+_NAMES, _NAMESPACE = ("__node", "__name"), "__ns"
+_NODE_NAMES = frozenset({*_NAMES, _NAMESPACE})
+"""What rcl remaps beside topics: the name and the namespace of a node."""
 
 
 @dataclass(slots=True)
@@ -125,12 +128,9 @@ class StartCollector(LaunchCollector):
         self.evaluator.limits.count_node(site.file.path)
         configuration = NodeConfiguration(self.evaluator, site)
         words = self._arguments(site)
-        name, namespace = self._node_name(site, words)
-        remaps = [
-            *argument_remaps(words),
-            *(site.context.remaps or ()),
-            *self.evaluator.remap_rules(site.children("remap")),
-        ]
+        rules = (*(site.context.remaps or ()), *self.evaluator.remap_rules(site.children("remap")))
+        name, namespace = self._node_name(site, words, dict(reversed(rules)))
+        remaps = (*argument_remaps(words), *(rule for rule in rules if rule[0] not in _NODE_NAMES))
         start = LaunchStart(
             kind=kind,
             package=self._display_text(site, "pkg"),
@@ -161,13 +161,20 @@ class StartCollector(LaunchCollector):
             "evidence": site.location,
         }
 
-    def _node_name(self, site: ElementSite, words: Sequence[str]) -> tuple[str, str | None]:
-        """Return a node's name and namespace, None for none; those in its arguments count first."""
-        name = self._display_text(site, "name")
+    def _node_name(
+        self, site: ElementSite, words: Sequence[str], remaps: Mapping[str, str]
+    ) -> tuple[str, str | None]:
+        """Return a node's name and namespace, None for none.
+
+        Those in its arguments count first. Of its attributes launch writes the name before the
+        remaps, and the namespace behind them.
+        """
+        named = (special_remap(words, key) for key in _NAMES)
+        renamed = (display_text(remaps[key]) for key in _NAMES if key in remaps)
+        name = next(filter(None, (*named, self._display_text(site, "name"), *renamed)), "")
         attribute = self._display_text(site, "namespace") if site.has("namespace") else None
-        namespace = site.context.node_namespace(attribute)
-        name = special_remap(words, "__node") or special_remap(words, "__name") or name
-        return name, special_remap(words, "__ns") or (namespace and display_text(namespace))
+        namespace = remaps.get(_NAMESPACE, site.context.node_namespace(attribute))
+        return name, special_remap(words, _NAMESPACE) or (namespace and display_text(namespace))
 
     def _arguments(self, site: ElementSite) -> tuple[str, ...]:
         """Return the words of a node's command line; of an installed file, its source."""

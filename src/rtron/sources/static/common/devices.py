@@ -52,6 +52,25 @@ _AGE = (
     r"|(?:cmd|command|twist)_?(?:time|stamp)_?\b[^\n]{0,40}>|lastCommand|lastCmd"
 )
 """Names that tell of a command's age, or of what ends one."""
+_NOW = (
+    r"(?:now|time|monotonic|perf_counter|millis|clock)\w{0,10}(?:\(\))?(?:\.\w{1,20}(?:\(\))?)?"
+    r"(?:\s?[*/]\s?[\de.+-]{1,8})?"
+)
+_ATTRIBUTE = (
+    r"(?!(?:self\.|this->|m_)?\w{0,30}(?:pub|odom|print|log|imu|scan|sen[dst]|loop|update|diag|status"
+    r"|control|tf|frame|report|read|poll|step|tick|blink|batt))"
+    r"(?:(?:self\.|this->|m_)\w{1,40}|_?(?:last|prev)\w{0,40}|\w{1,40}_\b)"
+)
+"""What an object keeps between calls, but the time of what it sends or measures."""
+_NOT_ZERO = r"(?!=?\s?0(?:\.0*)?(?![\w.]))"
+"""Behind a comparison: that any time has passed tells nothing."""
+_SINCE = (
+    rf"{_NOW}\s?-\s?{_ATTRIBUTE}[^\n;]{{0,40}}?(?<!-)[<>]{_NOT_ZERO}"
+    rf"|(?<![\w.])(?P<since>\w{{1,30}})\s?=[^\n;]{{0,60}}?{_NOW}\s?-\s?{_ATTRIBUTE}"
+    rf"[\s\S]{{0,200}}?(?<![\w.])(?P=since)[^\n;]{{0,20}}?(?<!-)>{_NOT_ZERO}"
+    rf"|{_ATTRIBUTE}\s?\+[^\n;]{{1,60}}?(?<!-)[<>][^\n;]{{0,40}}?{_NOW}"
+)
+"""A time since something that is compared: it may be since the last command."""
 _COMMENTS = {
     True: re.compile(
         rb"\"\"\".*?(?:\"\"\"|\Z)|'{3}.*?(?:'{3}|\Z)"
@@ -69,7 +88,7 @@ _KINDS = {
         word: rf"(?:{names})(?!\w{{0,40}}_msgs)" for word, names in _LIBRARIES.items()
     },
     WiringFactKind.SOCKET: _SOCKETS,
-    WiringFactKind.COMMAND_AGE: {"age of a command": f"(?i:{_AGE})"},
+    WiringFactKind.COMMAND_AGE: {"age of a command": f"(?i:{_AGE}|{_SINCE})"},
 }
 _IMPORTS = re.compile(rb"[ \t]*(?:(?:#[ \t]*include|import|from)\b|cfset[io]?speed)")
 _Places: TypeAlias = dict[tuple[WiringFactKind, str], Evidence]

@@ -52,6 +52,7 @@ NOTED = {
     "from xmlrpc.client import ServerProxy; ServerProxy(1).registerService('x')": MASTER,
     "rospy.init_node('n', argv=['a:=b'])": "is given to init_node: what it remaps is not followed",
     "import os; os.environ.get('T', 'x')": "is not given; `x` counts",
+    "import os; os.environ.get('T', '')": "is not given, so it is empty",
     "import os; os.getenv('T')": "is not given",
     "import vendor\nclass A(vendor.Node): pass": "its base class vendor.Node is not in the source: "
     "what that declares is not known",

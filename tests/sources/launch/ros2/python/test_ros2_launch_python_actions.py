@@ -46,6 +46,22 @@ def test_names_among_the_arguments_count_first(python):
     assert values(node) == {"k": 3}
 
 
+@pytest.mark.parametrize(
+    ("attributes", "rule", "full_name"),
+    [
+        ("", "('__node', 'other')", "/other"),
+        ("name='n'", "('__node', 'other')", "/n"),
+        ("name='n', namespace='ns'", "('__ns', '/deep')", "/deep/n"),
+        ("name='n'", "('__ns', '/deep'), ('__ns', '/second')", "/deep/n"),
+    ],
+)
+def test_names_among_the_remaps_are_no_topics(python, attributes, rule, full_name):
+    """launch_ros writes a name before the remaps and a namespace behind them; the first counts."""
+    [node] = python(f"Node(executable='e', remappings=[{rule}, ('c', 'd')], {attributes})").starts
+    assert node.full_name == full_name
+    assert node.remaps == (("c", "d"),)
+
+
 def test_a_pushed_namespace_ends_with_its_group(python):
     inner = (
         f"PushRosNamespace('a'), {NODE.format('in')}, PushROSNamespace('b'), {NODE.format('deep')}"
