@@ -454,6 +454,15 @@ class TestSimTime:
         assert bool(found("sim_time", graph)) is is_found
 
 
+def test_a_parameter_file_without_ros__parameters_reaches_no_node():
+    kind, file = "malformed_parameter_file", "/ws/src/base/config/base.yaml"
+    finding = the_finding("unread_parameter", with_fact(kind, file, "", "/base"))
+    assert finding.id == "unread_parameter:base/config/base.yaml"
+    assert finding.summary == "the parameters in base/config/base.yaml reach no node"
+    assert finding.cause.startswith("/base gets the file, which has no ros__parameters")
+    assert (finding.level, finding.nodes) == (FindingLevel.REGULAR, ("/base",))
+
+
 class TestMissingProgram:
     def graph(self, *places, what="node /slam", missing="slam/slam", why="it is not there"):
         notes = (
@@ -483,17 +492,15 @@ class TestMissingProgram:
         assert finding.summary == "/slam and /twin do not start"
         assert finding.nodes == ("/slam", "/twin")
 
-    @pytest.mark.parametrize(
-        ("what", "shown"),
-        [("include", "base/launch/joy.launch.py"), ("include $(find base)/x", "$(find base)/x")],
-    )
-    def test_an_included_launch_file_that_is_not_there(self, what, shown):
-        place, missing = Evidence(file="a.launch.py", line=18), "/ws/src/base/launch/joy.launch.py"
-        graph = self.graph(place, place, what=what, missing=missing)
+    @pytest.mark.parametrize("name", ["base/launch/joy.launch.py", "base/config/joy.yaml"])
+    def test_a_file_that_is_not_there(self, name):
+        place = Evidence(file="a.launch.py", line=18)
+        graph = self.graph(place, place, what="include", missing=f"/ws/src/{name}")
         finding = the_finding("missing_program", graph)
-        assert finding.subject == "base/launch/joy.launch.py"
-        assert finding.summary == "the launch ends, or leaves out what joy.launch.py starts"
-        assert finding.cause == f"it includes {shown}, which is not there"
+        assert finding.subject == name
+        file = name.rpartition("/")[2]
+        assert finding.summary == f"the launch ends, or leaves out what {file} starts or sets"
+        assert finding.cause == f"it names {name}, which is not there"
         assert finding.evidence == (place,)
 
     def test_files_of_one_name_in_two_packages_are_two(self):
