@@ -18,6 +18,7 @@ from rtron.vocabulary import (
     QoS,
     Reliability,
     Resolution,
+    Service,
     ServiceClient,
     UnresolvedItem,
     WiringFact,
@@ -32,6 +33,8 @@ SCAN = """
 /slam slam own
     sub /scan sensor_msgs/msg/LaserScan
 """
+
+SAVE = (ServiceClient(node="/slam", name="/save_map"),)
 
 ODOMETRY = """
 /ekf ekf own
@@ -145,9 +148,10 @@ PAIRS = {
         small_graph(ODOMETRY.format("filtered")),
     ),
     "no_server": (
-        small_graph(SCAN, clients=(ServiceClient(node="/slam", name="/save_map"),)),
-        small_graph(SCAN),
+        small_graph(SCAN, clients=SAVE, services=(Service(node="/laser", name="/save_maps"),)),
+        small_graph(SCAN, clients=SAVE, services=(Service(node="/laser", name="/save_map"),)),
     ),
+    "incomplete_launch": (small_graph(SCAN, clients=SAVE), small_graph(SCAN)),
     "missing_program": (_with_missing("slam/slam"), _with_missing("")),
     "duplicate_node": (with_fact("duplicate_node", "/base"), small_graph(SCAN)),
     "idle_remap": (with_fact("idle_remap", "/a", "/b", "/base"), small_graph(SCAN)),

@@ -22,6 +22,7 @@ from rtron.vocabulary import (
     Resolution,
     Service,
     ServiceClient,
+    Trust,
     UnresolvedItem,
     WiringFact,
     WiringFactKind,
@@ -169,6 +170,5 @@ def test_a_huge_name_does_no_harm():
         Endpoint(node=name, topic=name + str(direction), type="a/B", direction=direction)
         for direction in Direction
     )
-    assert {
-        each.rule for each in find_findings(app_facts(InteractionGraph(app="", endpoints=ends)))
-    } == {"unmatched_topic"}
+    graph = InteractionGraph(app="", nodes=(Node(name=name, trust=Trust.OWN),), endpoints=ends)
+    assert {each.rule for each in find_findings(app_facts(graph))} == {"incomplete_launch"}

@@ -170,9 +170,9 @@ class TestOpenCommand:
         finding = the_finding("open_command", small_graph(BASE, wiring=(fact,)))
         assert finding.cause.endswith("publishes, unless src/gui.py:7 does")
 
-    def test_it_is_for_the_pedantic(self):
+    def test_it_is_for_auditors(self):
         finding = the_finding("open_command", small_graph(BASE))
-        assert (finding.level, finding.certainty) == (FindingLevel.PEDANTIC, Certainty.POSSIBLE)
+        assert (finding.level, finding.certainty) == (FindingLevel.AUDITOR, Certainty.POSSIBLE)
 
     def test_what_a_stack_always_listens_to_does_not_count(self):
         text = BASE.replace(" driver ", " nav2_behaviors ").replace("/cmd_vel", "/cmd_vel_teleop")
@@ -700,6 +700,11 @@ class TestSeveralClients:
             "nothing decides between them: /nav takes the goal that comes last"
         )
         assert (finding.level, finding.topics) == (FindingLevel.PEDANTIC, ("/navigate_to_pose",))
+
+    def test_a_server_that_passes_on_goals_to_itself_does_not_count(self):
+        server = "/goals goals own\n server {} nav2_msgs/action/NavigateToPose\n"
+        text = (GOALS + server).replace("{}", "/navigate_to_pose")
+        assert not found("several_clients", small_graph(text))
 
     @pytest.mark.parametrize(
         ("old", "new"),

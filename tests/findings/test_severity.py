@@ -80,9 +80,9 @@ def test_two_drivers_are_certain_with_a_reader_and_likely_without(more, unread, 
 
 
 @pytest.mark.parametrize("unread", [(), ("/firmware",)])
-def test_an_open_command_is_only_possible_and_for_the_pedantic(unread):
+def test_an_open_command_is_only_possible_and_for_auditors(unread):
     (finding,) = find_findings(app_facts(small_graph(BASE + FIRMWARE, unread=unread)))
-    assert (finding.certainty, finding.level) == (POSSIBLE, PEDANTIC)
+    assert (finding.certainty, finding.level) == (POSSIBLE, AUDITOR)
     assert finding.severity is Severity.MEDIUM
 
 
@@ -98,7 +98,7 @@ def test_the_worst_comes_first_and_one_rule_in_order_of_subject():
         ("several_publishers:/cmd_vel", "medium"),
         ("open_command:/joy_vel", "medium"),
         ("sim_time:use_sim_time", "medium"),
-        ("unmatched_topic:/lost", "low"),
+        ("incomplete_launch:/lost", "low"),
         ("arbiter:/twist_mux", "low"),
     ]
 

@@ -168,8 +168,8 @@ class TestUnmatchedTopic:
 
     def test_a_near_name_of_another_type_is_none(self):
         text = self.MISSPELT.replace("pub /odometry/filtered nav_msgs", "pub /odometry/filtered my")
-        finding = the_finding("unmatched_topic", small_graph(text))
-        assert (finding.remedy, finding.level) == ("start its publisher", FindingLevel.PEDANTIC)
+        assert not found("unmatched_topic", small_graph(text))
+        assert the_finding("incomplete_launch", small_graph(text)).level is FindingLevel.PEDANTIC
 
     @pytest.mark.parametrize(
         ("other", "is_near"),
@@ -183,23 +183,23 @@ class TestUnmatchedTopic:
     )
     def test_near_is_another_namespace_or_a_slip(self, other, is_near):
         text = self.MISSPELT.replace("/odometry/filtered", other)
-        remedy = the_finding("unmatched_topic", small_graph(text)).remedy
-        assert ("did you mean" in remedy) is is_near
+        assert bool(found("unmatched_topic", small_graph(text))) is is_near
+        assert bool(found("incomplete_launch", small_graph(text))) is not is_near
 
     def test_among_very_many_names_a_near_one_tells_nothing(self):
         text = self.MISSPELT + "".join(
             f"/ekf{i} ekf own\n pub /odometry/{i} nav_msgs/msg/Odometry\n" for i in range(200)
         )
-        assert the_finding("unmatched_topic", small_graph(text)).remedy == "start its publisher"
+        assert not found("unmatched_topic", small_graph(text))
 
     def test_a_long_namespace_makes_no_name_near(self):
         text = self.MISSPELT.replace("/odometry/filtered", "/a_long_namespace/started")
         text = text.replace("/odometry/filterd", "/a_long_namespace/finished")
-        assert the_finding("unmatched_topic", small_graph(text)).remedy == "start its publisher"
+        assert not found("unmatched_topic", small_graph(text))
 
     def test_what_the_reader_itself_publishes_is_not_what_it_waits_for(self):
         text = self.MISSPELT.replace("/ekf ekf own\n", "/nav nav own\n")
-        assert the_finding("unmatched_topic", small_graph(text)).remedy == "start its publisher"
+        assert not found("unmatched_topic", small_graph(text))
 
     def test_logs_are_left_out(self):
         text = "/log log own\n sub /rosout rosgraph_msgs/Log\n"
@@ -223,13 +223,15 @@ class TestUnmatchedTopic:
     def test_topics_of_actions_are_left_out(self, ros, topic):
         text = f"/mission mission own\n sub {topic} a/B\n"
         client = Action(node="/mission", name="/dock", role=ActionRole.CLIENT)
-        assert found("unmatched_topic", small_graph(text, ros=ros))
-        assert not found("unmatched_topic", small_graph(text, ros=ros, actions=(client,)))
+        assert found("incomplete_launch", small_graph(text, ros=ros))
+        graph = small_graph(text, ros=ros, actions=(client,))
+        assert the_finding("incomplete_launch", graph).topics == ("/dock",)
 
     def test_other_topics_below_the_name_of_an_action_count(self):
         client = Action(node="/mission", name="/dock", role=ActionRole.CLIENT)
         text = "/mission mission own\n sub /dock/battery a/B\n"
-        assert found("unmatched_topic", small_graph(text, actions=(client,)))
+        graph = small_graph(text, actions=(client,))
+        assert the_finding("incomplete_launch", graph).topics == ("/dock/battery", "/dock")
 
     def test_a_name_that_is_known_in_part_is_left_out(self):
         graph = small_graph(self.MISSPELT)
@@ -239,25 +241,24 @@ class TestUnmatchedTopic:
         assert not found("unmatched_topic", replace(graph, endpoints=ends))
 
     @pytest.mark.parametrize(
-        ("name", "certainty"),
+        ("name", "may_be"),
         [
-            ("/odometry/{?}", Certainty.POSSIBLE),
-            ("{?}", Certainty.POSSIBLE),
-            ("/{?}/filterd", Certainty.POSSIBLE),
-            ("/wheels/{?}", Certainty.LIKELY),
-            ("/odometry/{?}/raw", Certainty.LIKELY),
+            ("/odometry/{?}", True),
+            ("{?}", True),
+            ("/{?}/filterd", True),
+            ("/wheels/{?}", False),
+            ("/odometry/{?}/raw", False),
         ],
     )
-    def test_a_publisher_whose_name_is_known_in_part_may_be_the_missing_end(self, name, certainty):
+    def test_a_publisher_whose_name_is_known_in_part_may_be_the_missing_end(self, name, may_be):
         graph = small_graph(self.MISSPELT)
         end = Endpoint(
             node="/ekf", topic=name, direction=Direction.PUBLISH, resolution=Resolution.SYMBOLIC
         )
-        finding = the_finding("unmatched_topic", replace(graph, endpoints=(*graph.endpoints, end)))
-        assert finding.certainty is certainty
-        near = () if certainty is Certainty.POSSIBLE else ("/odometry/filtered",)
-        assert finding.topics[1:] == near
-        assert ("Remap" in finding.remedy) == bool(near)
+        graph = replace(graph, endpoints=(*graph.endpoints, end))
+        likely = [each.certainty is Certainty.LIKELY for each in found("unmatched_topic", graph)]
+        assert likely == ([] if may_be else [True])
+        assert bool(found("incomplete_launch", graph)) is may_be
 
     def test_the_output_of_a_chain_is_not_joined_to_its_input(self):
         mux = f"/mux mux own\n    sub /cmd_vel_nav {TWIST}\n    pub /mixed {TWIST}\n"
@@ -278,29 +279,22 @@ class TestUnmatchedTopic:
 class TestNoServer:
     CALL = (ServiceClient(node="/slam", name="/map/save", type="a/srv/Save"),)
 
-    def test_a_service_without_a_near_name_is_possible_only(self):
-        finding = the_finding("no_server", small_graph(SCAN, clients=self.CALL))
-        assert finding.summary == "/slam calls the service /map/save, which nobody offers"
-        assert finding.cause == "no node of this launch offers it"
-        assert finding.remedy == "start its server"
-        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
-
     @pytest.mark.parametrize(
-        ("server", "certainty"),
+        ("server", "is_near"),
         [
-            (Service(node="/laser", name="/map/saved", type="a/srv/Save"), Certainty.LIKELY),
-            (Service(node="/laser", name="/map/saved"), Certainty.LIKELY),
-            (Service(node="/laser", name="/map/saved", type="a/srv/Other"), Certainty.POSSIBLE),
-            (Service(node="/laser", name="/map/saved", implicit=True), Certainty.POSSIBLE),
-            (Service(node="/laser", name="/map/{?}"), Certainty.POSSIBLE),
-            (Service(node="/laser", name="/other"), Certainty.POSSIBLE),
+            (Service(node="/laser", name="/map/saved", type="a/srv/Save"), True),
+            (Service(node="/laser", name="/map/saved"), True),
+            (Service(node="/laser", name="/map/saved", type="a/srv/Other"), False),
+            (Service(node="/laser", name="/map/saved", implicit=True), False),
+            (Service(node="/laser", name="/map/{?}"), False),
+            (Service(node="/laser", name="/other"), False),
         ],
     )
-    def test_a_near_server_of_the_same_type_makes_it_likely(self, server, certainty):
+    def test_a_near_server_of_the_same_type_is_likely_meant(self, server, is_near):
         graph = small_graph(SCAN, clients=self.CALL, services=(server,))
-        finding = the_finding("no_server", graph)
-        assert finding.certainty is certainty
-        assert ("did you mean" in finding.remedy) is (certainty is Certainty.LIKELY)
+        likely = [each.certainty is Certainty.LIKELY for each in found("no_server", graph)]
+        assert likely == [True] * is_near
+        assert bool(found("incomplete_launch", graph)) is not is_near
 
     def test_with_something_unread_it_is_possible_only(self):
         server = Service(node="/laser", name="/map/saved")
@@ -338,14 +332,54 @@ class TestNoServer:
         client = Action(node="/slam", name="/map/save", role=ActionRole.CLIENT)
         service = Service(node="/laser", name="/map/save")
         graph = small_graph(SCAN, actions=(client,), services=(service,))
-        assert the_finding("no_server", graph).remedy == "start its server"
+        assert the_finding("incomplete_launch", graph).topics == ("/map/save",)
 
     def test_a_service_and_an_action_of_one_name_are_one_finding(self):
         client = Action(node="/laser", name="/map/save", role=ActionRole.CLIENT)
-        graph = small_graph(SCAN, clients=self.CALL, actions=(client,))
+        near = Service(node="/laser", name="/map/saved")
+        graph = small_graph(SCAN, clients=self.CALL, actions=(client,), services=(near,))
         assert the_finding("no_server", graph).summary == (
             "/laser and /slam call the action and service /map/save, which nobody offers"
         )
+
+
+class TestIncompleteLaunch:
+    CALLS = (ServiceClient(node="/nav", name="/save"), ServiceClient(node="/nav", name="/load"))
+    NAV = "/nav nav own\n    sub /odom nav_msgs/msg/Odometry\n    sub /zones a_msgs/msg/Zones\n"
+
+    def test_one_finding_names_all_that_is_missing(self):
+        finding = the_finding("incomplete_launch", small_graph(self.NAV, clients=self.CALLS))
+        assert finding.summary == "/nav needs what this launch does not start"
+        assert finding.cause == (
+            "no node of this launch publishes /odom and /zones or offers /load and /save"
+        )
+        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+        assert finding.topics == ("/odom", "/zones", "/load", "/save")
+
+    def test_what_was_not_read_may_be_what_is_missing(self):
+        graph = small_graph(self.NAV + FIRMWARE, unread=("/firmware",))
+        cause = the_finding("incomplete_launch", graph).cause
+        assert cause.endswith("/zones, unless /firmware (not read) does")
+
+    @pytest.mark.parametrize(
+        ("type", "counts"),
+        [
+            ("sensor_msgs/msg/LaserScan", True),
+            ("sensor_msgs/msg/JointState", True),
+            ("nav_msgs/msg/OccupancyGrid", True),
+            ("sensor_msgs/msg/JoyFeedback", False),
+            ("nav2_msgs/msg/SpeedLimit", False),
+            ("geometry_msgs/msg/PoseWithCovarianceStamped", False),
+        ],
+    )
+    def test_other_inputs_of_nodes_from_elsewhere_are_options(self, type, counts):
+        text = f"/driver driver third_party\n    sub /in {type}\n"
+        assert bool(found("incomplete_launch", small_graph(text))) is counts
+        own = text.replace("third_party", "own")
+        assert found("incomplete_launch", small_graph(own))
+
+    def test_commands_of_motion_are_left_to_open_command(self):
+        assert not found("incomplete_launch", small_graph(BASE))
 
 
 class TestSimTime:
@@ -420,6 +454,15 @@ class TestSimTime:
         assert bool(found("sim_time", graph)) is is_found
 
 
+def test_a_parameter_file_without_ros__parameters_reaches_no_node():
+    kind, file = "malformed_parameter_file", "/ws/src/base/config/base.yaml"
+    finding = the_finding("unread_parameter", with_fact(kind, file, "", "/base"))
+    assert finding.id == "unread_parameter:base/config/base.yaml"
+    assert finding.summary == "the parameters in base/config/base.yaml reach no node"
+    assert finding.cause.startswith("/base gets the file, which has no ros__parameters")
+    assert (finding.level, finding.nodes) == (FindingLevel.REGULAR, ("/base",))
+
+
 class TestMissingProgram:
     def graph(self, *places, what="node /slam", missing="slam/slam", why="it is not there"):
         notes = (
@@ -449,17 +492,15 @@ class TestMissingProgram:
         assert finding.summary == "/slam and /twin do not start"
         assert finding.nodes == ("/slam", "/twin")
 
-    @pytest.mark.parametrize(
-        ("what", "shown"),
-        [("include", "base/launch/joy.launch.py"), ("include $(find base)/x", "$(find base)/x")],
-    )
-    def test_an_included_launch_file_that_is_not_there(self, what, shown):
-        place, missing = Evidence(file="a.launch.py", line=18), "/ws/src/base/launch/joy.launch.py"
-        graph = self.graph(place, place, what=what, missing=missing)
+    @pytest.mark.parametrize("name", ["base/launch/joy.launch.py", "base/config/joy.yaml"])
+    def test_a_file_that_is_not_there(self, name):
+        place = Evidence(file="a.launch.py", line=18)
+        graph = self.graph(place, place, what="include", missing=f"/ws/src/{name}")
         finding = the_finding("missing_program", graph)
-        assert finding.subject == "base/launch/joy.launch.py"
-        assert finding.summary == "the launch ends, or leaves out what joy.launch.py starts"
-        assert finding.cause == f"it includes {shown}, which is not there"
+        assert finding.subject == name
+        file = name.rpartition("/")[2]
+        assert finding.summary == f"the launch ends, or leaves out what {file} starts or sets"
+        assert finding.cause == f"it names {name}, which is not there"
         assert finding.evidence == (place,)
 
     def test_files_of_one_name_in_two_packages_are_two(self):

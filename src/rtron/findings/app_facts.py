@@ -270,6 +270,10 @@ class AppFacts:
         """Return where endpoints were read, each place once."""
         return evidence_of(endpoints)
 
+    def node_evidence(self, nodes: Iterable[str]) -> tuple[Evidence, ...]:
+        """Return where nodes were read, at the first topic that each of them publishes."""
+        return evidence_of(end for node in nodes for end in self.graph.published_by(node)[:1])
+
     def _is_forwarded(self, topic: str, types: Collection[str]) -> bool:
         """Return whether a reader of a topic publishes one of some types."""
         endpoints = (end for node in self.readers(topic) for end in self.graph.published_by(node))

@@ -134,7 +134,7 @@ class Action:
 class UnresolvedItem:
     """Something that could not be read, and why: never silently left out.
 
-    `missing` is what was looked for and is not there: a launch file, or PACKAGE/PROGRAM.
+    `missing` is what was looked for and is not there: a file, or PACKAGE/PROGRAM.
     """
 
     what: str

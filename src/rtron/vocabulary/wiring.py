@@ -23,6 +23,8 @@ class WiringFactKind(StringEnum):
     """A topic that others, instances of one program, publish, while their other topics differ."""
     SECTION_WITHOUT_NODE = "section_without_node"
     """A name with parameters that no node has; others have near names and no parameters."""
+    MALFORMED_PARAMETER_FILE = "malformed_parameter_file"
+    """A file that others, nodes, are given, with values and none below `ros__parameters`."""
     TOPIC_PARAMETER = "topic_parameter"
     """A parameter whose value is a topic that nobody uses; others are near topics in use."""
     MISSPELT_PARAMETER = "misspelt_parameter"

@@ -5,8 +5,9 @@
 Topics that command motion, that a node of the app obeys and that no node of the app publishes. One
 finding names them all. Inputs of an arbiter do not count while another input is in use, nor do the
 inputs that a stack such as Nav2 always has, nor what a lost command likely means (`lost_command`).
-It is shown from the level `pedantic` on: who commands
-is most often another launch file, or a person who starts teleoperation by hand.
+It is shown at the level
+`auditor`: who commands is most often another launch file, or a person who starts teleoperation by
+hand.
 
 ## Why it matters
 
@@ -55,7 +56,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
         remedy="scan the launch that sends these commands too, or guard the topics",
         consequence=Consequence.MOTION,
         certainty=Certainty.POSSIBLE,
-        level=FindingLevel.PEDANTIC,
+        level=FindingLevel.AUDITOR,
         nodes=readers,
         topics=topics,
         evidence=app.evidence(endpoints),

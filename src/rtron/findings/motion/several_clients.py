@@ -3,7 +3,8 @@
 ## What it finds
 
 An action that moves the robot (a trajectory, a path, a pose to drive to, a dock) with more than one
-client. Nodes of one stack, such as Nav2's servers, and viewers do not count.
+client. Nodes of one stack, such as Nav2's servers, and viewers do not count, nor does the server
+itself, as Nav2's navigator, which passes on the goals of a topic.
 
 ## Why it matters
 
@@ -47,8 +48,14 @@ def check(app: AppFacts) -> Iterator[Finding]:
         if counts and "{" not in each.name and _moves(each.type):
             clients[each.name].add(each.node)
     for name, nodes in sorted(clients.items()):
-        if len(nodes) > 1 and not is_one_stack(app, tuple(sorted(nodes))):
-            yield _finding(app, name, sorted(nodes))
+        servers = _servers(app, name)
+        others = sorted(nodes.difference(servers))
+        if len(others) > 1 and not is_one_stack(app, tuple(others)):
+            yield _finding(name, others, servers)
+
+
+def _servers(app: AppFacts, name: str) -> list[str]:
+    return [a.node for a in app.graph.actions if a.name == name and a.role is ActionRole.SERVER]
 
 
 def _moves(type: str) -> bool:
@@ -56,8 +63,7 @@ def _moves(type: str) -> bool:
     return name in _MOTIONS_OF_NAV2 or any(word in name for word in _MOTIONS)
 
 
-def _finding(app: AppFacts, name: str, nodes: list[str]) -> Finding:
-    servers = [a.node for a in app.graph.actions if a.name == name and a.role is ActionRole.SERVER]
+def _finding(name: str, nodes: list[str], servers: list[str]) -> Finding:
     server = join_names(servers) if servers else "its server"
     return make_finding(
         RULE.name,

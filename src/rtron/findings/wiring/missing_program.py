@@ -1,15 +1,16 @@
-"""A launch file starts or includes what is not there.
+"""A launch file starts, includes or loads what is not there.
 
 ## What it finds
 
 A node of the launch whose package is in the workspace, but whose program no build file of the
-package makes or installs, nor, in ROS 1, is there an executable file of its name; and an included
-launch file that is not there. A package whose CMakeLists.txt makes programs by commands of its own
-does not count.
+package makes or installs, nor, in ROS 1, is there an executable file of its name; an included
+launch file that is not there, and a parameter file of a package in the workspace that is neither
+there nor named in its build files. A package whose CMakeLists.txt makes programs by commands of its
+own does not count.
 
 ## Why it matters
 
-The launch fails there, or starts without the node.
+The launch fails there, or starts without the node, or the node with its defaults.
 
 ## Remedy
 
@@ -41,7 +42,7 @@ _REMEDIES = {
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each program, and each included file, that is not there."""
+    """Yield a finding for each program, launch file and parameter file that is not there."""
     nodes: dict[str, list[str]] = defaultdict(list)
     for node in app.graph.nodes:
         nodes[f"{node.package}/{node.executable}"].append(node.name)
@@ -54,21 +55,20 @@ def check(app: AppFacts) -> Iterator[Finding]:
         if missing in nodes:
             yield _program(missing, nodes[missing], of_missing, app.graph.ros)
         else:
-            yield _launch_file(missing, of_missing)
+            yield _file(missing, of_missing)
 
 
 def _ending(path: str) -> str:
     return "/".join(PurePath(path).parts[-3:])
 
 
-def _launch_file(name: str, notes: list[UnresolvedItem]) -> Finding:
-    written = notes[0].what.removeprefix("include").strip()
+def _file(name: str, notes: list[UnresolvedItem]) -> Finding:
     return make_finding(
         RULE.name,
         name,
-        summary=f"the launch ends, or leaves out what {PurePath(name).name} starts",
-        cause=f"it includes {written or name}, which is not there",
-        remedy="correct the path in the include, or add the file to its package",
+        summary=f"the launch ends, or leaves out what {PurePath(name).name} starts or sets",
+        cause=f"it names {name}, which is not there",
+        remedy="correct the path, or add the file to its package",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
         evidence=[place for note in notes for place in note.evidence[:1]],
@@ -92,7 +92,7 @@ def _program(program: str, nodes: list[str], notes: list[UnresolvedItem], ros: i
 
 RULE = FindingRule(
     name="missing_program",
-    title="A launch file starts or includes what is not there",
+    title="A launch file starts, includes or loads what is not there",
     consequence="failure: likely",
     since="0.2.0",
     check=check,

@@ -1,9 +1,9 @@
-"""A node calls a service or an action that nobody offers.
+"""A node calls a service or an action that nobody offers, and a near name is offered.
 
 ## What it finds
 
-A client of a service or an action without a server in the app. The name of a near one, if there is
-any with the same type, stands in the remedy.
+A client of a service or an action without a server in the app, where one with a near name and the
+same type has a server. One without a near name is left to `incomplete_launch`.
 
 ## Why it matters
 
@@ -11,7 +11,7 @@ The client waits, for ever or until its timeout, and what it asks for does not h
 
 ## Remedy
 
-Start the server, or correct the name.
+Correct the name.
 
 ## Example
 
@@ -19,7 +19,7 @@ Start the server, or correct the name.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts, near_names
@@ -47,9 +47,28 @@ class _RequestSide(NamedTuple):
     implicit: bool = False
 
 
+class UnservedName(NamedTuple):
+    """A service or an action that nodes call and nobody offers, and near names that are offered."""
+
+    what: str
+    nodes: list[str]
+    near: list[str]
+
+
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each name of a service or an action with a client and no server."""
-    offers = [*_sides("service", app.graph.services), *_actions(app, ActionRole.SERVER)]
+    """Yield a finding for each name with a client and no server, while a near one has a server."""
+    for name, unserved in unserved_names(app).items():
+        if unserved.near:
+            yield _finding(app, name, unserved)
+
+
+def unserved_names(app: AppFacts) -> Mapping[str, UnservedName]:
+    """Return what is called and not offered, by its name."""
+    return app.once(_unserved_names)
+
+
+def _unserved_names(app: AppFacts) -> dict[str, UnservedName]:
+    offers = _offers(app)
     calls = [*_sides("service", app.graph.clients), *_actions(app, ActionRole.CLIENT)]
     served = {(offer.what, offer.name) for offer in offers}
     unserved: dict[str, list[_RequestSide]] = defaultdict(list)
@@ -57,8 +76,17 @@ def check(app: AppFacts) -> Iterator[Finding]:
         counts = not call.implicit and "{" not in call.name and call.node not in app.facts.viewers
         if counts and (call.what, call.name) not in served:
             unserved[call.name].append(call)
-    for name in sorted(unserved):
-        yield _finding(app, name, unserved[name], offers)
+    return {name: _unserved(unserved[name], offers) for name in sorted(unserved)}
+
+
+def _unserved(calls: list[_RequestSide], offers: list[_RequestSide]) -> UnservedName:
+    what = " and ".join(sorted({call.what for call in calls}))
+    nodes = sorted({call.node for call in calls})
+    return UnservedName(what, nodes, _near_servers(calls, offers))
+
+
+def _offers(app: AppFacts) -> list[_RequestSide]:
+    return [*_sides("service", app.graph.services), *_actions(app, ActionRole.SERVER)]
 
 
 def _sides(what: str, sides: Iterable[Service | ServiceClient]) -> Iterator[_RequestSide]:
@@ -90,33 +118,29 @@ def _near_servers(calls: list[_RequestSide], offers: list[_RequestSide]) -> list
     )
 
 
-def _finding(
-    app: AppFacts, name: str, calls: list[_RequestSide], offers: list[_RequestSide]
-) -> Finding:
-    what = " and ".join(sorted({call.what for call in calls}))
-    nodes = sorted({call.node for call in calls})
-    near = _near_servers(calls, offers)
-    is_read = app.is_whole and not fits_open_name(name, (offer.name for offer in offers))
+def _finding(app: AppFacts, name: str, unserved: UnservedName) -> Finding:
+    what, nodes, near = unserved
+    is_read = app.is_whole and not fits_open_name(name, (offer.name for offer in _offers(app)))
     return make_finding(
         RULE.name,
         name,
         summary=f"{join_names(nodes)} {conjugate(nodes, 'call')} the {what} {name}, "
         "which nobody offers",
         cause=f"no node of this launch offers it{app.unread_hint}",
-        remedy=f"did you mean {near[0]}?" if near else "start its server",
+        remedy=f"did you mean {near[0]}?",
         consequence=Consequence.FAILURE,
-        certainty=Certainty.LIKELY if near and is_read else Certainty.POSSIBLE,
-        level=FindingLevel.REGULAR if near and is_read else FindingLevel.PEDANTIC,
+        certainty=Certainty.LIKELY if is_read else Certainty.POSSIBLE,
+        level=FindingLevel.REGULAR if is_read else FindingLevel.PEDANTIC,
         nodes=nodes,
         topics=(name,),
-        evidence=app.evidence(e for node in nodes for e in app.graph.published_by(node)[:1]),
+        evidence=app.node_evidence(nodes),
     )
 
 
 RULE = FindingRule(
     name="no_server",
-    title="A node calls a service or an action that nobody offers",
-    consequence="failure: likely where a server has a near name, else possible",
+    title="A node calls a service or an action that nobody offers, and a near name is offered",
+    consequence="failure: likely where all nodes were read, else possible",
     since="0.2.0",
     check=check,
 )

@@ -56,7 +56,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
         consequence=Consequence.FAILURE,
         certainty=Certainty.CERTAIN,
         nodes=few,
-        evidence=app.evidence(e for node in few for e in app.graph.published_by(node)[:1]),
+        evidence=app.node_evidence(few),
     )
 
 

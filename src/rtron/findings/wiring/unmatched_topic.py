@@ -1,13 +1,13 @@
-"""A node subscribes a topic that nobody publishes.
+"""A node subscribes a topic that nobody publishes, and a near name is published.
 
 ## What it finds
 
-A topic with a subscriber and no publisher. Where another topic of the same type has a near name,
-the finding names it: most often a remap, a namespace or a slip of the pen parts the two. Then it is
-likely, if nobody else subscribes that one and all nodes were read. Else it is possible, and shown
-from the level `pedantic` on. No other topic is named that is made of this one, that another node
-forwards as a command, or where a publisher's name that is known in part may be this topic. What a
-lost command likely means is left to `lost_command`.
+A topic with a subscriber and no publisher, where another topic of the same type has a near name:
+most often a remap, a namespace or a slip of the pen parts the two. It is likely if nobody else
+subscribes the other topic and all nodes were read. Else it is possible, and shown from the level
+`pedantic` on. No other topic is named that is made of this one, that another node forwards as a
+command, or where a publisher's name that is known in part may be this topic. What a lost command
+likely means is left to `lost_command`, and a topic without a near name to `incomplete_launch`.
 
 ## Why it matters
 
@@ -15,14 +15,14 @@ The subscriber waits for ever, and no node fails. What it does with the messages
 
 ## Remedy
 
-Remap one of the names to the other, or start the node that publishes.
+Remap one of the names to the other.
 
 ## Example
 
 `/nav` subscribes `/odometry/filterd`, and `/ekf` publishes `/odometry/filtered`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.loose_topics import lost_commands
@@ -44,17 +44,29 @@ from rtron.wording import conjugate, join_names
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each topic that is subscribed and not published."""
+    """Yield a finding for each topic that is subscribed, while a near one is published."""
+    for topic, near in unmatched_topics(app).items():
+        if near:
+            yield _finding(app, topic, near)
+
+
+def unmatched_topics(app: AppFacts) -> Mapping[str, list[str]]:
+    """Return the topics that are subscribed and not published, each with the near ones."""
+    return app.once(_unmatched_topics)
+
+
+def _unmatched_topics(app: AppFacts) -> dict[str, list[str]]:
     others = {*_action_topics(app.graph), *lost_commands(app).values()}
-    for topic in app.explicit_topics:
-        if _is_unmatched(app, topic) and topic not in others:
-            near = [
-                other
-                for other in app.near_topics(topic, app.types(topic, Direction.SUBSCRIBE))
-                if not is_one_stack(app, (*app.readers(topic), *app.publishers(other)))
-            ]
-            if near or not app.is_motion(topic):
-                yield _finding(app, topic, near)
+    topics = (each for each in app.explicit_topics if _is_unmatched(app, each))
+    return {topic: _near(app, topic) for topic in topics if topic not in others}
+
+
+def _near(app: AppFacts, topic: str) -> list[str]:
+    return [
+        other
+        for other in app.near_topics(topic, app.types(topic, Direction.SUBSCRIBE))
+        if not is_one_stack(app, (*app.readers(topic), *app.publishers(other)))
+    ]
 
 
 def _action_topics(graph: InteractionGraph) -> Iterator[str]:
@@ -76,30 +88,28 @@ def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
     maybe_elsewhere = app.may_have_other_end(topic, Direction.PUBLISH)
     unread_near = [other for other in near if not app.readers(other)]
     is_likely = bool(unread_near) and not maybe_elsewhere
-    hint = ""
-    if near:
-        publishers = app.publishers(near[0])
-        hint = f"; {join_names(publishers)} {conjugate(publishers, 'send')} {near[0]}"
+    publishers = app.publishers(near[0])
     return make_finding(
         RULE.name,
         topic,
         summary=f"{join_names(readers)} {conjugate(readers, 'subscribe')} {topic}, "
         "which nobody publishes",
-        cause=f"no node of this launch publishes it{app.unread_publisher_hint([topic])}{hint}",
-        remedy=f"did you mean {near[0]}? Remap one to the other" if near else "start its publisher",
+        cause=f"no node of this launch publishes it{app.unread_publisher_hint([topic])}; "
+        f"{join_names(publishers)} {conjugate(publishers, 'send')} {near[0]}",
+        remedy=f"did you mean {near[0]}? Remap one to the other",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if is_likely else Certainty.POSSIBLE,
         level=FindingLevel.REGULAR if is_likely else FindingLevel.PEDANTIC,
         nodes=readers,
-        topics=(topic, *near[:1]),
+        topics=(topic, near[0]),
         evidence=app.evidence(app.graph.subscribers(topic)),
     )
 
 
 RULE = FindingRule(
     name="unmatched_topic",
-    title="A node subscribes a topic that nobody publishes",
-    consequence="failure: likely where a topic with a near name has no subscriber, else possible",
+    title="A node subscribes a topic that nobody publishes, and a near name is published",
+    consequence="failure: likely where nobody subscribes the near name, else possible",
     since="0.2.0",
     check=check,
 )

@@ -9,7 +9,8 @@ sets for all nodes (`/**`), or the launch file itself, counts where the node dec
 parameter that any node of the app declares or reads does not count, nor do nodes with
 dynamic_reconfigure. A section of a parameter file for a name that no node has counts where a node
 that is given no parameters has a near name, or where one alone of these is given the file and
-declares most of the section, two names at least.
+declares most of the section, two names at least. So does, in ROS 2, a parameter file with values
+and without `ros__parameters`.
 
 ## Why it matters
 
@@ -26,6 +27,7 @@ Write the names that the node declares, or remove the parameters.
 """
 
 from collections.abc import Iterator
+from pathlib import PurePath
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
@@ -37,7 +39,7 @@ from rtron.vocabulary import (
     FindingLevel,
     WiringFactKind,
 )
-from rtron.wording import join_names
+from rtron.wording import conjugate, join_names
 
 _READS = {1: "read", 2: "declare"}
 
@@ -47,6 +49,8 @@ def check(app: AppFacts) -> Iterator[Finding]:
     reads = _READS[app.graph.ros]
     sections = list(wiring_groups(app.graph, WiringFactKind.SECTION_WITHOUT_NODE))
     yield from map(_without_node, sections)
+    malformed = wiring_groups(app.graph, WiringFactKind.MALFORMED_PARAMETER_FILE)
+    yield from map(_malformed, malformed)
     without_node = {group.subject for group in sections}
     for group in wiring_groups(app.graph, WiringFactKind.MISSPELT_PARAMETER):
         if group.subject not in without_node:
@@ -63,6 +67,22 @@ def _without_node(group: WiringGroup) -> Finding:
         summary=f"the parameters that the launch sets for {group.subject} reach no node",
         cause=f"no node of this launch has this name, and {near} has no section",
         remedy=f"did you mean {near}?",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY,
+        nodes=group.others,
+        evidence=group.evidence,
+    )
+
+
+def _malformed(group: WiringGroup) -> Finding:
+    name = "/".join(PurePath(group.subject).parts[-3:])
+    return make_finding(
+        RULE.name,
+        name,
+        summary=f"the parameters in {name} reach no node",
+        cause=f"{join_names(group.others)} {conjugate(group.others, 'get')} the file, which has no "
+        "ros__parameters: a node that reads it does not start",
+        remedy="put the parameters below the node's name and ros__parameters",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
         nodes=group.others,

@@ -219,6 +219,13 @@ def test_what_a_missing_file_would_set_is_not_known(launch):
     assert len(tree.unresolved) == 2
 
 
+def test_a_parameter_file_that_its_package_lacks_is_missing(launch, tmp_path):
+    tag = '<rosparam file="$(dirname)/no.yaml"/>'
+    assert [note.missing for note in launch(tag).unresolved] == [""]
+    tree = launch(tag, files={"package.xml": "<package><name>p</name></package>"})
+    assert [note.missing for note in tree.unresolved] == [str(tmp_path / "no.yaml")]
+
+
 def test_a_rosparam_node_sets_parameters_when_all_others_are_set(launch, tmp_path):
     load = '<node pkg="rosparam" type="rosparam" name="{}" ns="g" args="load $(dirname)/p.yaml{}"/>'
     nodes = {"r": "", "s": " h", "t": " /i", "u": " ~"}

@@ -1,5 +1,7 @@
 """Parameters that a launch sets and the node that it starts does not declare."""
 
+from pathlib import Path
+
 import pytest
 
 from rtron.sources.static.common.scan_options import ScanOptions
@@ -60,7 +62,9 @@ def unread(scanned, tmp_path):
         graph = scanned(given, **declared)
         kinds = ("misspelt_parameter", "unread_parameter")
         found = [fact for fact in graph.wiring if fact.kind in kinds]
-        assert all(fact.evidence[0].file == str(tmp_path / "app.launch.py") for fact in found)
+        file, launch = str(tmp_path / "p.yaml"), str(tmp_path / "app.launch.py")
+        places = [file, launch] if isinstance(given, str) else [launch]
+        assert all([place.file for place in fact.evidence] == places for fact in found)
         return {(fact.subject, fact.value): fact.others for fact in found}
 
     return facts
@@ -143,6 +147,10 @@ def test_of_a_node_that_was_not_read_whole_nothing_is_known(unread, more):
 def test_a_section_for_a_name_that_no_node_has(scanned, section, near):
     graph = scanned(f"{section}:\n  ros__parameters:\n    max_vel: 1.0\n")
     assert without_node(graph) == ([(section, (near,))] if near else [])
+    places = [place for fact in graph.wiring for place in fact.evidence if near]
+    assert [(Path(place.file).name, place.line) for place in places] == (
+        [("p.yaml", 3), ("app.launch.py", 5)] if near else []
+    )
 
 
 def test_a_node_with_a_section_of_its_own_is_not_meant(scanned):
@@ -174,6 +182,7 @@ TWO = "{ros__parameters: {max_vel: 1.0, rate: 2.0}}"
         (f"/*: {TWO}", (), []),
         (of_base(rate=1.0) + f"/drive: {TWO}", (), []),
         (f"/drive: {TWO}", ("max_vel", "rate"), []),
+        (f"/armm: {TWO}", ("speed",), [("/armm", ("/base",))]),
     ],
 )
 def test_a_section_is_meant_for_the_one_node_that_declares_most_of_it(scanned, section, arm, meant):
@@ -190,5 +199,49 @@ def test_a_value_of_another_type_than_declared_is_a_fact(scanned, tmp_path):
     graph = scanned(of_base(max_vel=1, rate=2.0))
     (fact,) = (fact for fact in graph.wiring if fact.kind == "mistyped_parameter")
     assert (fact.subject, fact.value, fact.others) == ("/base", "max_vel", ("double", "integer"))
-    launch, source = (place.file for place in fact.evidence)
-    assert (launch, source) == (str(tmp_path / "app.launch.py"), str(tmp_path / "app/base.py"))
+    assert [(Path(place.file).name, place.line) for place in fact.evidence] == [
+        ("p.yaml", 3),
+        ("app.launch.py", 5),
+        ("base.py", 6),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "is_malformed"),
+    [
+        ("base:\n  max_vel: 1.0\n", True),
+        ("max_vel: 1.0\n", True),
+        ("# nothing yet\n", False),
+        ("/**:\n  ros__parameters:\n    max_vel: 1.0\n", False),
+    ],
+)
+def test_a_file_of_values_without_ros__parameters_is_a_fact(scanned, tmp_path, text, is_malformed):
+    graph = scanned(text)
+    facts = [fact for fact in graph.wiring if fact.kind == "malformed_parameter_file"]
+    assert [(fact.subject, fact.others) for fact in facts] == [
+        (str(tmp_path / "p.yaml"), (node,)) for node in ("/base", "/arm") if is_malformed
+    ]
+    assert [place.line for fact in facts for place in fact.evidence] == [5, 6] * is_malformed
+
+
+@pytest.mark.parametrize(
+    ("name", "files", "is_missing"),
+    [
+        ("config/p.yaml", {}, True),
+        ("config/p.yaml", {"config/p.yaml.in": ""}, False),
+        ("config/p.yaml", {"CMakeLists.txt": "configure_file(p.in config/p.yaml)"}, False),
+        ("../p.yaml", {}, False),
+    ],
+)
+def test_a_parameter_file_that_its_package_lacks_is_missing(tmp_path, name, files, is_missing):
+    package = tmp_path / "app"
+    (package / "config").mkdir(parents=True)
+    path = str((package / name).resolve())
+    launch = package / "app.launch.py"
+    launch.write_text(LAUNCH.replace("{given}", repr(path)))
+    for file, text in {"package.xml": MANIFEST, **files}.items():
+        (package / file).write_text(text)
+    graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
+    missing = [note for note in graph.unresolved if note.why.endswith("is no file")]
+    assert [note.missing for note in missing] == [path if is_missing else ""]
+    assert [place.line for note in missing for place in note.evidence] == [5, 6]

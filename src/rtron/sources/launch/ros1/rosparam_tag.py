@@ -8,7 +8,7 @@ import shlex
 from collections.abc import Iterator
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.errors import UnresolvableError
+from rtron.sources.launch.common.errors import UnresolvableError, missing_parameter_file
 from rtron.sources.launch.common.expression_library import anonymous_to_wildcard
 from rtron.sources.launch.common.yaml_tree import (
     YamlDocument,
@@ -86,7 +86,7 @@ def _load(tag: Tag, context: LoaderContext, state: LoadState, name: str) -> None
 
 
 def _unknown(tag: Tag, state: LoadState, name: str, error: InputError) -> None:
-    state.unresolved.add_error(tag, error)
+    state.unresolved.add_error(tag, error, missing_parameter_file(error))
     evidence = Evidence(file=tag.path, line=tag.line)
     state.parameters.set_unknown(name, str(error), evidence)
 

@@ -59,8 +59,7 @@ class UnresolvedNotes:
             if missing and known_package_of(missing):
                 self.add(tag, f"package '{known_package_of(missing)}' is not found")
                 return
-            self.add_error(tag, error)
-            self.unresolved[-1] = replace(self.unresolved[-1], missing=missing)
+            self.add_error(tag, error, missing)
         except MissingArgumentError as error:
             self.add(tag, f"the included file needs argument '{error.name}'")
 
@@ -70,10 +69,11 @@ class UnresolvedNotes:
             return tag.optional(attribute) or ""
         return str(tag.element.get(attribute))
 
-    def add_error(self, tag: Tag, error: InputError) -> None:
-        """Note what is wrong with a file that an element names, and where in it."""
+    def add_error(self, tag: Tag, error: InputError, missing: str = "") -> None:
+        """Note what is wrong with a file that an element names, and the file that is not there."""
         locations = [Evidence(file=error.path, line=error.line)] if error.path else []
         self.add(tag, str(error), *locations)
+        self.unresolved[-1] = replace(self.unresolved[-1], missing=missing)
 
     def add(self, tag: Tag, why: str, *evidence: Evidence) -> None:
         """Note that an element is not resolved, and why; further evidence comes after its own."""

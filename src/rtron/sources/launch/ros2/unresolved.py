@@ -9,6 +9,7 @@ from rtron.sources.launch.common.errors import (
     MissingArgumentError,
     UnresolvableError,
     missing_file,
+    missing_parameter_file,
 )
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.limits import LaunchTooLargeError
@@ -26,7 +27,7 @@ class UnresolvedNotes:
     _missing_arguments: set[str] = field(default_factory=set)
 
     def note(self, site: ElementSite, why: str, missing: str = "") -> None:
-        """Note what cannot be read of an element, and the file it includes that is missing."""
+        """Note what cannot be read of an element, and the file that it names and is not there."""
         keys = ("file", "cmd", "name") if self.symbolic else ("file", "cmd")
         text = next(filter(None, map(site.plain_text, keys)), "")
         what = f"{site.tag} {display_text(text)[:80]}".strip()
@@ -48,8 +49,8 @@ class UnresolvedNotes:
             if not self.symbolic:
                 self.note(site, str(error))
         except InputError as error:
-            missing = missing_file(error) if site.tag == "include" else ""
-            self.note(site, str(error), missing)
+            find_missing = missing_file if site.tag == "include" else missing_parameter_file
+            self.note(site, str(error), find_missing(error))
         except UnresolvableError as error:
             self.note(site, str(error))
         except MissingArgumentError as error:

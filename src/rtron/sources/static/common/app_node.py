@@ -2,13 +2,14 @@
 
 import shlex
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.common.expression import typed_argument
 from rtron.sources.launch.common.yaml_scalars import check_int_range
 from rtron.vocabulary import Evidence, LaunchNode, Parameter, ParameterTree
 from rtron.vocabulary.launch import canonical_name, resolve_name
+from rtron.vocabulary.parameters import pattern_matches
 from rtron.vocabulary.remap_rules import RemapRule
 
 _ASSIGNMENT = ":="
@@ -20,7 +21,8 @@ class AppNode:
 
     In ROS 2 a component is loaded by `container`, `type` is its class then. `process_remap_rules`
     are the remap rules of its process as written, `is_uncertain` says that it starts on a condition
-    not known, `executed` that its launch file was run to find it.
+    not known, `executed` that its launch file was run to find it. `parameter_places` says where a
+    parameter of a name is set for the nodes that fit a pattern.
     """
 
     site: NodeSite
@@ -32,11 +34,23 @@ class AppNode:
     process_remap_rules: tuple[RemapRule, ...] = ()
     is_uncertain: bool = False
     executed: bool = False
+    parameter_places: Mapping[tuple[str, str], Evidence] = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
     @property
     def name(self) -> str:
         """The node's full name."""
         return self.site.name
+
+    def places_of(self, node: str, parameter: str) -> tuple[Evidence, ...]:
+        """Return where a parameter of a node of the process is set, and the line that starts it."""
+        found = (
+            place
+            for (pattern, name), place in self.parameter_places.items()
+            if name == parameter and pattern_matches(pattern, node)
+        )
+        return (*list(found)[-1:], self.evidence)
 
     @property
     def program(self) -> str:

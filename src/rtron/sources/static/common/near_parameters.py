@@ -12,11 +12,11 @@ _MOST_COMPARED = 10_000
 _LAST_PART = re.compile(r"[^./]*\Z")
 
 
-def unread_parameter(node: str, name: str, near: str | None, place: Evidence) -> WiringFact:
+def unread_parameter(node: str, name: str, near: str | None, *places: Evidence) -> WiringFact:
     """Return the fact that a node does not know a parameter, and the near one it knows."""
     kind = WiringFactKind.MISSPELT_PARAMETER if near else WiringFactKind.UNREAD_PARAMETER
     others = (near,) if near else ()
-    return WiringFact(kind=kind, subject=node, value=name, others=others, evidence=(place,))
+    return WiringFact(kind=kind, subject=node, value=name, others=others, evidence=places)
 
 
 def near_parameters(names: Collection[str], unset: Collection[str]) -> dict[str, str]:

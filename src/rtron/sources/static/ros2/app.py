@@ -29,6 +29,7 @@ from rtron.sources.static.ros2.gazebo_server import GazeboServers
 from rtron.sources.static.ros2.hardware import HardwareParts
 from rtron.sources.static.ros2.standard_nodes import add_standard_interface
 from rtron.sources.static.ros2.unread_parameters import (
+    malformed_files,
     mistyped_parameters,
     sections_without_node,
     unread_parameters,
@@ -67,7 +68,8 @@ def scan_ros2_app(
     files = WorkspaceSources(workspace)
     app_launches = _read_launches(launches, environ, files, execution)
     node_builder = AppNodeBuilder(environ=environ)
-    nodes = list(node_builder.build([start for launch in app_launches for start in launch.starts]))
+    starts = [start for launch in app_launches for start in launch.starts]
+    nodes = list(node_builder.build(starts))
     models = load_models(ROS2_LIBRARY)
     gazebo_servers = GazeboServers(GazeboPluginNodes(models, files), environ)
     assembly = Ros2Assembly(workspace=workspace)
@@ -84,6 +86,7 @@ def scan_ros2_app(
             assembly.add_part(add_standard_interface(part, files, generated_files))
         assembly.add_wiring(*unread_parameters([*parts, *resolved]))
         assembly.add_wiring(*mistyped_parameters([*parts, *resolved]))
+        assembly.add_wiring(*malformed_files(starts))
         assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes)))
     assembly.add_wiring_facts()
     assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))

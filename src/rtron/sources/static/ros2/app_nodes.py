@@ -20,7 +20,9 @@ from rtron.sources.static.ros2.loading_commands import (
     component_command,
     controller_command,
 )
+from rtron.vocabulary import Evidence
 from rtron.vocabulary.launch import canonical_name
+from rtron.vocabulary.parameters import absolute_pattern
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
 _COMMANDS_WITHOUT_NODE = frozenset(
@@ -95,7 +97,7 @@ class AppNodeBuilder:
     def build(self, starts: Sequence[LaunchStart]) -> Iterator[AppNode]:
         """Yield nodes and components; a process that is not known is noted."""
         no_node = {StartKind.COMPONENT, StartKind.PROCESS}
-        containers = {_process_name(start): start for start in starts if start.kind not in no_node}
+        containers = {process_name(start): start for start in starts if start.kind not in no_node}
         for start in starts:
             if start.kind is StartKind.PROCESS:
                 yield from self._process(start, containers)
@@ -172,7 +174,8 @@ class AppNodeBuilder:
         return tuple({**self.environ, **dict(start.environ)}.items())
 
 
-def _process_name(start: LaunchStart) -> str:
+def process_name(start: LaunchStart) -> str:
+    """Return the full name of what a launch starts; a program mostly calls its node like itself."""
     return _name(start, _default_name(start))
 
 
@@ -222,4 +225,14 @@ def _app_node(start: LaunchStart, site: NodeSite, process: LaunchStart | None) -
         process_remap_rules=process.remaps if process else (),
         is_uncertain=start.is_uncertain,
         executed=start.executed,
+        parameter_places=_parameter_places(start.parameter_sources),
     )
+
+
+def _parameter_places(sources: Iterable[ParameterSource]) -> dict[tuple[str, str], Evidence]:
+    return {
+        (absolute_pattern(pattern), name): parameter.evidence
+        for source in sources
+        for pattern, values in source.entries
+        for name, parameter in values.items()
+    }

@@ -5,8 +5,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
 from itertools import islice
 
+from rtron.sources.launch.ros2.result import LaunchStart
 from rtron.sources.static.common.near_parameters import near_parameters, unread_parameter
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.ros2.app_nodes import process_name
 from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.names import fits_open_name
 from rtron.vocabulary.parameters import pattern_matches
@@ -38,7 +40,9 @@ def unread_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
             near = near_parameters(unread, declared[node] - set_by_launch.keys())
             for name in unread:
                 if name in near or set_by_launch[name]:
-                    yield unread_parameter(node, name, near.get(name), part.node.evidence)
+                    yield unread_parameter(
+                        node, name, near.get(name), *part.node.places_of(node, name)
+                    )
 
 
 def mistyped_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
@@ -50,8 +54,21 @@ def mistyped_parameters(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
                 subject=each.node,
                 value=each.name,
                 others=(each.declared_type, each.given_type),
-                evidence=(part.node.evidence, each.evidence),
+                evidence=(*part.node.places_of(each.node, each.name), each.evidence),
             )
+
+
+def malformed_files(starts: Iterable[LaunchStart]) -> Iterator[WiringFact]:
+    """Yield a fact for each parameter file without `ros__parameters`, and each node given it."""
+    for start in starts:
+        for source in start.parameter_sources:
+            if source.is_malformed:
+                yield WiringFact(
+                    kind=WiringFactKind.MALFORMED_PARAMETER_FILE,
+                    subject=source.file,
+                    others=(process_name(start),),
+                    evidence=(start.evidence,),
+                )
 
 
 def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[WiringFact]:
@@ -61,7 +78,9 @@ def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterato
     is given the file and declares most of what stands in the section.
     """
     places = {
-        each.node: part.node.evidence for part in parts for each in part.node.site.node_settings
+        each.node: part.node.places_of(each.node, each.name)
+        for part in reversed(parts)
+        for each in reversed(part.node.site.node_settings)
     }
     given = {part.node.name for part in parts for _ in _set_by_launch(part, part.node.name)}
     without_section = {name for name in nodes - places.keys() - given if "{" not in name}
@@ -69,13 +88,13 @@ def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterato
     unused = (each for each in sorted(places.keys() - nodes) if "*" not in each)
     for section in islice(unused, _MOST_SECTIONS):
         near = get_close_matches(section, sorted(without_section), 1, _NEAR_RATIO)
-        meant = near or declared.get(section, [])
+        meant = declared.get(section) or near
         if len(meant) == 1 and not fits_open_name(section, nodes):
             yield WiringFact(
                 kind=WiringFactKind.SECTION_WITHOUT_NODE,
                 subject=section,
                 others=tuple(meant),
-                evidence=(places[section],),
+                evidence=places[section],
             )
 
 

@@ -111,7 +111,9 @@ class NodeConfiguration:
             yield ParameterSource(entries=(), file=path)
             return
         with self.evaluator.collect_errors(site):
-            yield ParameterSource(entries=self._file_entries(path, site, substitutes), file=path)
+            entries = self._file_entries(path, site, substitutes)
+            is_malformed = not entries and bool(self.evaluator.files.read(path))
+            yield ParameterSource(entries=entries, file=path, is_malformed=is_malformed)
 
     def _file_entries(self, path: str, site: ElementSite, substitutes: bool) -> Entries:  # noqa: FBT001
         """Return what a file says; that of a plain one is kept once for all nodes."""

@@ -1,0 +1,80 @@
+"""Nodes need what this launch does not start.
+
+## What it finds
+
+Topics that nobody publishes, and services and actions that nobody offers, of no name near to one of
+the app. One finding names them all, from the level `pedantic` on. Of nodes
+that are not the user's own only the measurements count that they subscribe: a sensor's messages,
+odometry, maps. Their other inputs are options: a speed limit, a pose to start from. Commands of
+motion are left to `open_command`.
+
+## Why it matters
+
+Most often another launch starts the rest. If none does, these nodes wait for ever, and none fails.
+
+## Remedy
+
+Scan the launch that starts the rest, too, or start it here.
+
+## Example
+
+A launch starts `/slam`, which subscribes `/scan`, and no driver of a laser.
+"""
+
+import re
+from collections.abc import Iterator
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.findings.wiring.no_server import unserved_names
+from rtron.findings.wiring.unmatched_topic import unmatched_topics
+from rtron.vocabulary import Certainty, Consequence, Finding
+from rtron.wording import conjugate, join_names
+
+_MEASUREMENT = re.compile(r"sensor_msgs/(?!Joy)|nav_msgs/(?:Odometry|OccupancyGrid|GridCells)")
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield one finding with all that nodes need and nobody of the launch publishes or offers."""
+    topics = [topic for topic, near in unmatched_topics(app).items() if not near]
+    needed = [topic for topic in topics if _is_needed(app, topic)]
+    called = {name: each.nodes for name, each in unserved_names(app).items() if not each.near}
+    if needed or called:
+        yield _finding(app, needed, called)
+
+
+def _is_needed(app: AppFacts, topic: str) -> bool:
+    """Return whether a topic is no command, and more than an option of a node from elsewhere."""
+    is_own = any(app.facts.are_own([reader]) for reader in app.readers(topic))
+    is_measurement = bool(_MEASUREMENT.match(app.facts.topic(topic).type))
+    return (is_measurement or is_own) and not app.is_motion(topic)
+
+
+def _finding(app: AppFacts, topics: list[str], called: dict[str, list[str]]) -> Finding:
+    names = [*topics, *called]
+    inputs = [end for topic in topics for end in app.graph.subscribers(topic)]
+    callers = sorted({node for nodes in called.values() for node in nodes})
+    nodes = sorted({*callers, *(node for topic in topics for node in app.readers(topic))})
+    lacks = {"publishes": topics, "offers": list(called)}
+    cause = " or ".join(f"{verb} {join_names(each)}" for verb, each in lacks.items() if each)
+    return make_finding(
+        RULE.name,
+        names[0],
+        summary=f"{join_names(nodes)} {conjugate(nodes, 'need')} what this launch does not start",
+        cause=f"no node of this launch {cause}{app.unread_publisher_hint(topics)}",
+        remedy="scan the launch that starts the rest, too, or start it here",
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.POSSIBLE,
+        nodes=nodes,
+        topics=names,
+        evidence=(*app.evidence(inputs), *app.node_evidence(callers)),
+    )
+
+
+RULE = FindingRule(
+    name="incomplete_launch",
+    title="Nodes need what this launch does not start",
+    consequence="failure: possible",
+    since="0.2.0",
+    check=check,
+)
