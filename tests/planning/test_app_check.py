@@ -71,8 +71,8 @@ def test_a_flow_that_nobody_publishes():
 def test_a_publisher_that_no_flow_names_counts_as_unapproved():
     assert told(with_grcn(flows=CMD_VEL.flows[:1])) == [
         (
-            "warning: GRCN grcn_cmd_vel: no flow names /teleop_twist_keyboard, which publishes "
-            "/cmd_vel: it counts as unapproved"
+            "warning: GRCN grcn_cmd_vel: no flow names /move_base, which publishes /cmd_vel: it "
+            "counts as unapproved"
         )
     ]
 

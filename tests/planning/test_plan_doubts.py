@@ -20,6 +20,7 @@ from rtron.vocabulary import (
     Plan,
     PolicyName,
     StreamKind,
+    Trust,
 )
 
 
@@ -137,8 +138,12 @@ def doubts(known=(), **settings):
     plan = plan_of(grcn("/cmd_vel", ["/a", "/b"], [], **settings))
     (node,) = plan.grcn
     flows = tuple(replace(f, priority=2 - n) for n, f in enumerate(node.flows))
-    functions = dict.fromkeys(known, FunctionType.TELEOPERATION)
-    nodes = tuple(Node(name=name, function=functions.get(name)) for name in ("/a", "/b"))
+    functions = dict(
+        zip(known, (FunctionType.TELEOPERATION, FunctionType.PATH_PLANNING), strict=False)
+    )
+    nodes = tuple(
+        Node(name=name, function=functions.get(name), trust=Trust.OWN) for name in ("/a", "/b")
+    )
     proposed = replace(plan, grcn=(replace(node, flows=flows),))
     return proposed, InteractionGraph(app="x", nodes=nodes)
 
@@ -163,6 +168,16 @@ def test_the_order_of_unknown_nodes_is_a_guess_until_somebody_decides():
 )
 def test_where_all_is_known_or_nothing_is_ordered_there_is_no_doubt(known, settings):
     assert not list(order_doubts(*doubts(known, **settings)))
+
+
+def test_the_order_of_two_sources_of_one_kind_is_a_guess():
+    plan, graph = doubts(known=["/a", "/b"])
+    nodes = tuple(replace(node, function=FunctionType.TELEOPERATION) for node in graph.nodes)
+    (warning,) = order_doubts(plan, replace(graph, nodes=nodes))
+    assert "nothing tells which of these goes first: /a and /b;" in warning.message
+    for shared in ({"process": "/container"}, {"package": "nav2_behaviors"}):
+        parts = tuple(replace(node, **shared) for node in nodes)
+        assert not list(order_doubts(plan, replace(graph, nodes=parts)))
 
 
 def test_a_single_flow_has_no_order():

@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Iterator
 
 from rtron.coherence.duration_bounds import duration_doubts
-from rtron.planning.app_topics import is_large
+from rtron.planning.app_topics import action_servers, is_large
+from rtron.planning.command_sources import CommandSources
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.planning.queue_sizes import queue_doubts
 from rtron.vocabulary import (
@@ -84,12 +85,18 @@ def _warning(where: str, message: str) -> PlanProblem:
 
 def order_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
     """Yield a warning for each GRCN whose proposed order nobody has touched and that is a guess."""
-    known = {node.name for node in graph.nodes if node.function}
+    sources = CommandSources(graph, action_servers(graph))
+    known = {node.name for node in graph.nodes if not sources.is_guess(node.name)}
     for grcn in plan.grcn:
-        unknown = [f.publisher for f in grcn.flows if not _is_known(f.publisher, known)]
         is_ordered = grcn.mode is Mode.ENFORCE and grcn.policy in _BY_PRIORITY
-        if unknown and is_ordered and len(grcn.flows) > 1 and _is_as_proposed(grcn):
-            yield _doubt(grcn, unknown)
+        if is_ordered and len(grcn.flows) > 1 and _is_as_proposed(grcn):
+            publishers = [flow.publisher for flow in grcn.flows]
+            unknown = [each for each in publishers if not _is_known(each, known)]
+            ties = sources.unordered(set(publishers).difference(unknown))
+            guesses = [f"nothing tells which of these goes first: {join_names(t)}" for t in ties]
+            if unknown:
+                guesses.insert(0, f"nothing tells what these do: {', '.join(unknown)}")
+            yield from (_guess(grcn, guess) for guess in guesses)
 
 
 def open_way_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
@@ -132,9 +139,9 @@ def _is_as_proposed(grcn: GRCN) -> bool:
     return priorities == list(range(len(priorities), 0, -1))
 
 
-def _doubt(grcn: GRCN, unknown: list[str]) -> PlanProblem:
+def _guess(grcn: GRCN, guess: str) -> PlanProblem:
     message = (
-        f"nothing tells what these do: {', '.join(unknown)}; so the order is a guess: decide who "
-        "goes first, and give the flows priorities of your own"
+        f"{guess}; so the order is a guess: decide who goes first, and give the flows priorities "
+        "of your own"
     )
     return _warning(f"GRCN {grcn.id}", message)

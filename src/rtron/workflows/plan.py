@@ -25,12 +25,16 @@ class ProposedPlan:
     doubts: tuple[PlanProblem, ...]
 
 
-def propose(scan: ScanResult) -> ProposedPlan:
-    """Return the plan that the risks of an app ask for, and the commands next to its hardware."""
-    plan = propose_plan(scan.graph, scan.report, last_commands(scan))
-    commands = {each.name for mover in scan.inventory for each in mover.last_commands}
-    unnamed = unguardable_topics(scan.graph, scan.report)
-    others = (each for each in unnamed if each.location not in commands)
+def propose(scan: ScanResult, *, every_risk: bool = False) -> ProposedPlan:
+    """Return the plan that guards what moves the robot of an app, and watches what its rules need.
+
+    With `every_risk` it has coordination nodes for the other risks, too, which only observe.
+    """
+    commands = last_commands(scan)
+    plan = propose_plan(scan.graph, scan.report, commands, only_motion=not every_risk)
+    known = {each.name for mover in scan.inventory for each in mover.last_commands}
+    unnamed = unguardable_topics(scan.graph, scan.report, only_motion=not every_risk)
+    others = (each for each in unnamed if each.location not in known)
     omitted = (*others, *find_unguarded_commands(plan, scan))
     return ProposedPlan(plan, omitted, tuple(plan_doubts(plan, scan.graph)))
 

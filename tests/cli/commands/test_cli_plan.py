@@ -13,6 +13,21 @@ def test_a_proposal_is_shown(rtron, graph_file):
     assert f"rtron plan {graph_file} -o rtron.yaml" in ran.out
 
 
+def test_images_are_observed_only_on_request(rtron, graph_file):
+    document = json.loads(graph_file.read_text())
+    image = {"topic": "/image", "type": "sensor_msgs/Image"}
+    names = ("/camera_a", "/camera_b", "/recogniser")
+    document["endpoints"] += [
+        {**document["endpoints"][0], **image, "node": name, "direction": direction}
+        for name, direction in zip(names, ("publish", "publish", "subscribe"), strict=True)
+    ]
+    graph_file.write_text(json.dumps(document))
+    assert "/image" not in rtron("plan", graph_file).out
+    ran = rtron("plan", graph_file, "--every-risk")
+    assert "GRCN that only observe (1)\n  /image  " in ran.out
+    assert "--every-risk -o rtron.yaml" in ran.out
+
+
 def test_a_plan_is_written_and_can_be_read(rtron, graph_file, plan_file):
     assert [grcn.topic for grcn in read_plan(plan_file).grcn] == ["/cmd_vel"]
     ran = rtron("plan", graph_file, "-o", plan_file, "--launch", "my app.launch")

@@ -290,7 +290,7 @@ def test_a_person_finds_their_way_in_it():
     text = write_plan(propose_plan(HOME, discover_risks(HOME)))
     start = [line for line in text.splitlines() if not line.startswith("#") and line]
     assert start[:4] == ["schema: rtron.plan/1", "app: home", "grcn:", "  - id: grcn_cmd_vel"]
-    assert "      - {name: flow1, publisher: /move_base, priority: 2}" in start
+    assert "      - {name: flow1, publisher: /teleop_twist_keyboard, priority: 2}" in start
     assert "    max_age: 60 s" in start
     assert [line for line in text.splitlines() if len(line) > 120] == []
 

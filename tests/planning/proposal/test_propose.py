@@ -39,6 +39,10 @@ def plan_of(graph) -> Plan:
     return propose_plan(graph, discover_risks(graph))
 
 
+def moving_plan_of(graph) -> Plan:
+    return propose_plan(graph, discover_risks(graph), only_motion=True)
+
+
 def grcn_of(plan: Plan, topic: str) -> GRCN:
     return next(grcn for grcn in plan.grcn if grcn.topic == topic)
 
@@ -48,6 +52,7 @@ def shared(topic: str, message_type: str, publishers: str = "/a a own,/b b own")
     return "".join(nodes) + f"/s driver own\n sub {topic} {message_type}\n"
 
 
+TWIST = "geometry_msgs/Twist"
 HOME_PLAN = plan_of(HOME)
 AUTORACE_PLAN = plan_of(AUTORACE)
 
@@ -58,12 +63,12 @@ class TestHome:
         counted = {domain: domains.count(domain) for domain in set(domains)}
         assert counted == {Domain.PERCEPTION: 7, Domain.PLANNING: 2, Domain.CONTROL: 1}
 
-    def test_navigation_drives_before_the_keyboard(self):
+    def test_a_person_at_the_keyboard_drives_before_the_navigation(self):
         grcn = grcn_of(HOME_PLAN, "/cmd_vel")
         assert (grcn.mode, grcn.policy) == (Mode.ENFORCE, PolicyName.PREEMPTION)
         assert grcn.flows == (
-            Flow(name="flow1", publisher="/move_base", priority=2),
-            Flow(name="flow2", publisher="/teleop_twist_keyboard", priority=1),
+            Flow(name="flow1", publisher="/teleop_twist_keyboard", priority=2),
+            Flow(name="flow2", publisher="/move_base", priority=1),
         )
         assert grcn.successors == ("/gazebo",)
         assert grcn.kind is StreamKind.COMMAND
@@ -233,7 +238,7 @@ class TestOrder:
         nodes = tuple(replace(n, function=functions.get(n.name)) for n in graph.nodes)
         flows = grcn_of(plan_of(replace(graph, nodes=nodes)), "/cmd_vel").flows
         order = [flow.publisher for flow in flows]
-        assert order == ["/e_plans", "/f_serves", "/a_teleop", "/d_works", "/c_speaks", "/b_shows"]
+        assert order == ["/a_teleop", "/e_plans", "/f_serves", "/d_works", "/c_speaks", "/b_shows"]
 
     @pytest.mark.parametrize(("trust", "first"), [("own", "/z_e_stop"), ("third_party", "/nav")])
     def test_an_emergency_stop_of_ones_own_goes_first(self, trust, first):
@@ -280,6 +285,33 @@ class TestOrder:
         other = Node(name="/a", trust=Trust.THIRD_PARTY)
         flows = plan_of(replace(graph, nodes=(other, *known[1:]))).grcn[0].flows
         assert [flow.publisher for flow in flows] == ["/b", "/a"]
+
+
+class TestWhatMoves:
+    def test_what_moves_nothing_is_left_out_and_what_risks_watch_stays(self):
+        plan = moving_plan_of(HOME)
+        assert {grcn.domain for grcn in plan.grcn} == {Domain.PLANNING, Domain.CONTROL}
+        enforced = [grcn for grcn in HOME_PLAN.grcn if grcn.mode is Mode.ENFORCE]
+        assert list(plan.grcn) == enforced
+        rest = (plan.rsrcn, plan.msrcn, plan.fps_monitor)
+        assert rest == (HOME_PLAN.rsrcn, HOME_PLAN.msrcn, HOME_PLAN.fps_monitor)
+
+    @pytest.mark.parametrize(
+        ("package", "is_guarded"), [("nav2_behaviors", False), ("my_pkg", True)]
+    )
+    def test_what_one_stack_sends_itself_needs_no_guard_of_its_own(self, package, is_guarded):
+        text = f"/c nav2_controller unknown\n pub /cmd_vel_nav {TWIST}\n"
+        text += f"/b {package} unknown\n pub /cmd_vel_nav {TWIST}\n"
+        text += f"/s nav2_velocity_smoother unknown\n sub /cmd_vel_nav {TWIST}\n"
+        plan = moving_plan_of(graph_of("app", text))
+        assert [grcn.topic for grcn in plan.grcn] == ["/cmd_vel_nav"] * is_guarded
+
+    def test_the_last_command_is_guarded_also_within_one_stack(self):
+        text = f"/c nav2_controller unknown\n pub /cmd_vel {TWIST}\n"
+        text += f"/d opennav_docking unknown\n pub /cmd_vel {TWIST}\n"
+        graph = graph_of("app", text)
+        plan = propose_plan(graph, discover_risks(graph), {"/cmd_vel": ()}, only_motion=True)
+        assert [grcn.topic for grcn in plan.grcn] == ["/cmd_vel"]
 
 
 class TestQueues:

@@ -39,6 +39,10 @@ FromRun = Annotated[
 PlanOfRun = Annotated[
     Path | None, typer.Option("--plan", metavar="rtron.yaml", help="The plan of that run.")
 ]
+EveryRisk = Annotated[
+    bool,
+    typer.Option("--every-risk", help="Also observe what moves nothing: images, transforms."),
+]
 Format = Annotated[TextOrJson, typer.Option(help="With --from-run: a report, or JSON.")]
 
 
@@ -50,13 +54,15 @@ def plan(
     output: Output = None,
     from_run: FromRun = None,
     plan_file: PlanOfRun = None,
+    every_risk: EveryRisk = False,
     format: Format = TextOrJson.TEXT,
 ) -> Outcome:
     """Propose a plan: the coordination nodes for an app.
 
-    The scan finds which nodes can interfere. The plan says which coordination
-    nodes guard them, which flow has priority and what is blocked. Edit it: set
-    the priorities, then run `rtron check`.
+    The scan finds what moves the robot and which nodes command it. The plan
+    says which coordination nodes guard that, which flow has priority and what
+    is blocked. Edit it: set the priorities, then run `rtron check`. With
+    --every-risk it also observes the topics of risks that move nothing.
 
     $ rtron plan graph.json                show the proposal
     $ rtron plan src --launch pkg/app.launch -o rtron.yaml
@@ -88,10 +94,12 @@ def plan(
         return _fit_to_run(from_run, plan_file, output, format)
     if plan_file:
         raise InputError("--plan needs --from-run", help="`rtron check` checks a plan")
-    return _propose(selection, name_lists, output)
+    return _propose(selection, name_lists, output, every_risk=every_risk)
 
 
-def _propose(selection: "AppSelection", name_lists: Path | None, output: Path | None) -> Outcome:
+def _propose(
+    selection: "AppSelection", name_lists: Path | None, output: Path | None, *, every_risk: bool
+) -> Outcome:
     from rtron.coherence import guards_nothing
     from rtron.planning.plan_file.writer import write_plan
     from rtron.reports.plan.plan_text import plan_text
@@ -103,7 +111,7 @@ def _propose(selection: "AppSelection", name_lists: Path | None, output: Path | 
     with show_progress() as progress:
         app = select_app(selection, progress)
         graph = app.source.read()
-    proposed = propose(scan_graph(graph, name_lists))
+    proposed = propose(scan_graph(graph, name_lists), every_risk=every_risk)
     exit_code = FINDINGS if guards_nothing(proposed.plan) else OK
     if output == STDOUT:
         print_to_stderr(*((NOTHING_GUARDED,) if exit_code else ()))
@@ -113,7 +121,8 @@ def _propose(selection: "AppSelection", name_lists: Path | None, output: Path | 
         app_launch = next(iter((*app.launches, *selection.source.launches)), None)
         next_step = _instrument_command(app_launch, output, proposed.plan.ros)
     else:
-        next_step = f"rtron plan {app.arguments} -o {PLAN_FILE}"
+        option = " --every-risk" if every_risk else ""
+        next_step = f"rtron plan {app.arguments}{option} -o {PLAN_FILE}"
     text = plan_text(
         proposed.plan,
         "" if exit_code else next_step,

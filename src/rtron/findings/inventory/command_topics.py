@@ -7,6 +7,7 @@ from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.derived_commands import DerivedCommands
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import may_be_command, thing_of, thing_of_node
 from rtron.findings.measurement_names import may_be_measured
@@ -52,7 +53,7 @@ class CommandTopics:
         """Return what a topic moves; where it only says that it commands, what its nodes move."""
         if topic in self.locks or self.app.is_stop(topic):
             return Thing.STOP
-        thing = self._things.get(topic) or Thing.DEVICE
+        thing = self._things.get(topic) or self._derived.get(topic, Thing.DEVICE)
         if thing is Thing.BASE and self._has_arm and self._moves_tool(topic):
             return Thing.ARM
         nodes = (*self.app.publishers(topic), *self.app.readers(topic))
@@ -109,10 +110,17 @@ class CommandTopics:
         """The topics that command motion, and what nodes with a device obey."""
         motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
         motion |= set(filter(self._is_joy_command, self._things))
-        found = (motion | self.locks) - self._action_topics
+        found = (motion | self.locks | self._derived.keys()) - self._action_topics
         for node in filter(self.roles.is_called_driver, self.app.nodes):
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
         return frozenset(found | set(filter(self._switches, self._things)))
+
+    @cached_property
+    def _derived(self) -> dict[str, Thing]:
+        """What nodes make of the commands that their types and names tell, with what it moves."""
+        known = {t: self._things[t] for t in self.app.motion_topics if not self.app.is_stop(t)}
+        moving = {topic: thing for topic, thing in known.items() if thing}
+        return DerivedCommands(self.app, self.roles).find(moving)
 
     def _is_joy_command(self, topic: str) -> bool:
         """Return whether a message of a joystick's type is a command by its name, as DJI's are."""
@@ -151,6 +159,8 @@ class CommandTopics:
         facts = self.app.facts
         if end.implicit or end.topic in self._action_topics:
             return False
+        if end.topic in self._derived:
+            return True
         if facts.lists.ignores_topic(end.topic) or facts.lists.ignores_type(end.type):
             return False
         return facts.classify(end.topic).domain is not Domain.PERCEPTION and self._moves(end.topic)

@@ -13,6 +13,8 @@ from rtron.findings.inventory.requests import actions, services
 from rtron.vocabulary.inventory import NO_MOTION, SWITCHES, Command, Means, Thing
 
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
+_SETPOINTS = ("desired_", "target_", "reference_", "commanded_")
+"""How names begin of what a controller is to reach; it may tell of it, too."""
 _AUTOPILOTS = ("/mavros/", "/dji_sdk/", "/fmu/in/")
 """Names of autopilots' topics and services: MAVROS, DJI's Onboard SDK, PX4 by uXRCE-DDS."""
 
@@ -45,8 +47,9 @@ class AppCommands:
             receivers = command.receivers
             is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
             is_sent = command.senders and (thing not in SWITCHES or _is_of_autopilot(topic))
-            is_report = self.forwarding.is_feedback(topic) or self._is_reading(command)
-            has_sides = bool(receivers or is_sent) and not is_report
+            is_report = self._is_reading(command) or self._is_echo(command)
+            is_command = not (is_report or self.forwarding.is_feedback(topic))
+            has_sides = bool(receivers or is_sent) and is_command
             if topic in self.topics.locks or (
                 has_sides and not (is_vague or self._is_forwarded(command))
             ):
@@ -56,6 +59,18 @@ class AppCommands:
         """Return whether what nobody here obeys is a reading: its senders measure their motion."""
         is_open = not command.receivers and not COMMAND_NAMES.search(command.name)
         return is_open and bool(command.senders) and all(map(self._is_measured, command.senders))
+
+    def _is_echo(self, command: Command) -> bool:
+        """Return whether nobody obeys a setpoint whose senders send others that are obeyed."""
+        is_setpoint = command.name.rpartition("/")[2].startswith(_SETPOINTS)
+        is_open = is_setpoint and not command.receivers and bool(command.senders)
+        return is_open and self._obeyed.issuperset(command.senders)
+
+    @cached_property
+    def _obeyed(self) -> frozenset[str]:
+        """The nodes whose commands somebody here obeys."""
+        commands = map(self.topics.command, self._command_topics)
+        return frozenset(chain.from_iterable(c.senders for c in commands if c.receivers))
 
     def _is_measured(self, node: str) -> bool:
         is_driver = self.roles.drives(node) or node in self._drivers

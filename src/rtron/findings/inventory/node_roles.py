@@ -25,9 +25,11 @@ _DRIVER_PACKAGES = (
 _SCANS_AND_IMAGES = frozenset(
     {"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"}
 )
+_SHOWING = r"lights?|leds?|lcd|sound|display\w*|speech\w*"
+"""Words in the names of nodes that show or sound, also where they open hardware for it."""
 _LISTENERS = re.compile(
-    r"(?:filter|locali[sz]|odom|estimat|ekf|record|visuali|display|plot|speech|marker)\w*"
-    r"|lights?|lcd|sound|gui"
+    r"(?:filter|locali[sz]|odom|estimat|ekf|record|visuali|plot|marker)\w*"
+    rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status"
 )
 """Words in the names of nodes that hear commands and obey none."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
@@ -97,10 +99,11 @@ class NodeRoles:
     @cached_property
     def _listeners(self) -> frozenset[str]:
         """The nodes whose names say that they obey nothing, and that command nothing."""
-        named = {node.name for node in self.app.graph.nodes if _is_named_listener(node)}
+        named = {n.name for n in self.app.graph.nodes if _has_word(n, _LISTENERS)}
+        showing = {n.name for n in self.app.graph.nodes if _has_word(n, re.compile(_SHOWING))}
         sends = self.app.graph.published_by
         commands = (n for n in named if any(self.app.is_motion(e.topic) for e in sends(n)))
-        drivers = (node for node in named if self.drives(node) or self.is_called_driver(node))
+        drivers = (n for n in named - showing if self.drives(n) or self.is_called_driver(n))
         return frozenset(named.difference(commands, drivers))
 
     def drives(self, node: str) -> bool:
@@ -135,6 +138,6 @@ def unread_drivers(app: AppFacts) -> list[str]:
     return [n.name for n in nodes if moves(n.name, n.package) and not is_called_sensor(n)]
 
 
-def _is_named_listener(node: Node) -> bool:
+def _has_word(node: Node, pattern: re.Pattern[str]) -> bool:
     words = re.split(r"[_\-\s]+", f"{node.name.rpartition('/')[2]} {node.package}".lower())
-    return any(map(_LISTENERS.fullmatch, words))
+    return any(map(pattern.fullmatch, words))

@@ -136,6 +136,11 @@ def may_be_command(name: str, type: str) -> bool:
     return not (is_other or is_harmless(name, type))
 
 
+def may_be_derived(name: str, type: str) -> bool:
+    """Return whether what is made of a command may be one: states may be those that wheels get."""
+    return may_be_command(re.sub(r"_?states?$", "", name.rstrip("/")) or name, type)
+
+
 def _is_of_nav2(type: str) -> bool:
     """Return whether a type is one of Nav2's that moves nothing: its goals do."""
     return type.startswith("nav2_msgs/") and not _by_type(type, _TYPES)

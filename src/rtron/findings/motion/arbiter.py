@@ -28,6 +28,7 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, NodeParameterValue
 from rtron.vocabulary.remap_rules import expand_name
+from rtron.vocabulary.ros_packages import are_one_stack
 from rtron.wording import join_names
 
 ARBITER_PACKAGES = frozenset(
@@ -45,8 +46,6 @@ ARBITER_PACKAGES = frozenset(
 )
 _SOURCE = re.compile(r"(?P<kind>topics|locks)\.(?P<name>[^.]+)\.(?P<key>topic|priority)")
 """The parameters of an input or a lock (ROS package twist_mux)."""
-_STACKS = (("nav2_", "opennav_"), ("move_base", "moveit"), ("autoware_",), ("gazebo_", "ros_gz"))
-"""Prefixes of packages whose nodes take turns among themselves."""
 _SAFETY_PACKAGES = ("nav2_collision_monitor",)
 """Arbiters that keep the robot from harm: who passes one by matters in every stack."""
 
@@ -114,8 +113,7 @@ def is_one_stack(app: AppFacts, nodes: tuple[str, ...]) -> bool:
     """Return whether nodes belong to one stack, which lets one of them drive at a time."""
     packages = {app.nodes[node].package if node in app.nodes else "" for node in nodes}
     is_passed_by = len(nodes) > 1 and not packages.isdisjoint(_SAFETY_PACKAGES)
-    is_stack = any(all(package.startswith(stack) for package in packages) for stack in _STACKS)
-    return is_stack and not is_passed_by
+    return are_one_stack(packages) and not is_passed_by
 
 
 def _motion(app: AppFacts, topics: list[str]) -> tuple[str, ...]:

@@ -35,6 +35,7 @@ from rtron.vocabulary import (
     Node,
     UnresolvedItem,
 )
+from rtron.vocabulary.ros_packages import CARRIER_PACKAGES
 from rtron.wording import join_names
 
 _BRIDGES = {
@@ -47,11 +48,6 @@ _BRIDGES = {
     "tcp_ros_bridge": "TCP clients can publish on every topic",
     "ros_tcp_endpoint": "TCP clients can publish on every topic",
 }
-_CARRIERS = frozenset(
-    {*_BRIDGES, "mqtt_bridge", "mqtt_client", "domain_bridge", "ros1_bridge", "micro_ros_agent"}
-    | {"zenoh_bridge_ros2dds", "zenoh_bridge_dds"}
-)
-"""Packages whose nodes speak on any topic for others; remaps move what these say, or nothing."""
 _LINKS = {"mavros": ("gcs_url", "a ground station on its link commands the vehicle")}
 """Nodes that forward commands only where a parameter opens a link (wiki.ros.org/mavros)."""
 _LINK_TOPIC = "/mavlink_source"
@@ -144,7 +140,7 @@ def bridges(app: AppFacts) -> list[str]:
 
 def carriers(app: AppFacts) -> frozenset[str]:
     """Return the nodes that publish and subscribe for others, which are not nodes of the app."""
-    return frozenset(node.name for node in app.graph.nodes if node.package in _CARRIERS)
+    return frozenset(node.name for node in app.graph.nodes if node.package in CARRIER_PACKAGES)
 
 
 def _included_bridges(app: AppFacts) -> dict[str, list[UnresolvedItem]]:

@@ -41,7 +41,7 @@ _MOVERS = frozenset(
     {"base", "driver", "motor", "motors", "wheel", "wheels", "chassis", "controller", "drive"}
     | {"serial", "rosserial", "firmware", "mcu", "vesc", "roboclaw", "arduino", "teensy"}
     | {"kinematics", "differential", "sdk", "servo", "servos", "hardware", "relayboard"}
-    | {"arm", "gripper", "manipulator", "autopilot", "drone"}
+    | {"arm", "gripper", "manipulator", "autopilot", "drone", "thruster", "thrusters"}
 )
 """Words in the names of nodes and packages that move a robot."""
 _REQUESTS = ("px4_msgs/VehicleCommand",)

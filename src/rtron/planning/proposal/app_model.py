@@ -6,8 +6,8 @@ from functools import cached_property
 
 from rtron.messages.common.definition_registry import DefinitionRegistry
 from rtron.planning.app_topics import action_servers, action_topics, all_topics
+from rtron.planning.command_sources import CommandSources
 from rtron.planning.plan_file.fields import NODE_NAME, TOPIC_NAME, TYPE_NAME
-from rtron.planning.proposal.publisher_ranking import PublisherRanking
 from rtron.vocabulary import (
     Domain,
     InteractionGraph,
@@ -97,7 +97,7 @@ class AppModel:
         Who cancels goals publishes them too: both are one way to the server.
         """
         nodes = {e.node for name in self._client_topics(topic) for e in self.graph.publishers(name)}
-        return self._ranking.sort(filter(NODE_NAME.matches, nodes))
+        return self._sources.sort(filter(NODE_NAME.matches, nodes))
 
     def successors(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that the output goes to.
@@ -111,6 +111,12 @@ class AppModel:
         nodes = {e.node for e in self.graph.subscribers(topic)} - viewers_only
         nodes |= set(self.last_commands.get(topic, ())).difference(publishers)
         return tuple(sorted(filter(NODE_NAME.matches, nodes)))
+
+    def moves(self, topic: str) -> bool:
+        """Tell whether a topic moves the robot, and more than parts of one process or stack."""
+        nodes = {*self.publishers(topic), *self.successors(topic)}
+        is_moving = self.classify(topic).domain in _MOVING and not self._sources.is_internal(nodes)
+        return topic in self.last_commands or is_moving
 
     def type_of(self, topic: str) -> str:
         """Return the type that the publishers use, or else the subscribers."""
@@ -160,6 +166,5 @@ class AppModel:
         return (topic, ros1_topic_name(topic.rpartition("/")[0], Ros1ActionTopic.CANCEL))
 
     @cached_property
-    def _ranking(self) -> PublisherRanking:
-        nodes = {node.name: node for node in self.graph.nodes}
-        return PublisherRanking(self.graph, self.servers, self.viewers, nodes)
+    def _sources(self) -> CommandSources:
+        return CommandSources(self.graph, self.servers, self.viewers)

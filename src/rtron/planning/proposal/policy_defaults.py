@@ -59,15 +59,23 @@ def propose_plan(
     graph: InteractionGraph,
     report: RiskReport,
     last_commands: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
+    *,
+    only_motion: bool = False,
 ) -> Plan:
     """Return a plan with a GRCN for each topic of a general risk, and the others as risks ask.
+
+    With `only_motion` the GRCNs are only those of what moves the robot: none that observes a topic
+    of Perception, Drivers or Others, and none of what goes round in one process or one stack
+    (Nav2's servers, MoveIt Servo): the command that leaves it has one.
 
     `last_commands` are topics that nodes next to the hardware obey, or that leave the app, each
     with the nodes that may obey it and were not read. Each has a GRCN though only one node, or
     none, is known to publish or to obey it, which keeps others out.
     """
     app = AppModel.from_graph(graph, report, last_commands)
-    found = (_grcn(app, name) for name in _risky_topics(app) if app.can_guard(name))
+    guardable = filter(app.can_guard, _risky_topics(app))
+    topics = filter(app.moves, guardable) if only_motion else guardable
+    found = (_grcn(app, name) for name in topics)
     grcn = with_distinct_ids(_with_fitting_queue(app, each) for each in found)
     enforced = {node.topic for node in grcn if node.mode is Mode.ENFORCE}
     monitors = fps_monitors(app)
@@ -81,10 +89,13 @@ def propose_plan(
     )
 
 
-def unguardable_topics(graph: InteractionGraph, report: RiskReport) -> tuple[PlanProblem, ...]:
+def unguardable_topics(
+    graph: InteractionGraph, report: RiskReport, *, only_motion: bool = False
+) -> tuple[PlanProblem, ...]:
     """Return a warning for each risky topic, and each publisher of one, that no plan can guard."""
     app = AppModel.from_graph(graph, report, {})
     risky = sorted({topic for risk in report.risks for topic in risk.topics})
+    risky = list(filter(app.moves, risky)) if only_motion else risky
     nodes = sorted({e.node for topic in risky for e in app.graph.publishers(topic)})
     unnamed = [topic for topic in risky if not TOPIC_NAME.matches(topic)]
     unnamed += [node for node in nodes if not NODE_NAME.matches(node)]

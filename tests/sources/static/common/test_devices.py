@@ -277,3 +277,33 @@ def test_so_many_files_are_searched(facts, monkeypatch):
 
 def test_of_a_program_that_is_not_there_nothing_is_told(facts):
     assert facts(python("import serial"), "ghost") == {}
+
+
+_TOOLS = {
+    "robot/__init__.py": "",
+    "robot/tools/__init__.py": "from .ports import Port, find_port\nfrom .angles import wrap\n",
+    "robot/tools/ports.py": "import serial\n",
+    "robot/tools/angles.py": "import math\n",
+}
+
+
+@pytest.mark.parametrize(
+    ("line", "is_used"),
+    [
+        ("from robot.tools import wrap", False),
+        ("from robot.tools import (\n    wrap,\n)", False),
+        ("from robot.tools import wrap, Port", True),
+        ("from robot.tools import (\n    wrap,\n    Port,\n)", True),
+        ("from robot.tools import wrap\nfrom robot.tools import Port", True),
+        ("import robot.tools", True),
+        ("from robot.tools import unknown", True),
+    ],
+)
+def test_a_package_that_hands_names_on_opens_what_the_node_takes_of_it(facts, line, is_used):
+    found = facts({**_TOOLS, **python(line)})
+    assert (("device", "serial port") in found) is is_used
+
+
+def test_a_package_that_is_called_like_a_vendor_is_no_hardware(facts):
+    assert facts(python("from niryo_robot_utils import sentry_init")) == {}
+    assert ("device", "vendor SDK") in facts(python("from pyniryo import NiryoRobot"))

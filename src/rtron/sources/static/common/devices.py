@@ -26,7 +26,7 @@ _LIBRARIES = {
     r"|sabertooth|tmc\d{4}|moteus",
     "vehicle link": r"pymavlink|mavsdk|dronekit|mavlink/v2\.0|djitellopy|olympe|dji_vehicle\.hpp",
     "vendor SDK": r"unitree_(?:legged_)?sdk|bosdyn|xarm\.wrapper|ugv_sdk|franka/robot|ur_rtde"
-    r"|ur_client_library|kortex|niryo|pymycobot|aubo_sdk",
+    r"|ur_client_library|kortex|\bpyniryo|pymycobot|aubo_sdk",
 }
 """What stands on a line that imports or includes the library of a device, its messages apart.
 

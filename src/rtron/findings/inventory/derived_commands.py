@@ -1,0 +1,84 @@
+"""The commands that nodes make of others, whatever these are called: wheel states, pulses, frames.
+
+A node obeys a known command and does not stand next to hardware: then what it sends to a driver is
+a command, too, though neither name nor type says so. Where nobody in the app hears what it sends,
+arrays of numbers with a name that moves something leave the app, for firmware; a single number may
+be a reading, unless the node is called like a driver.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.node_roles import NodeRoles
+from rtron.findings.inventory.things import may_be_derived, thing_of
+from rtron.vocabulary import Endpoint, normalise_type
+from rtron.vocabulary.inventory import NO_MOTION, Means, Thing
+
+_NUMBER = re.compile(r"std_msgs/(?:U?Int|Float)\d+")
+_NUMBERS = re.compile(rf"{_NUMBER.pattern}MultiArray|geometry_msgs/Wrench(?:Stamped)?")
+_REPORTS = re.compile(r"error|debug|feedback|actual|measured|current|target|desired|reference")
+"""Words in the names of what a controller tells of its work."""
+
+
+@dataclass(frozen=True)
+class DerivedCommands:
+    """Finds the commands that are made of others."""
+
+    app: AppFacts
+    roles: NodeRoles
+
+    def find(self, known: Mapping[str, Thing]) -> dict[str, Thing]:
+        """Return the topics that nodes make of `known` commands, each with what it moves.
+
+        What is made of several moves the first of `Thing`.
+        """
+        found: dict[str, Thing] = {}
+        order = list(Thing)
+        pending = [(t, thing) for t, thing in known.items() if thing not in NO_MOTION]
+        pending.sort(key=lambda each: order.index(each[1]), reverse=True)
+        while pending:
+            topic, thing = pending.pop()
+            for end in self._made_of(topic, known.keys() | found.keys()):
+                found[end.topic] = self._thing(end, thing)
+                pending.append((end.topic, found[end.topic]))
+        return found
+
+    def _made_of(self, topic: str, known: Iterable[str]) -> Iterator[Endpoint]:
+        """Yield the endpoints that send what is made of a topic and was not known before."""
+        senders = self.app.publishers(topic)
+        for node in self.app.readers(topic):
+            if self.roles.obeys(node) and not self.roles.drives(node) and node not in senders:
+                outputs = [end for end in self.app.graph.published_by(node) if _is_free(end)]
+                driving = [end for end in outputs if self._is_driven(end, {node, *senders})]
+                is_last = not driving and not any(end.topic in known for end in outputs)
+                yield from (end for end in driving if end.topic not in known)
+                yield from filter(self._leaves, outputs) if is_last else ()
+
+    def _is_driven(self, end: Endpoint, others: set[str]) -> bool:
+        readers = set(self.app.readers(end.topic)) - others
+        return may_be_derived(end.topic, end.type) and any(
+            map(self.roles.is_called_driver, readers)
+        )
+
+    def _leaves(self, end: Endpoint) -> bool:
+        """Return whether nobody here hears numbers whose name moves something."""
+        if self.app.readers(end.topic) or _REPORTS.search(end.topic.rpartition("/")[2]):
+            return False
+        type = normalise_type(end.type)
+        is_number = _NUMBER.fullmatch(type) and self.roles.is_called_driver(end.node)
+        may_leave = bool(_NUMBERS.fullmatch(type) or is_number)
+        return may_leave and self._named(end) not in {None, Thing.DEVICE, *NO_MOTION}
+
+    def _thing(self, end: Endpoint, source: Thing) -> Thing:
+        """Return what a command moves: what it says, else what the command moves it is made of."""
+        named = self._named(end)
+        return source if named in {None, Thing.DEVICE, *NO_MOTION} else named or source
+
+    def _named(self, end: Endpoint) -> Thing | None:
+        return thing_of(end.topic, end.type, Means.TOPIC)
+
+
+def _is_free(end: Endpoint) -> bool:
+    return not end.implicit and "{" not in end.topic

@@ -1,0 +1,17 @@
+"""What is known of packages of the ROS distributions, whatever app uses them."""
+
+from collections.abc import Collection
+
+CARRIER_PACKAGES = frozenset(
+    {"rosbridge_server", "foxglove_bridge", "ros2_web_bridge", "zenoh_bridge_ros2dds"}
+    | {"zenoh_bridge_dds", "ddsrouter_tool", "tcp_ros_bridge", "ros_tcp_endpoint", "mqtt_bridge"}
+    | {"mqtt_client", "domain_bridge", "ros1_bridge", "micro_ros_agent"}
+)
+"""Packages whose nodes speak on any topic for others; remaps move what these say, or nothing."""
+_STACKS = (("nav2_", "opennav_"), ("move_base", "moveit"), ("autoware_",), ("gazebo_", "ros_gz"))
+"""Prefixes of packages whose nodes take turns among themselves."""
+
+
+def are_one_stack(packages: Collection[str]) -> bool:
+    """Return whether packages belong to one stack, whose nodes take turns among themselves."""
+    return any(all(package.startswith(stack) for package in packages) for stack in _STACKS)

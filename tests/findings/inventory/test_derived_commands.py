@@ -1,0 +1,72 @@
+"""What nodes make of commands moves the robot, whatever it is called."""
+
+import pytest
+from finding_graphs import TWIST, small_graph
+
+from rtron.findings import app_facts, take_inventory
+from rtron.vocabulary import WiringFact, WiringFactKind
+from rtron.vocabulary.inventory import Thing
+
+NAV = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
+WHEELS = f"/kinematics p own\n    sub /cmd_vel {TWIST}\n    pub /wheel_states p/msg/WheelStates\n"
+BOARD = """
+/wheel_driver p own
+    sub /wheel_states p/msg/WheelStates
+    pub /board/frames p/msg/Frame
+/lamp_driver p own
+    pub /board/frames p/msg/Frame
+/board p own
+    sub /board/frames p/msg/Frame
+"""
+
+
+def last_commands(text, device=""):
+    facts = (WiringFact(kind=WiringFactKind.DEVICE, subject=device, value="CAN"),)
+    movers = take_inventory(app_facts(small_graph(text, wiring=facts if device else ())))
+    return {each.name: mover.thing for mover in movers for each in mover.last_commands}
+
+
+def test_the_frames_for_a_board_are_what_moves_the_wheels():
+    assert last_commands(NAV + WHEELS + BOARD, "/board") == {"/board/frames": Thing.BASE}
+
+
+def test_states_that_a_driver_sends_are_no_command():
+    tells = (
+        f"/base_driver p own\n    sub /cmd_vel {TWIST}\n    pub /wheel_states p/msg/WheelStates\n"
+    )
+    hears = "/motor_display p own\n    sub /wheel_states p/msg/WheelStates\n"
+    assert last_commands(NAV + tells + hears, "/base_driver") == {"/cmd_vel": Thing.BASE}
+
+
+@pytest.mark.parametrize(
+    ("node", "topic", "type", "leaves"),
+    [
+        ("/allocator", "/board/drive_pulse", "std_msgs/msg/UInt16MultiArray", True),
+        ("/allocator", "/thrusters/left/wrench", "geometry_msgs/msg/WrenchStamped", True),
+        ("/allocator", "/speed", "std_msgs/msg/Float64", False),
+        ("/wheel_controller", "/left_wheel_speed", "std_msgs/msg/Float64", True),
+        ("/allocator", "/speed_error", "std_msgs/msg/Float32MultiArray", False),
+        ("/allocator", "/numbers", "std_msgs/msg/Float32MultiArray", False),
+        ("/allocator", "/wheel/path", "nav_msgs/msg/Path", False),
+    ],
+)
+def test_numbers_that_nobody_here_hears_leave_the_app(node, topic, type, leaves):
+    found = last_commands(f"{NAV}{node} p own\n    sub /cmd_vel {TWIST}\n    pub {topic} {type}\n")
+    assert (topic in found) is leaves
+
+
+def test_a_setpoint_beside_a_command_that_is_obeyed_only_tells():
+    told = f"    pub /desired_velocity {TWIST}\n"
+    found = last_commands(NAV + WHEELS + told + BOARD, "/board")
+    assert found == {"/board/frames": Thing.BASE}
+    alone = f"/nav nav own\n    pub /desired_velocity {TWIST}\n"
+    assert last_commands(alone) == {"/desired_velocity": Thing.BASE}
+
+
+@pytest.mark.parametrize("name", ["/log_collector", "/robot_status", "/led_node"])
+def test_who_keeps_a_log_or_shows_obeys_no_command(name):
+    base = f"/base_driver p own\n    sub /cmd_vel {TWIST}\n"
+    listener = f"{name} p own\n    sub /cmd_vel {TWIST}\n"
+    graph = small_graph(NAV + base + listener)
+    (mover,) = take_inventory(app_facts(graph))
+    assert mover.drivers == ("/base_driver",)
