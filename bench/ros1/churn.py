@@ -21,9 +21,7 @@ from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import AlarmKind, Plan, flow_topic
 
 _PAUSE_S = (0.0, 1.5)
-_KINDS = tuple(
-    f": {kind}:" for kind in AlarmKind if kind not in (AlarmKind.GUARD, AlarmKind.SUPERVISOR)
-)
+_KINDS = tuple(f": {kind}:" for kind in AlarmKind if kind is not AlarmKind.GUARD)
 """The alarms of the audit; those of the supervisor tell of guards that were killed here."""
 _NAV = ["rostopic", "pub", "-r", "20", "/cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.1}}"]
 

@@ -8,7 +8,7 @@ import pytest
 from bench.common import testbed
 from bench.soak.app import PROGRAMS, SoakedApp
 
-_WAIT = "print(flush=True); input()"
+_WAIT = "open('/proc/self/comm', 'w').write('rtron-{}'); print(flush=True); input()"
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def start(tmp_path):
 
     def start(program, folder=tmp_path):
         process = subprocess.Popen(
-            [sys.executable, "-c", _WAIT, f"rtron-{program}_program"],
+            [sys.executable, "-c", _WAIT.format(program)],
             env={"ROS_HOME": str(folder)},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

@@ -16,6 +16,7 @@ from rtron.vocabulary import (
     unstamped_type,
 )
 from rtron.vocabulary.launch import canonical_name, resolve_name
+from rtron.vocabulary.names import are_nested
 
 parts = st.text("ab_/~", max_size=8)
 
@@ -118,3 +119,19 @@ def test_a_name_may_be_one_that_is_known_in_part(name, open_name, fits):
 
 def test_the_topics_of_a_lease_are_private():
     assert lease_topic("base", "request") == f"{PRIVATE_ROOT}/leases/base/request"
+
+
+@pytest.mark.parametrize(
+    ("namespace", "other", "expected"),
+    [
+        ("", "", True),
+        ("", "/a", True),
+        ("/a", "/a", True),
+        ("/a/b", "/a", True),
+        ("/a", "/ab", False),
+        ("/a/b", "/a/c", False),
+    ],
+)
+def test_namespaces_that_are_nested(namespace, other, expected):
+    assert are_nested(namespace, other) is expected
+    assert are_nested(other, namespace) is expected

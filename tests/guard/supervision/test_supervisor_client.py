@@ -62,7 +62,7 @@ class ConnectedGuard:
 
     def close(self):
         self.tie.close()
-        for sock in (self.supervisor, self.life):
+        for sock in (self.supervisor, self.life, self.tie._name):
             sock.close()
 
 

@@ -57,12 +57,10 @@ def connects(place):
 
 
 def test_nobody_listens_at_first(place):
-    assert not place.is_taken()
     assert not connects(place)
 
 
 def test_one_process_has_the_place_and_is_found(place, other):
-    assert place.is_taken()
     assert connects(place)
     with pytest.raises(SourceError, match="has a bulk process already"):
         place.listen()
@@ -71,7 +69,6 @@ def test_one_process_has_the_place_and_is_found(place, other):
 def test_the_place_is_free_when_its_process_was_killed(place, other):
     other.kill()
     other.wait()
-    assert not place.is_taken()
     assert not connects(place)
     with place.listen():
         assert connects(place)
@@ -79,7 +76,6 @@ def test_the_place_is_free_when_its_process_was_killed(place, other):
 
 def test_another_plan_has_another_place(other):
     with closing(BulkSocket(uuid4().hex)) as place:
-        assert not place.is_taken()
         assert not connects(place)
 
 
