@@ -1,11 +1,21 @@
 """The driven base under a guard that is linked to a security service, as their users run them."""
 
+from pathlib import Path
+
 from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
 from harness import NODES, ROS_PYTHON, wait_for
 
 ROBOT = "r1"
 OUT = f"/rtron{CMD_VEL}/out"
 FLOW1, FLOW2 = (f"/rtron{CMD_VEL}/flow{number}" for number in (1, 2))
+
+
+def _proc(pid, file):
+    return Path(f"/proc/{pid}/{file}").read_text()
+
+
+def _children(pid):
+    return _proc(pid, f"task/{pid}/children").split()
 
 
 class LinkedApp:
@@ -39,6 +49,12 @@ class LinkedApp:
     def attack_by_hand(self, rate=50):
         """Start a node that the plan does not know."""
         return self.ros1.node("rogue.py", "/by_hand", str(rate))
+
+    def process(self, name):
+        """Return the process of the guard that is called so."""
+        (server,) = _children(self.guard.pid)
+        named = (pid for pid in _children(server) if _proc(pid, "comm").strip() == name)
+        return next(named)
 
     def rests(self):
         """Tell whether the driver was told to rest last."""

@@ -380,10 +380,12 @@ def listens(made):
 
 
 @pytest.mark.parametrize("text", [b"", b"{", b"[]", b'{"type":"stored","run":"r","number":1}'])
-def test_settings_that_cannot_be_read_are_none(tmp_path, text):
+def test_settings_that_cannot_be_read_are_an_error(tmp_path, text):
     path = tmp_path / "settings.json"
-    path.write_bytes(text)
     assert read_settings(path, machine_time()) is None
+    path.write_bytes(text)
+    with pytest.raises(SourceError, match="a stop may be among them"):
+        read_settings(path, machine_time())
 
 
 def test_settings_are_kept_whole(tmp_path):

@@ -10,6 +10,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.settings_file import write_settings
 from rtron.guard.settings.in_force import SettingsInForce
+from rtron.guard.settings.saved_settings import settings_at_start
 from rtron.guard.settings.saved_stop import SavedStop
 from rtron.guard.system.machine_time import machine_time
 from rtron.vocabulary import EmergencyStop, Settings
@@ -81,6 +82,31 @@ def test_a_file_that_cannot_be_read_stops_nothing_and_ends_nothing(watching, con
     assert not watching.looks()
     watching.write(Settings(revision=2, stop=STOP))
     wait_for(watching.stops, what="the stop")
+
+
+def begin(watching):
+    settings_at_start(watching.settings, watching.options)
+    return watching.settings
+
+
+@pytest.mark.parametrize("content", [b"", b"\0" * 99, b'{"type": "settings", "set'])
+def test_a_guard_that_begins_and_cannot_read_them_is_stopped_until_the_service_says(
+    watching, content
+):
+    watching.options.settings_file.write_bytes(content)
+    assert begin(watching).is_stopped
+    assert "a stop may be among them" in watching.settings.current.stop.reason
+    assert watching.settings.apply(Settings(revision=6)) == ""
+    assert not watching.settings.is_stopped
+
+
+def test_a_folder_in_the_place_of_the_settings_is_a_stop(watching):
+    watching.options.settings_file.mkdir()
+    assert begin(watching).is_stopped
+
+
+def test_a_guard_that_begins_without_settings_is_not_stopped(watching):
+    assert not begin(watching).is_stopped
 
 
 def test_a_disk_that_hangs_keeps_the_loop_from_nothing(watching):

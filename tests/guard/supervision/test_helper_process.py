@@ -12,10 +12,15 @@ import pytest
 from harness import wait_for
 
 from rtron.guard.supervision.helper_process import (
+    HANG_TIMEOUT,
+    LONGEST_HANG,
     MAX_RESTART_DELAY,
     MIN_RESTART_DELAY,
+    START_TIMEOUT,
     HelperProcess,
 )
+from rtron.guard.supervision.watchdog import BEAT_PERIOD
+from rtron.guard.system.beat import Beat
 from rtron.vocabulary import SECOND
 
 
@@ -110,6 +115,66 @@ def test_one_that_ran_for_long_is_started_again_soon(helper):
     end(helper)
     helper.tick(now)
     assert helper.process is not lasting
+
+
+class Watched:
+    """A process that beats when the test says so, and the supervisor's looks at it."""
+
+    def __init__(self, helper, beat):
+        self.helper, self.beat = helper, beat
+        self.now = 0
+        helper.tick(0)
+        self.process = helper.process
+
+    def look_for(self, duration, *, beats=False):
+        for _ in range(duration // BEAT_PERIOD):
+            self.now += BEAT_PERIOD
+            if beats and self.now % Beat.PERIOD == 0:
+                self.beat.at = self.now
+            self.helper.tick(self.now)
+
+
+@pytest.fixture
+def watched(order):
+    beat = Beat.create()
+    helper = HelperProcess(
+        Starter(sys.executable, "-c", CODE), order, "link_program:main", beat=beat
+    )
+    yield Watched(helper, beat)
+    helper.stop()
+
+
+def test_one_that_beats_is_left_alone(watched):
+    watched.look_for(SECOND, beats=True)
+    watched.look_for(HANG_TIMEOUT - SECOND // 10)
+    watched.look_for(3 * SECOND, beats=True)
+    assert watched.helper.process is watched.process
+    assert watched.process.poll() is None
+
+
+def test_one_that_stands_still_is_killed_and_the_next_has_time_to_start(watched):
+    watched.look_for(5 * SECOND, beats=True)
+    watched.look_for(HANG_TIMEOUT + SECOND // 10)
+    assert watched.process.wait(20)
+    assert watched.process.poll() == -signal.SIGKILL
+    watched.look_for(SECOND // 10)
+    following = watched.helper.process
+    assert following is not watched.process
+    assert watched.beat.at == 0
+    watched.look_for(START_TIMEOUT - SECOND)
+    assert following.poll() is None
+    watched.look_for(2 * SECOND)
+    assert following.wait(20)
+
+
+def test_one_that_is_late_again_and_again_has_longer(watched):
+    for _ in range(5):
+        watched.look_for(SECOND)
+        watched.beat.at = watched.now
+    watched.look_for(HANG_TIMEOUT + SECOND // 2)
+    assert watched.process.poll() is None
+    watched.look_for(LONGEST_HANG)
+    assert watched.process.wait(20)
 
 
 def test_it_is_told_to_end(helper):

@@ -1,5 +1,8 @@
 """A real app under guard, and the service that it is linked to: both as their users run them."""
 
+import os
+import signal
+
 import pytest
 from driven_base import CMD_VEL_GUARD
 from harness import wait_for
@@ -57,6 +60,16 @@ def test_an_emergency_stop_holds_through_a_restart_of_the_guard(app):
     body = {"reason": "it was steam", "revision": app.robot()["revision"]}
     app.service.request(f"/api/v1/robots/{ROBOT}/stop", "DELETE", body)
     wait_for(lambda: len(app.driven.navigation()) > heard, what="navigation again")
+
+
+def test_an_emergency_stop_arrives_although_the_link_process_stands_still(app):
+    app.navigate()
+    link = int(app.process("rtron-link"))
+    os.kill(link, signal.SIGSTOP)
+    answer = app.service.request(f"/api/v1/robots/{ROBOT}/stop", "POST", {"reason": "smoke"})
+    assert answer["outcome"] == "pending"
+    wait_for(app.rests, what="the stop")
+    assert "link_program stands still: it is killed" in app.guard.log
 
 
 @pytest.mark.long

@@ -18,10 +18,11 @@ from rtron.guard.link.plan_intake import PlanIntake, PutInForce
 from rtron.guard.link.service_connection import ServiceConnection
 from rtron.guard.link.settings_file import read_settings, write_settings
 from rtron.guard.link.spool import Spool
+from rtron.guard.system.beat import Beat
 from rtron.guard.system.machine_time import machine_time
 from rtron.guard.system.process_priority import lower_priority
 from rtron.guard.system.unix_socket import peer_credentials
-from rtron.vocabulary import GuardEvent, Settings
+from rtron.vocabulary import SECOND, GuardEvent, Settings
 from rtron.wire.common.link_protocol import (
     MAX_MESSAGE_BYTES,
     Applied,
@@ -88,7 +89,7 @@ class Relay:
         self._guard_writer: LineWriter | None = None
         self._serving: set[asyncio.Task[None]] = set()
         self._has_guard = False
-        self._settings = read_settings(options.settings_file, machine_time())
+        self._settings = _saved_settings(options)
         self._former_settings = self._settings
         self._parent = os.getppid()
 
@@ -305,13 +306,30 @@ def _shifted(settings: Settings, ahead: int) -> Settings:
     return replace(settings, overrides=overrides)
 
 
-def run_relay(options: LinkOptions, put_in_force: PutInForce) -> None:
-    """Be the link process until told to end."""
+def _saved_settings(options: LinkOptions) -> Settings | None:
+    """Return the settings that were kept; where they cannot be read, the guard stops the robot."""
+    try:
+        return read_settings(options.settings_file, machine_time())
+    except SourceError as error:
+        log.error("%s", error)  # noqa: TRY400 - the reason is in it
+        return None
+
+
+def run_relay(options: LinkOptions, put_in_force: PutInForce, beat: Beat) -> None:
+    """Be the link process until told to end; `beat` for the supervisor while it is well."""
     lower_priority(_NICE)
-    asyncio.run(_run(options, put_in_force))
+    asyncio.run(_run(options, put_in_force, beat))
 
 
-async def _run(options: LinkOptions, put_in_force: PutInForce) -> None:
+async def _run(options: LinkOptions, put_in_force: PutInForce, beat: Beat) -> None:
     ended = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ended.set)
+    beating = asyncio.create_task(_keep_beating(beat))
     await Relay(options, put_in_force).run(ended)
+    beating.cancel()
+
+
+async def _keep_beating(beat: Beat) -> None:
+    while True:
+        beat.at = time.monotonic_ns()
+        await asyncio.sleep(Beat.PERIOD / SECOND)

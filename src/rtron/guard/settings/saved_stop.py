@@ -3,14 +3,18 @@
 Settings come by the bulk process, which may be away, hang or be busy with pictures.
 """
 
+import logging
 from functools import partial
 
+from rtron.errors import SourceError
 from rtron.guard.core.event_loop import BackgroundWorker, EventLoop
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.settings_file import read_settings
 from rtron.guard.settings.in_force import SettingsInForce
 from rtron.guard.system.machine_time import machine_time
 from rtron.vocabulary import EmergencyStop, Settings
+
+log = logging.getLogger(__name__)
 
 _PERIOD_S = 0.1
 
@@ -49,7 +53,11 @@ class SavedStop:
         if written_at == self._read_at:
             return
         self._read_at = written_at
-        saved = read_settings(self._file, machine_time())
+        try:
+            saved = read_settings(self._file, machine_time())
+        except SourceError as error:  # not at the start: what is in force is known
+            log.error("%s", error)  # noqa: TRY400 - the reason is in it
+            return
         if saved and saved.stop:
             self._loop.post(partial(self._stop, saved, saved.stop))
 

@@ -1,10 +1,12 @@
-"""A process beside the guard: started, started again when it ends, ended at the end."""
+"""A process beside the guard: started, started again when it ends or hangs, ended at the end."""
 
 import logging
 import signal
 from collections.abc import Sequence
 
 from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
+from rtron.guard.supervision.watchdog import SchedulingDelay, Watchdog, adapt_bound
+from rtron.guard.system.beat import Beat
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
@@ -12,6 +14,11 @@ log = logging.getLogger(__name__)
 MIN_RESTART_DELAY = SECOND
 """The time before the next start of one that ended soon, ns; it doubles while each does."""
 MAX_RESTART_DELAY = 4 * SECOND
+HANG_TIMEOUT = 2 * SECOND
+"""Silence after which one that beats is killed, ns; up to `LONGEST_HANG` where it is late often."""
+LONGEST_HANG = 10 * SECOND
+START_TIMEOUT = 20 * SECOND
+"""The same before its first beat."""
 _STOP_TIMEOUT_S = 10.0
 """The bulk process waits 8 s for the recorder of incidents."""
 
@@ -29,26 +36,43 @@ class HelperProcess:
         program: str,
         *,
         files: Sequence[int] = (),
+        beat: Beat | None = None,
         has_plan: bool = True,
     ) -> None:
-        """Start the program with the configuration and `files`; one that `has_plan` follows it."""
-        self._files, self._has_plan = files, has_plan
+        """Start the program with the configuration and `files`; one that `has_plan` follows it.
+
+        One that has a `beat` gets it as the first of its files.
+        """
+        self._files = [beat.descriptor, *files] if beat else files
+        self._beat, self._has_plan = beat, has_plan
         self.process: ForkedProcess | None = None
         self._server = server
         self._program = program
         self._config_file = config_file
         self._started_at = 0
+        self._watchdog, self._delay = Watchdog(0), SchedulingDelay(0, Beat.PERIOD)
         self._start_due: int | None = 0
         self._restart_delay = MIN_RESTART_DELAY
 
     def tick(self, now: int) -> None:
         """Start the process at `now` (ns) if it does not run and it is time."""
         if self.process and self.process.poll() is None:
+            self._end_if_hung(now, self.process)
             return
         if self._start_due is None:
             self._start_due = now + self._wait(now - self._started_at)
         if now >= self._start_due:
             self._start(now)
+
+    def _end_if_hung(self, now: int, process: ForkedProcess) -> None:
+        if self._beat is None:
+            return
+        limit, at = START_TIMEOUT, self._beat.at
+        if at:
+            limit = adapt_bound(HANG_TIMEOUT, self._delay.update(at), LONGEST_HANG)
+        if self._watchdog.update(now, at) > limit:
+            log.error("%s stands still: it is killed", self._program.partition(":")[0])
+            process.send_signal(signal.SIGKILL)
 
     def _wait(self, life: int) -> int:
         """Return how long to wait after one that has lived for `life`."""
@@ -63,6 +87,9 @@ class HelperProcess:
 
     def _start(self, now: int) -> None:
         self._started_at, self._start_due = now, None
+        self._watchdog, self._delay = Watchdog(now), SchedulingDelay(now, Beat.PERIOD)
+        if self._beat:
+            self._beat.at = 0
         try:
             self.process = self._server.start(self._program, [self._config_file, *self._files])
         except OSError as error:

@@ -9,13 +9,14 @@ from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.plan_trial import PlanSlot
 from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
+from rtron.guard.system.beat import Beat
 from rtron.vocabulary import Plan
 
 
 def main(numbers: str) -> None:
     """Relay as the configuration in an open file says; end with the exit code."""
     leave_interrupts()
-    config_file, *slot = open_descriptors(numbers)
+    config_file, beat, *slot = open_descriptors(numbers)
     config = read_config(config_file)
     start_logging(config.log_level, "link")
 
@@ -23,7 +24,7 @@ def main(numbers: str) -> None:
         PlanSlot(slot[0]).write(pickle.dumps(replace(config, plan=plan)))
 
     def relay() -> int:
-        run_relay(config.options["link"], put_in_force)
+        run_relay(config.options["link"], put_in_force, Beat(beat))
         return 0
 
     sys.exit(run_program(relay))

@@ -34,6 +34,7 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorFsm,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
+from rtron.guard.system.beat import Beat
 from rtron.guard.transport.factory import open_transport
 from rtron.vocabulary import SECOND
 from rtron.wire.common.systemd import take_notifier
@@ -342,7 +343,9 @@ def _helpers(
     if not config.options.get("dry_run"):
         yield HelperProcess(server, config_file, BULK)
     if config.options.get("link"):
-        yield HelperProcess(server, config_file, LINK, files=slot_files, has_plan=False)
+        yield HelperProcess(
+            server, config_file, LINK, files=slot_files, beat=Beat.create(), has_plan=False
+        )
 
 
 def _exit_text(code: int) -> str:
