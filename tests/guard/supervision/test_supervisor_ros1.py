@@ -283,11 +283,11 @@ def test_the_robot_is_stopped_although_guard_and_supervisor_die_soon_after_each_
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_the_guard_ends_when_no_other_could_take_its_place(supervised, number):
-    server = parent(supervised.guard)
+    guard, spare = supervised.guard, spare_of(supervised)
     told = len(supervised.speeds())
-    os.kill(server, number)
+    os.kill(parent(guard), number)
     if number == signal.SIGSTOP:  # it is asked when a guard is to begin
-        for pid in (spare_of(supervised), supervised.guard):
+        for pid in (spare, guard):
             os.kill(pid, signal.SIGKILL)
     supervised.wait_for_stop(told)
     wait_for(lambda: members(supervised.process.pid) == [], what="the end of all")
