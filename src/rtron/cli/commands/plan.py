@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtron.cli.support.app_options import with_app_options
-from rtron.cli.support.instrument_commands import instrument_commands
+from rtron.cli.support.instrument_commands import Launch, instrument_commands
 from rtron.cli.support.options import NameLists, TextOrJson
 from rtron.cli.support.outcome import (
     FINDINGS,
@@ -109,7 +109,8 @@ def _propose(selection: "AppSelection", name_lists: Path | None, output: Path | 
         return Outcome(write_plan(proposed.plan), exit_code)
     if output:
         replace_file(output, write_plan(proposed.plan))
-        launches = app.launches or [(Path(each), {}) for each in selection.source.launches]
+        named = (Launch(Path(each)) for each in selection.source.launches)
+        launches = [Launch(*each) for each in app.launches] or list(named)
         options = _instrument_options(selection, has_several=bool(launches[1:]))
         next_steps = list(instrument_commands(launches, output, proposed.plan.ros, options))
     else:

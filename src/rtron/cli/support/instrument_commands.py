@@ -4,15 +4,21 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from shlex import quote
-from typing import TypeAlias
+from types import MappingProxyType
+from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 _SUFFIXES = {1: ("",), 2: (".py", ".xml", ".yaml", ".yml")}
 """The end of a launch file's name behind `.launch`, by ROS; the usual one first."""
 _ALL = {1: "all.launch", 2: "all.launch.yaml"}
 """The launch file that includes those of an app, by ROS."""
-Launch: TypeAlias = tuple[Path, Mapping[str, str]]
-"""A launch file and its arguments."""
+
+
+class Launch(NamedTuple):
+    """A launch file and its arguments."""
+
+    path: Path
+    arguments: Mapping[str, str] = MappingProxyType({})
 
 
 def instrument_commands(
@@ -24,11 +30,11 @@ def instrument_commands(
     `options` say where the app's packages are, and its environment.
     """
     usual, *others = _SUFFIXES[ros]
-    shown, arguments = launches[0] if launches else (Path(f"APP.launch{usual}"), {})
+    shown, arguments = launches[0] if launches else Launch(Path(f"APP.launch{usual}"))
     if len(launches) > 1:
         including = _all_in_xml(launches) if ros == 1 else _all_in_yaml(launches)
         yield f"printf %s {quote(including)} > {_ALL[ros]}"
-        shown, arguments = Path(_ALL[ros]), {}
+        shown, arguments = Launch(Path(_ALL[ros]))
     suffix = next((end for end in others if shown.name.endswith(end)), usual)
     given = [f"{name}:={value}" for name, value in arguments.items()]
     words = [_path_from_here(shown), *given, *options, "--plan", str(plan)]
