@@ -428,7 +428,7 @@ class TestLostCommand:
         assert not found("lost_command", small_graph(text))
 
 
-class TestLooseCommand:
+class TestCommandsOfOtherNames:
     """A command that nobody reads, and an obeyed topic that nobody sends, of unlike names."""
 
     NAV = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"

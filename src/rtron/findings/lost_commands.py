@@ -36,10 +36,6 @@ _SIDES = re.compile(
 
 def lost_commands(app: AppFacts) -> Mapping[str, str]:
     """Return the commands that nobody reads, each with the obeyed topic that it likely means."""
-    return app.once(_lost_commands)
-
-
-def _lost_commands(app: AppFacts) -> dict[str, str]:
     lost = [topic for topic in app.motion_topics if _is_lost(app, topic)]
     open_topics = _open_topics(app) if len(lost) <= _MOST_COMPARED else {}
     found = (
