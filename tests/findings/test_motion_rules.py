@@ -472,6 +472,8 @@ class TestCommandsOfOtherNames:
             ("/cmd_vel_1", "/cmd_vel_2", False),
             ("/wheels/measured_vel", "/chassis", False),
             ("/cmd_vel", "/chassis/estimated_vel", False),
+            ("/cmd_vel", "/chassis/cmd_vel_actual", False),
+            ("/cmd_vel_raw", "/chassis", True),
         ],
     )
     def test_twins_and_measurements_are_not_joined(self, lost, obeyed, is_joined):
