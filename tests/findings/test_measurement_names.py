@@ -13,7 +13,15 @@ from rtron.vocabulary import Node
 
 @pytest.mark.parametrize(
     "topic",
-    ["/gps/vel", "/base/odom/twist", "/measured_twist", "/current_velocity", "/depth/points"],
+    [
+        "/gps/vel",
+        "/base/odom/twist",
+        "/measured_twist",
+        "/current_velocity",
+        "/depth/points",
+        "/vel_actual",
+        "/measuredTwist",
+    ],
 )
 def test_a_topic_is_measured_whoever_subscribes_it(topic):
     assert is_measured(topic)
@@ -31,7 +39,7 @@ def test_a_topic_that_a_driver_may_obey(topic):
     "topic",
     [
         *("/motor_odom", "/wheels/velocity_estimated", "/x/ground_truth/twist", "/vel_raw"),
-        *("/wheel_vel", "/encoder_speed", "/imu/vel", "/vel_meas", "/fix_velocity", "/Real_Twist"),
+        *("/wheel_vel", "/encoder_speed", "/imu/vel", "/vel_meas", "/fix_velocity", "/realTwist"),
     ],
 )
 def test_a_topic_that_may_be_measured_unless_a_driver_obeys_it(topic):

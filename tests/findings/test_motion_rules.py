@@ -428,7 +428,7 @@ class TestLostCommand:
         assert not found("lost_command", small_graph(text))
 
 
-class TestLooseCommand:
+class TestCommandsOfOtherNames:
     """A command that nobody reads, and an obeyed topic that nobody sends, of unlike names."""
 
     NAV = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
@@ -472,6 +472,8 @@ class TestLooseCommand:
             ("/cmd_vel_1", "/cmd_vel_2", False),
             ("/wheels/measured_vel", "/chassis", False),
             ("/cmd_vel", "/chassis/estimated_vel", False),
+            ("/cmd_vel", "/chassis/cmd_vel_actual", False),
+            ("/cmd_vel_raw", "/chassis", True),
         ],
     )
     def test_twins_and_measurements_are_not_joined(self, lost, obeyed, is_joined):

@@ -35,3 +35,8 @@ def test_looking_something_up_does_not_change_a_graph():
     asked.publishers("/x")
     assert asked == other
     assert repr(asked) == repr(other)
+
+
+def test_each_direction_is_the_opposite_of_the_other():
+    assert Direction.PUBLISH.opposite is Direction.SUBSCRIBE
+    assert Direction.SUBSCRIBE.opposite is Direction.PUBLISH

@@ -117,6 +117,20 @@ def test_a_name_may_be_one_that_is_known_in_part(name, open_name, fits):
     assert fits_open_name(name, ["/other", open_name]) is fits
 
 
+@pytest.mark.parametrize(
+    ("one", "other", "nested"),
+    [
+        ("/a", "/a", True),
+        ("/a", "/a/b", True),
+        ("/a/b", "", True),
+        ("/a", "/ab", False),
+        ("/a", "/b", False),
+    ],
+)
+def test_namespaces_are_nested_either_way(one, other, nested):
+    assert are_nested(one, other) is are_nested(other, one) is nested
+
+
 def test_the_topics_of_a_lease_are_private():
     assert lease_topic("base", "request") == f"{PRIVATE_ROOT}/leases/base/request"
 

@@ -1,12 +1,12 @@
 """What the rules of findings ask of an app: its graph, what was not read, and what moves it."""
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
 from difflib import SequenceMatcher
 from functools import cached_property
 from itertools import chain
-from typing import TypeAlias, TypeVar, cast
+from typing import TypeAlias
 
 from rtron.findings.measurement_names import is_called_sensor, moves_nothing
 from rtron.risks.graph_facts import GraphFacts, evidence_of
@@ -45,7 +45,6 @@ _OF_PX4 = {Direction.SUBSCRIBE: "/fmu/in/", Direction.PUBLISH: "/fmu/out/"}
 _UNREAD_ACTIONS = "what it starts is not known"
 _OpenName: TypeAlias = tuple[str, str]
 """A name that is known in part, and the type of its endpoint."""
-_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -53,15 +52,6 @@ class AppFacts:
     """The facts of a graph; message types are in ROS 1 spelling throughout."""
 
     facts: GraphFacts
-    _answers: dict[object, object] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
-
-    def once(self, question: Callable[["AppFacts"], _T]) -> _T:
-        """Return what a function makes of the app; it is called once only."""
-        if question not in self._answers:
-            self._answers[question] = question(self)
-        return cast("_T", self._answers[question])
 
     @property
     def graph(self) -> InteractionGraph:
@@ -161,23 +151,26 @@ class AppFacts:
         nodes = set(chain.from_iterable(found))
         return tuple(sorted(nodes - self.facts.viewers - set(self.publishers(topic))))
 
+    def users(self, topic: str, direction: Direction) -> tuple[str, ...]:
+        """Return the publishers of a topic, or its readers."""
+        return self.publishers(topic) if direction is Direction.PUBLISH else self.readers(topic)
+
+    def endpoints(self, topic: str, direction: Direction) -> tuple[Endpoint, ...]:
+        """Return the endpoints of one direction."""
+        is_published = direction is Direction.PUBLISH
+        return self.graph.publishers(topic) if is_published else self.graph.subscribers(topic)
+
     def types(self, topic: str, direction: Direction) -> dict[str, list[Endpoint]]:
         """Return the endpoints of one direction by their known type, as ROS 1 spells it."""
-        endpoints = self.graph.publishers(topic)
-        if direction is Direction.SUBSCRIBE:
-            endpoints = self.graph.subscribers(topic)
         found: dict[str, list[Endpoint]] = defaultdict(list)
-        for end in endpoints:
+        for end in self.endpoints(topic, direction):
             if not _is_unknown(end.type):
                 found[normalise_type(end.type)].append(end)
         return found
 
     def has_unknown_type(self, topic: str, direction: Direction) -> bool:
         """Return whether an end of one direction may have any type."""
-        endpoints = self.graph.publishers(topic)
-        if direction is Direction.SUBSCRIBE:
-            endpoints = self.graph.subscribers(topic)
-        return any(_is_unknown(end.type) for end in endpoints)
+        return any(_is_unknown(end.type) for end in self.endpoints(topic, direction))
 
     def may_have_other_end(self, topic: str, direction: Direction) -> bool:
         """Return whether an end that is missing may be one that was not read, or not wholly."""

@@ -6,10 +6,13 @@ Ask them only where neither the type nor the direction of an endpoint tells it a
 import re
 
 from rtron.vocabulary import Node
+from rtron.vocabulary.names import snake_case
 
 _COMMANDED = re.compile(r"cmd|command|setpoint")
 """Words in the names of what is no measurement, whatever else they say."""
-_MEASURED = re.compile(r"^(?:measured|estimated|actual|current|prev|previous|gps|odom|imu)_")
+_MEASURED = re.compile(
+    r"^(?:measured|estimated|actual|current|prev|previous|gps|odom|imu)_|_actual$"
+)
 _MEASURED_BELOW = re.compile(
     r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?"
     r"|navsat|gnss|gps|imu|vicon|mocap)/"
@@ -41,14 +44,15 @@ _MOVES = re.compile(
 
 def is_measured(topic: str) -> bool:
     """Return whether a topic's name says that it is a measurement, whoever subscribes it."""
-    last = topic.rpartition("/")[2]
-    is_below = _MEASURED_BELOW.search(topic) and not _COMMANDED.search(last)
+    name = snake_case(topic)
+    last = name.rpartition("/")[2]
+    is_below = _MEASURED_BELOW.search(name) and not _COMMANDED.search(last)
     return bool(is_below or _MEASURED.search(last))
 
 
 def may_be_measured(topic: str) -> bool:
     """Return whether a topic's name says that it is a measurement, unless a driver obeys it."""
-    name = topic.lower()
+    name = snake_case(topic)
     return bool(_MAYBE_MEASURED.search(name)) and not _COMMANDED.search(name)
 
 

@@ -67,6 +67,11 @@ class Direction(StringEnum):
     PUBLISH = "publish"
     SUBSCRIBE = "subscribe"
 
+    @property
+    def opposite(self) -> "Direction":
+        """The direction of an endpoint's other end."""
+        return Direction.SUBSCRIBE if self is Direction.PUBLISH else Direction.PUBLISH
+
 
 class Resolution(StringEnum):
     """How an endpoint's topic name became known."""

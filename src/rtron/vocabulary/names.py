@@ -1,5 +1,6 @@
 """How names are spelled: message types of both ROS generations, and the guard's private topics."""
 
+import re
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
 
@@ -15,6 +16,7 @@ GATEWAY_NODE = f"{CELL_ROOT}/gateway"
 """Who publishes and calls in a cell what comes from outside."""
 STOPPER_NODE = f"{CELL_ROOT}/stopper"
 """Who stops the robot in a cell when the guard is gone."""
+_WORD_START = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 TRANSFORMS = "/tf"
 """The topic of transforms, before remaps; who remaps it remaps /tf_static too."""
 TRANSFORM_TOPICS = (TRANSFORMS, "/tf_static")
@@ -54,6 +56,11 @@ def lease_topic(lease: str, part: str) -> str:
 def matches_node(pattern: str, node: str) -> bool:
     """Tell whether a plan's publisher, a node name or a pattern with `*`, means `node`."""
     return pattern == node or fnmatchcase(node, pattern)
+
+
+def snake_case(name: str) -> str:
+    """Return a name with its words apart: `chassisCommand` as `chassis_command`."""
+    return _WORD_START.sub("_", name).lower()
 
 
 def are_nested(namespace: str, other: str) -> bool:

@@ -1,6 +1,6 @@
 """Select the app to read: a graph, a bag, a running app, or source with launch files."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from shlex import quote
@@ -42,15 +42,15 @@ class FunctionAnnotatedSource:
 class SelectedApp:
     """The source of an app, its description for people, and the arguments that select it again.
 
-    For an app in source, `root` is the folder above all its folders, and `guess` says what was
-    guessed of it.
+    For an app in source, `launches` are its launch files with their arguments, `root` is the folder
+    above all its folders, and `guess` says what was guessed of it.
     """
 
     source: GraphSource
     description: str
     arguments: str
     root: Path | None = None
-    launches: tuple[str, ...] = ()
+    launches: tuple[tuple[Path, Mapping[str, str]], ...] = ()
     guess: str = ""
 
 
@@ -169,7 +169,7 @@ def _source_app(selection: AppSelection, progress: Progress) -> SelectedApp:
         ", ".join(selection.source.launches),
         " ".join(map(quote, arguments)),
         root=_common_folder(selection.folders),
-        launches=tuple(str(path) for path, _ in source.launches),
+        launches=source.launches,
         guess=_distro_guess(source),
     )
 

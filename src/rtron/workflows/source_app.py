@@ -43,10 +43,15 @@ class SourceOptions:
     def command_line(self) -> list[str]:
         """The words of a command line that choose the same app."""
         words = [word for launch in self.launches for word in ("--launch", launch)]
-        words += [word for each in self.env for word in ("--env", each)]
-        words += ["--env-all"] if self.env_all else []
+        words += self.environment_options
         words += ["--execute-launch"] if self.execute else []
         return words + (["--launch-python", self.python] if self.python else [])
+
+    @property
+    def environment_options(self) -> list[str]:
+        """The words of a command line that give the same environment."""
+        words = [word for each in self.env for word in ("--env", each)]
+        return words + (["--env-all"] if self.env_all else [])
 
 
 @dataclass(frozen=True, slots=True)

@@ -181,45 +181,47 @@ def kill_guard(supervisor, driver):
     wait_for(lambda: guard_of(supervisor) != guard, what="the next guard")
 
 
-def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
-    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
-    supervisor = guard()
-    speaker(ros2, "/nav", NAV, "0.5", "50")
-    wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
-    kill_guard(supervisor, driver)
-    stopped = speeds(driver)["0.5"]
-    wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
-
-
-@pytest.mark.long
-def test_a_guard_stops_the_robot_while_its_middleware_stands_still_and_its_loop_runs(ros2, guard):
+def guarded_navigation(ros2, guard):
+    """Return a driver and the supervisor of its watched guard, when a navigation commands it."""
     driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
     supervisor = guard()
     speaker(ros2, "/nav", NAV, "0.5", "50")
     wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
     wait_for(lambda: "its delivery is watched" in supervisor.log, what="the first ping")
+    return driver, supervisor
+
+
+def wait_for_navigation(driver):
+    """Wait until the navigation commands the driver again."""
+    stopped = speeds(driver)["0.5"]
+    wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
+
+
+def test_a_guard_that_dies_stops_the_robot_and_comes_back(ros2, guard):
+    driver, supervisor = guarded_navigation(ros2, guard)
+    kill_guard(supervisor, driver)
+    wait_for_navigation(driver)
+
+
+@pytest.mark.long
+def test_a_guard_stops_the_robot_while_its_middleware_stands_still_and_its_loop_runs(ros2, guard):
+    driver, supervisor = guarded_navigation(ros2, guard)
     before = stops(driver)
     with frozen(threads_named(guard_of(supervisor), DDS_THREADS)):
         wait_for(lambda: "does not deliver: the robot is stopped" in supervisor.log, what="word")
         wait_for(lambda: stops(driver) > before, what="the stop")
         alarm = "what goes into the guard does not come out"
         wait_for(lambda: alarm in supervisor.log, what="alarm")
-    stopped = speeds(driver)["0.5"]
-    wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, delivered again")
+    wait_for_navigation(driver)
 
 
 def test_a_guard_whose_middleware_stands_still_for_good_is_followed_by_the_next(ros2, guard):
-    driver = ros2.node("twist_subscriber.py", OUT, name="/driver")
-    supervisor = guard()
-    speaker(ros2, "/nav", NAV, "0.5", "50")
-    wait_for(lambda: speeds(driver)["0.5"] > 50, what="the navigation")
-    wait_for(lambda: "its delivery is watched" in supervisor.log, what="the first ping")
+    driver, supervisor = guarded_navigation(ros2, guard)
     deaf = guard_of(supervisor)
     with frozen(threads_named(deaf, DDS_THREADS)):
         wait_for(lambda: "delivers nothing: it is killed" in supervisor.log, what="its end")
     wait_for(lambda: guard_of(supervisor) != deaf, what="the next guard")
-    stopped = speeds(driver)["0.5"]
-    wait_for(lambda: speeds(driver)["0.5"] > stopped + 20, what="the navigation, guarded again")
+    wait_for_navigation(driver)
 
 
 @pytest.mark.long

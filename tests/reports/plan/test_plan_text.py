@@ -223,7 +223,7 @@ Next
 def test_at_80_columns(printed):
     next_step = "rtron instrument APP.launch --plan rtron.yaml -o guarded.launch"
     assert (
-        printed(plan_text(PLAN, next_step, [PlanProblem("warning", "/odd", "it has no type")]))
+        printed(plan_text(PLAN, [next_step], [PlanProblem("warning", "/odd", "it has no type")]))
         == AT_80_COLUMNS
     )
 
@@ -240,7 +240,7 @@ def test_hostile_names_do_nothing(printed):
     monitor = FpsMonitor(id=name, node=name, topic=name)
     guarded = GuardedTopic(topic=name, type=name, flows=(Flow(name=name, publisher=name),))
     msrcn = MSRCN(id=name, mode=Mode.OBSERVE, policy=PolicyName.BLOCK, aflows=(guarded,))
-    text = printed(plan_text(Plan(app=name, msrcn=msrcn, fps_monitor=(monitor,)), name))
+    text = printed(plan_text(Plan(app=name, msrcn=msrcn, fps_monitor=(monitor,)), [name]))
     assert "\x1b" not in text
     assert text.count("/\\x1b[2J[bold]\\n") == 9
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtron.cli.support.app_options import with_app_options
+from rtron.cli.support.instrument_commands import Launch, instrument_commands
 from rtron.cli.support.options import NameLists, TextOrJson
 from rtron.cli.support.outcome import (
     FINDINGS,
@@ -24,8 +25,6 @@ from rtron.errors import InputError
 if TYPE_CHECKING:
     from rtron.workflows.app_selection import AppSelection
 
-_SUFFIXES = {1: ("",), 2: (".py", ".xml", ".yaml", ".yml")}
-"""The end of a launch file's name behind `.launch`, by ROS; the usual one first."""
 PLAN_FILE, TUNED_FILE = "rtron.yaml", "tuned.yaml"
 
 Output = Annotated[
@@ -118,20 +117,31 @@ def _propose(
         return Outcome(write_plan(proposed.plan), exit_code)
     if output:
         replace_file(output, write_plan(proposed.plan))
-        app_launch = next(iter((*app.launches, *selection.source.launches)), None)
-        next_step = _instrument_command(app_launch, output, proposed.plan.ros)
+        named = (Launch(Path(each)) for each in selection.source.launches)
+        launches = [Launch(*each) for each in app.launches] or list(named)
+        options = _instrument_options(selection, has_several=bool(launches[1:]))
+        next_steps = list(instrument_commands(launches, output, proposed.plan.ros, options))
     else:
         option = " --every-risk" if every_risk else ""
-        next_step = f"rtron plan {app.arguments}{option} -o {PLAN_FILE}"
+        next_steps = [f"rtron plan {app.arguments}{option} -o {PLAN_FILE}"]
     text = plan_text(
         proposed.plan,
-        "" if exit_code else next_step,
+        () if exit_code else next_steps,
         proposed.omitted,
         graph.nodes,
         proposed.doubts,
         guess=app.guess,
     )
     return Outcome(text, exit_code)
+
+
+def _instrument_options(selection: "AppSelection", *, has_several: bool) -> list[str]:
+    """Return the environment, and the folders where a launch file lies outside of its package."""
+    folders = selection.folders if has_several else []
+    return [
+        *(word for folder in folders for word in ("--packages", str(folder))),
+        *selection.source.environment_options,
+    ]
 
 
 def _fit_to_run(run: Path, plan: Path | None, output: Path | None, format: TextOrJson) -> Outcome:
@@ -159,19 +169,6 @@ def _fit_to_run(run: Path, plan: Path | None, output: Path | None, format: TextO
     command = f"rtron plan --from-run {quote(str(run))} --plan {quote(str(plan))} -o {TUNED_FILE}"
     next_step = f"rtron check {quote(str(output))}" if output else command
     return Outcome(tuning_text(str(run), tuned.run, tuned.proposals, tuned.notes, next_step))
-
-
-def _instrument_command(app_launch: str | None, written: Path, ros: int) -> str:
-    """Return the command that guards the app's launch file, in the format of its ROS generation."""
-    usual, *others = _SUFFIXES[ros]
-    suffix = next((end for end in others if (app_launch or "").endswith(end)), usual)
-    launch = quote(_path_from_here(app_launch or f"APP.launch{suffix}"))
-    return f"rtron instrument {launch} --plan {quote(str(written))} -o guarded.launch{suffix}"
-
-
-def _path_from_here(path: str) -> str:
-    here = Path.cwd()
-    return str(Path(path).relative_to(here)) if Path(path).is_relative_to(here) else path
 
 
 def check(

@@ -5,6 +5,7 @@ import re
 from rtron.findings.measurement_names import is_measured
 from rtron.vocabulary import normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Means, Thing
+from rtron.vocabulary.names import snake_case
 
 _TYPES: tuple[tuple[str, Thing], ...] = (
     (r"mavros_msgs/CommandBool", Thing.ARMING),
@@ -147,12 +148,7 @@ def _is_of_nav2(type: str) -> bool:
 
 
 def _last_part(name: str) -> str:
-    return _snake(name.rstrip("/").rpartition("/")[2])
-
-
-def _snake(name: str) -> str:
-    """Return a name with its words apart: `chassisCommand` as `chassis_command`."""
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+    return snake_case(name.rstrip("/").rpartition("/")[2])
 
 
 def _plain_type(type: str) -> str:
@@ -165,7 +161,7 @@ def _by_type(type: str, table: tuple[tuple[str, Thing], ...]) -> Thing | None:
 
 
 def _by_words(name: str) -> Thing | None:
-    parts = [part for part in _snake(name).split("/") if part]
+    parts = [part for part in snake_case(name).split("/") if part]
     if "servo_node" in parts:  # MoveIt Servo
         return Thing.ARM
     if parts[-1:] == ["stop"]:

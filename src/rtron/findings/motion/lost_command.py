@@ -39,7 +39,7 @@ Remap the topic to the one that is obeyed.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.loose_topics import lost_commands
+from rtron.findings.lost_commands import lost_commands
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
 from rtron.wording import conjugate, join_names

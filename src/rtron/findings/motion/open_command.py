@@ -27,7 +27,7 @@ topics with an empty GRCN, or do not let them leave the machine.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.loose_topics import lost_commands
+from rtron.findings.lost_commands import lost_commands
 from rtron.findings.motion.arbiter import arbiters, is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel

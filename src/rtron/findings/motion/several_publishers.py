@@ -30,7 +30,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.loose_topics import lost_commands
+from rtron.findings.lost_commands import lost_commands
 from rtron.findings.motion.arbiter import arbiters, is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
@@ -50,14 +50,16 @@ _LIMITS = ("max_vel", "speed_limit", "velocity_limit")
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each set of nodes that command the same readers by the same topics."""
-    known_arbiters = arbiters(app)
+    known_arbiters, lost = arbiters(app), lost_commands(app)
     topics: dict[tuple[tuple[str, ...], tuple[str, ...]], list[str]] = defaultdict(list)
     for topic in app.motion_topics:
         publishers = senders(app, topic)
         if len(publishers) > 1 and not is_one_stack(app, publishers):
             topics[publishers, app.readers(topic)].append(topic)
     for (publishers, _), contended in topics.items():
-        yield _finding(app, contended, publishers, arbiters_of(publishers, known_arbiters))
+        passed_by = arbiters_of(publishers, known_arbiters)
+        is_harmless = _is_request(app, contended[0]) or contended[0] in lost
+        yield _finding(app, contended, publishers, passed_by, is_harmless=is_harmless)
 
 
 def senders(app: AppFacts, topic: str) -> tuple[str, ...]:
@@ -79,8 +81,14 @@ def arbiters_of(publishers: tuple[str, ...], known: Mapping[str, object]) -> lis
 
 
 def _finding(
-    app: AppFacts, topics: list[str], publishers: tuple[str, ...], passed_by: list[str]
+    app: AppFacts,
+    topics: list[str],
+    publishers: tuple[str, ...],
+    passed_by: list[str],
+    *,
+    is_harmless: bool,
 ) -> Finding:
+    """Return the finding; it is harmless where the commands are requests, or reach nobody."""
     readers, names = app.readers(topics[0]), join_names(topics)
     command = _command(app, topics[0])
     maybe_readers = () if readers else app.open_readers(topics[0])
@@ -103,7 +111,7 @@ def _finding(
         remedy=f"put one arbiter before {names}: `rtron plan` proposes a guard (GRCN)",
         consequence=Consequence.MOTION,
         certainty=Certainty.CERTAIN if readers else Certainty.LIKELY,
-        level=FindingLevel.PEDANTIC if _is_harmless(app, topics[0]) else None,
+        level=FindingLevel.PEDANTIC if is_harmless else None,
         only_own_nodes=app.facts.are_own(publishers),
         nodes=(*publishers, *readers),
         topics=topics,
@@ -111,10 +119,9 @@ def _finding(
     )
 
 
-def _is_harmless(app: AppFacts, topic: str) -> bool:
-    """Return whether commands are requests, done one by one, or reach nobody (`lost_command`)."""
-    is_request = app.facts.topic(topic).type in _REQUESTS
-    return is_request or topic in lost_commands(app)
+def _is_request(app: AppFacts, topic: str) -> bool:
+    """Return whether commands are done one by one."""
+    return app.facts.topic(topic).type in _REQUESTS
 
 
 def _command(app: AppFacts, topic: str) -> str:

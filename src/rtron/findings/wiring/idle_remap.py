@@ -56,10 +56,6 @@ from rtron.wording import conjugate, join_names
 _MOST_USERS = 3
 _MOST_COMPARED = 200
 _VERBS = {Direction.PUBLISH: "publish", Direction.SUBSCRIBE: "subscribe"}
-_OTHER = {
-    Direction.PUBLISH: Direction.SUBSCRIBE,
-    Direction.SUBSCRIBE: Direction.PUBLISH,
-}
 
 
 class _Joined(NamedTuple):
@@ -71,7 +67,7 @@ class _Joined(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class _LooseTopics:
+class _UnmatchedTopics:
     """The topics that nodes use in one direction, and that certainly lack another end."""
 
     app: AppFacts
@@ -85,13 +81,13 @@ class _LooseTopics:
         return self._known[nodes, direction]
 
     def _of(self, nodes: tuple[str, ...], direction: Direction) -> set[str]:
-        app, other = self.app, _OTHER[direction]
+        app, other = self.app, direction.opposite
         is_published = direction is Direction.PUBLISH
         endpoints_of = app.graph.published_by if is_published else app.graph.subscribed_by
         return {
             end.topic
             for end in chain.from_iterable(map(endpoints_of, nodes))
-            if not (end.implicit or "{" in end.topic or _has_end(app, end.topic, other))
+            if not (end.implicit or "{" in end.topic or app.endpoints(end.topic, other))
             and not app.may_have_other_end(end.topic, other)
         }
 
@@ -101,38 +97,42 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
     Launch files often remap transforms for every node, be it one that uses them or not.
     """
-    joined, nodes, loose = dict[str, Finding](), dict[str, tuple[str, ...]](), _LooseTopics(app)
+    joined, nodes, unmatched = (
+        dict[str, Finding](),
+        dict[str, tuple[str, ...]](),
+        _UnmatchedTopics(app),
+    )
     for fact in app.graph.wiring:
         if fact.kind is WiringFactKind.UNUSED_REMAP and fact.subject not in TRANSFORM_TOPICS:
             nodes[fact.subject] = (*nodes.get(fact.subject, ()), *fact.others)
-            for pair in (*_reversed(loose, fact), *_misnamed(loose, fact))[:1]:
+            for pair in (*_reversed(unmatched, fact), *_misnamed(unmatched, fact))[:1]:
                 joined.setdefault(fact.subject, _joined_finding(app, fact, pair))
     yield from joined.values()
     for group in wiring_groups(app.graph, WiringFactKind.IDLE_REMAP):
         if group.subject not in (*TRANSFORM_TOPICS, *joined):
-            yield _finding(group, _near(loose, group, nodes.get(group.subject, ())))
+            yield _finding(group, _near(unmatched, group, nodes.get(group.subject, ())))
 
 
-def _near(loose: _LooseTopics, group: WiringGroup, nodes: tuple[str, ...]) -> list[str]:
+def _near(unmatched: _UnmatchedTopics, group: WiringGroup, nodes: tuple[str, ...]) -> list[str]:
     """Return the near names without another end of nodes that were read whole."""
-    found = (loose(nodes, direction) for direction in Direction if not group.others)
+    found = (unmatched(nodes, direction) for direction in Direction if not group.others)
     near = {topic for topics in found for topic in topics if is_near(group.subject, topic)}
     return sorted(near.difference(group.values))
 
 
-def _reversed(loose: _LooseTopics, fact: WiringFact) -> Iterator[_Joined]:
+def _reversed(unmatched: _UnmatchedTopics, fact: WiringFact) -> Iterator[_Joined]:
     """Yield the pair of a remap whose ends are exchanged."""
     for direction in Direction:
-        is_used = fact.value in loose(fact.others, direction)
-        if is_used and _fit(loose.app, fact.value, fact.subject, direction):
+        is_used = fact.value in unmatched(fact.others, direction)
+        if is_used and _fit(unmatched.app, fact.value, fact.subject, direction):
             yield _Joined(fact.value, fact.subject, direction)
 
 
-def _misnamed(loose: _LooseTopics, fact: WiringFact) -> Iterator[_Joined]:
+def _misnamed(unmatched: _UnmatchedTopics, fact: WiringFact) -> Iterator[_Joined]:
     """Yield the pair of a remap whose old name is not the one that the node uses."""
     for direction in Direction:
-        topics = loose(fact.others, direction)
-        fitting = [each for each in topics if _fit(loose.app, each, fact.value, direction)]
+        topics = unmatched(fact.others, direction)
+        fitting = [each for each in topics if _fit(unmatched.app, each, fact.value, direction)]
         near = [topic for topic in fitting if _means(fact.subject, topic)]
         if len(near or fitting) == 1:
             yield _Joined((near or fitting)[0], fact.value, direction)
@@ -144,23 +144,18 @@ def _means(written: str, used: str) -> bool:
 
 def _fit(app: AppFacts, used: str, meant: str, direction: Direction) -> bool:
     """Return whether a topic of other nodes lacks an end as one that is used, of its type."""
-    other = _OTHER[direction]
-    if _has_end(app, meant, direction) or not _nodes(app, meant, other):
+    other = direction.opposite
+    if app.endpoints(meant, direction) or not app.users(meant, other):
         return False
     types = app.types(used, direction).keys() & app.types(meant, other).keys()
     return bool(types) and not app.may_have_other_end(meant, direction)
 
 
-def _has_end(app: AppFacts, topic: str, direction: Direction) -> bool:
-    is_published = direction is Direction.PUBLISH
-    return bool(app.publishers(topic) if is_published else app.graph.subscribers(topic))
-
-
 def _joined_finding(app: AppFacts, fact: WiringFact, pair: _Joined) -> Finding:
-    other = _OTHER[pair.direction]
+    other = pair.direction.opposite
     verb, other_verb = (conjugate((), _VERBS[each]) for each in (pair.direction, other))
-    of_used = [node for node in _nodes(app, pair.used, pair.direction) if node in fact.others]
-    of_meant = _nodes(app, pair.meant, other)
+    of_used = [node for node in app.users(pair.used, pair.direction) if node in fact.others]
+    of_meant = app.users(pair.meant, other)
     is_reversed = pair.meant == fact.subject
     return make_finding(
         RULE.name,
@@ -177,10 +172,6 @@ def _joined_finding(app: AppFacts, fact: WiringFact, pair: _Joined) -> Finding:
         topics=(fact.subject, fact.value, pair.used),
         evidence=fact.evidence,
     )
-
-
-def _nodes(app: AppFacts, topic: str, direction: Direction) -> tuple[str, ...]:
-    return app.publishers(topic) if direction is Direction.PUBLISH else app.readers(topic)
 
 
 def _finding(group: WiringGroup, near: list[str]) -> Finding:

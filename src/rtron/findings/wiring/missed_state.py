@@ -63,13 +63,14 @@ def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each latched state with readers that ask for no history."""
     groups = wiring_groups(app.graph, WiringFactKind.STATE_PUBLISHER)
     senders = {group.subject: group.values for group in groups}
+    acting = _acting(app)
     for topic in app.explicit_topics if app.graph.ros != 1 else ():
         publishers = app.graph.publishers(topic)
         is_state = not _STATES.isdisjoint(topic.rpartition("/")[2].split("_"))
         if is_state and publishers:
             is_rare = (e.node in senders.get(topic, ()) or _is_map(app, e) for e in publishers)
             late = _late_readers(app, topic) if all(is_rare) else []
-            yield from [_finding(app, topic, late)] if late else []
+            yield from [_finding(app, topic, late, acting)] if late else []
 
 
 def _is_map(app: AppFacts, end: Endpoint) -> bool:
@@ -102,7 +103,7 @@ def _is_sent(end: Endpoint) -> bool:
     return end.direction is Direction.PUBLISH and not end.implicit
 
 
-def _finding(app: AppFacts, topic: str, readers: list[str]) -> Finding:
+def _finding(app: AppFacts, topic: str, readers: list[str], acting: set[str]) -> Finding:
     publishers = app.publishers(topic)
     endpoints = (*app.graph.publishers(topic), *app.graph.subscribers(topic))
     return make_finding(
@@ -116,7 +117,7 @@ def _finding(app: AppFacts, topic: str, readers: list[str]) -> Finding:
         remedy="let the subscription ask for transient local, with a depth of 1",
         consequence=app.consequence(topic, readers),
         certainty=Certainty.LIKELY,
-        level=FindingLevel.PEDANTIC if app.once(_acting).isdisjoint(readers) else None,
+        level=FindingLevel.PEDANTIC if acting.isdisjoint(readers) else None,
         nodes=(*publishers, *readers),
         topics=(topic,),
         evidence=app.evidence(end for end in endpoints if end.node in (*publishers, *readers)),

@@ -51,15 +51,16 @@ _PLAIN = ("std_msgs/", "std_srvs/")
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each frame of messages that is in no transform."""
+    listeners = _listeners(app)
     for group in wiring_groups(app.graph, WiringFactKind.STRAY_FRAME) if app.is_whole else ():
-        yield _finding(group, is_transformed=any(_are_transformed(app, n) for n in group.others))
+        is_transformed = any(_are_transformed(app, sender, listeners) for sender in group.others)
+        yield _finding(group, is_transformed=is_transformed)
 
 
-def _are_transformed(app: AppFacts, sender: str) -> bool:
+def _are_transformed(app: AppFacts, sender: str, listeners: set[str]) -> bool:
     """Return whether each topic of a sender that others read is read by one with transforms."""
     sent = {end.topic for end in app.graph.published_by(sender) if _may_have_frame(end)}
     readers = [set(app.readers(topic)) - {sender} for topic in sent]
-    listeners = app.once(_listeners)
     return any(readers) and all(not each or each & listeners for each in readers)
 
 

@@ -69,9 +69,8 @@ def _finding(
     endpoints = [end for each in (*published.values(), *subscribed.values()) for end in each]
     sent, expected = join_names(list(published)), join_names(list(subscribed))
     depends = _depends_on_distribution([*published, *subscribed], endpoints)
-    other = Direction.PUBLISH if lost is Direction.SUBSCRIBE else Direction.SUBSCRIBE
     is_one_node = senders == readers and len(senders) == 1
-    is_unsure = depends or app.has_unknown_type(topic, other)
+    is_unsure = depends or app.has_unknown_type(topic, lost.opposite)
     summary = f"{join_names(readers)} {conjugate(readers, 'get')} nothing from {topic}"
     if lost is Direction.PUBLISH:
         what = f"what {join_names(senders)} {conjugate(senders, 'publish')}"

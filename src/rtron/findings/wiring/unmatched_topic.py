@@ -25,7 +25,7 @@ Remap one of the names to the other.
 from collections.abc import Iterator, Mapping
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.loose_topics import lost_commands
+from rtron.findings.lost_commands import lost_commands
 from rtron.findings.motion.arbiter import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (

@@ -52,14 +52,14 @@ _Rows = list[tuple[str, ...]]
 
 def plan_text(
     plan: Plan,
-    next_step: str = "",
+    next_steps: Sequence[str] = (),
     remarks: Sequence[Remark] = (),
     nodes: Sequence[Node] = (),
     doubts: Sequence[Remark] = (),
     *,
     guess: str = "",
 ) -> Report:
-    """Return the plan, what it leaves open, and the command that puts it to use.
+    """Return the plan, what it leaves open, and the commands that put it to use.
 
     `nodes` are those of the app: the functions of those that the plan guards are shown. `doubts`
     are what somebody has to decide, `guess` is what was guessed of the app.
@@ -72,7 +72,7 @@ def plan_text(
             _remarks("Left out", remarks, page),
             _remarks("To decide", doubts, page),
             node_functions(guarded, page),
-            _next(next_step),
+            _next(next_steps),
         )
     )
 
@@ -84,10 +84,10 @@ def _flows(plan: Plan) -> Iterator[Flow]:
     yield from chain.from_iterable(topic.flows for topic in (*vflows, *aflows))
 
 
-def _next(step: str) -> Iterator[Text]:
-    if step:
+def _next(steps: Sequence[str]) -> Iterator[Text]:
+    if steps:
         yield from heading("Next")
-        yield line((step, "bold green"), indent=2)
+        yield from (line((step, "bold green"), indent=2) for step in steps)
 
 
 def _remarks(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:

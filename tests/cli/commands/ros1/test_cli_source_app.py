@@ -1,5 +1,7 @@
 import json
+import shlex
 import shutil
+import subprocess
 import sys
 from types import SimpleNamespace
 
@@ -17,6 +19,8 @@ LAUNCH = """<launch><arg name="speed"/><arg name="topic" default="cmd_vel"/>
 <node pkg="robot" type="base.py" name="base"/>
 <node pkg="robot" type="$(env KIND).py" name="kind" args="$(arg speed)"/>
 </launch>"""
+ONE = """<launch><arg name="name"/>
+<node pkg="robot" type="drive.py" name="a" args="$(arg name)"/></launch>"""
 PLAIN = '<launch><node pkg="robot" type="base.py" name="base"/></launch>'
 DRIVE = """#!/usr/bin/env python
 import rospy
@@ -208,14 +212,28 @@ def test_a_plan_of_an_app_in_source(rtron, folder, tmp_path):
     ran = rtron("plan", folder, *APP, "speed:=1", "-o", tmp_path / "rtron.yaml")
     assert ran.code == 0
     launch = folder / "launch/app.launch"
-    assert f"rtron instrument {launch} --plan {tmp_path / 'rtron.yaml'}" in ran.out
+    options = f"speed:=1 --env KIND=base --plan {tmp_path / 'rtron.yaml'}"
+    assert f"rtron instrument {launch} {options} -o guarded.launch\n" in ran.out
     assert "/cmd_vel" in (tmp_path / "rtron.yaml").read_text()
 
 
 def test_the_next_step_names_the_launch_file_as_seen_from_here(rtron, folder, monkeypatch):
     monkeypatch.chdir(folder)
     ran = rtron("plan", folder, *APP, "speed:=1", "-o", "rtron.yaml")
-    assert "rtron instrument launch/app.launch --plan rtron.yaml" in ran.out
+    assert "rtron instrument launch/app.launch speed:=1 --env KIND=base --plan rtron" in ran.out
+
+
+def test_the_next_steps_guard_several_launch_files_by_one(rtron, folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (folder / "launch/one.launch").write_text(ONE)
+    launches = ("--launch", 'robot/one.launch name:="it\'s"', "--launch", "robot/plain.launch")
+    ran = rtron("plan", folder, *launches, "-j", "1", "-o", "rtron.yaml")
+    write, instrument = ran.out.partition("\nNext\n")[2].splitlines()
+    subprocess.run(["/bin/sh", "-c", write], check=True)
+    assert rtron(*shlex.split(instrument)[1:]).code == 0
+    guarded = [path.read_text() for path in sorted((tmp_path / "guarded.d").glob("*.launch"))]
+    assert [text.count("<remap") for text in guarded] == [1, 1]
+    assert "rtron_guard" in (tmp_path / "guarded.launch").read_text()
 
 
 BRANCHES = """<launch><arg name="mission" default="patrol"/>

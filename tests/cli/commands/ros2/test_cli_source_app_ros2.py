@@ -1,6 +1,8 @@
 """`rtron scan` and `rtron plan` of an app of ROS 2 in source."""
 
 import json
+import shlex
+import subprocess
 
 import pytest
 from ros2_robot import write_robot
@@ -71,6 +73,21 @@ def test_a_python_file_is_a_launch_file_by_what_it_defines(rtron, folder):
     (path,) = folder.glob("**/robot.launch.py")
     ran = rtron("plan", path.rename(path.with_name("bringup.py")), "-j", "1", "-o", "-")
     assert (ran.code, "ros: 2" in ran.out) == (0, True)
+
+
+def test_the_next_steps_guard_several_launch_files_by_one(rtron, folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    launches = ("--launch", "parts/robot.launch.py", "--launch", "parts/robot.launch.xml out:=/o")
+    ran = rtron("plan", folder, *launches, "-j", "1", "-o", "rtron.yaml")
+    write, instrument = ran.out.partition("\nNext\n")[2].splitlines()
+    subprocess.run(["/bin/sh", "-c", write], check=True)
+    one, other = json.loads((tmp_path / "all.launch.yaml").read_text())["launch"]
+    assert "arg" not in one["group"][0]["include"]
+    assert other["group"][0]["include"]["arg"] == [{"name": "out", "value": "/o"}]
+    assert rtron(*shlex.split(instrument)[1:]).code == 0
+    guarded = (tmp_path / "guarded.launch.yaml").read_text()
+    assert guarded.count("robot.launch") == 2
+    assert "rtron_guard" in guarded
 
 
 def test_a_plan_follows(rtron, folder, tmp_path):

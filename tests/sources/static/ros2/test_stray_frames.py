@@ -32,7 +32,7 @@ KEYS = {1: "type", 2: "exec"}
 
 
 @pytest.fixture
-def strays(tmp_path):
+def stray_frames(tmp_path):
     """Return the stray frames of an app whose laser has one frame and whose launch has another."""
 
     def scan(stamped, *transforms, ros=2, more=""):
@@ -73,28 +73,28 @@ def strays(tmp_path):
         ("laser_frane", "laser_frame"),
     ],
 )
-def test_a_frame_that_is_near_one_of_a_transform(strays, ros, stamped, near):
-    assert strays(stamped, "wheel", near, ros=ros) == [(stamped, near, 2)]
+def test_a_frame_that_is_near_one_of_a_transform(stray_frames, ros, stamped, near):
+    assert stray_frames(stamped, "wheel", near, ros=ros) == [(stamped, near, 2)]
 
 
 @pytest.mark.parametrize("ros", [1, 2])
 @pytest.mark.parametrize("stamped", ["pico", "base_link", "sonar", "li", ""])
-def test_one_that_is_known_or_like_none_is_not_found(strays, ros, stamped):
-    assert strays(stamped, "pico", "x_li", ros=ros) == []
+def test_one_that_is_known_or_like_none_is_not_found(stray_frames, ros, stamped):
+    assert stray_frames(stamped, "pico", "x_li", ros=ros) == []
 
 
-def test_a_slash_before_it_is_for_ros_1_alone(strays):
-    assert strays("/pico", "pico", ros=1) == []
-    assert strays("/pico", "pico", ros=2) == [("/pico", "pico", 2)]
+def test_a_slash_before_it_is_for_ros_1_alone(stray_frames):
+    assert stray_frames("/pico", "pico", ros=1) == []
+    assert stray_frames("/pico", "pico", ros=2) == [("/pico", "pico", 2)]
 
 
-def test_a_prefix_before_the_transform_is_for_ros_2_alone(strays):
-    assert strays("pico", "robot/pico", ros=1) == []
-    assert strays("pico", "robot/pico", ros=2) == [("pico", "robot/pico", 2)]
+def test_a_prefix_before_the_transform_is_for_ros_2_alone(stray_frames):
+    assert stray_frames("pico", "robot/pico", ros=1) == []
+    assert stray_frames("pico", "robot/pico", ros=2) == [("pico", "robot/pico", 2)]
 
 
-def test_the_parent_of_a_frame_is_near_too(strays):
-    assert strays("base_link_1", "pico") == [("base_link_1", "base_link", 1)]
+def test_the_parent_of_a_frame_is_near_too(stray_frames):
+    assert stray_frames("base_link_1", "pico") == [("base_link_1", "base_link", 1)]
 
 
 REALSENSE = '<node pkg="realsense2_camera" exec="realsense2_camera_node" name="camera"/>'
@@ -111,11 +111,11 @@ MOVED = '<group><set_remap from="/tf" to="/a/tf"/>{}</group>'
         MOVED.format(UNKNOWN.format("0 0 0 0 0 0 base_link mast")),
     ],
 )
-def test_nothing_is_found_where_not_all_transforms_are_known(strays, more):
-    assert strays("pico_1", "pico", more=more) == []
+def test_nothing_is_found_where_not_all_transforms_are_known(stray_frames, more):
+    assert stray_frames("pico_1", "pico", more=more) == []
 
 
-def test_among_very_many_transforms_none_is_near(strays):
+def test_among_very_many_transforms_none_is_near(stray_frames):
     others = [f"far{index}" for index in range(199)]
-    assert strays("pico_1", "pico", *others[1:]) == [("pico_1", "pico", 2)]
-    assert strays("pico_1", "pico", *others) == []
+    assert stray_frames("pico_1", "pico", *others[1:]) == [("pico_1", "pico", 2)]
+    assert stray_frames("pico_1", "pico", *others) == []

@@ -81,7 +81,7 @@ class FrameBroadcasters:
                 frame = child if topic == TRANSFORMS else f"{child} on {topic}"
                 yield from _facts(_kind(certain), frame, counted)
 
-    def strays(self) -> Iterator[WiringFact]:
+    def stray_frames(self) -> Iterator[WiringFact]:
         """Yield a fact for each frame of messages that no transform has, if a near one is there.
 
         tf2 takes no frame with a slash before it. tf, which nodes of ROS 1 may use, leaves it out,

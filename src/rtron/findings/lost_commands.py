@@ -36,10 +36,6 @@ _SIDES = re.compile(
 
 def lost_commands(app: AppFacts) -> Mapping[str, str]:
     """Return the commands that nobody reads, each with the obeyed topic that it likely means."""
-    return app.once(_lost_commands)
-
-
-def _lost_commands(app: AppFacts) -> dict[str, str]:
     lost = [topic for topic in app.motion_topics if _is_lost(app, topic)]
     open_topics = _open_topics(app) if len(lost) <= _MOST_COMPARED else {}
     found = (
@@ -49,10 +45,12 @@ def _lost_commands(app: AppFacts) -> dict[str, str]:
 
 
 def _is_lost(app: AppFacts, topic: str) -> bool:
-    type = app.facts.topic(topic).type
-    is_measured = is_harmless(topic, type) or may_be_measured(topic)
-    is_other = is_measured or app.graph.subscribers(topic) or "{" in topic
+    is_other = _is_measurement(app, topic) or app.graph.subscribers(topic) or "{" in topic
     return bool(app.publishers(topic)) and not is_other
+
+
+def _is_measurement(app: AppFacts, topic: str) -> bool:
+    return is_harmless(topic, app.facts.topic(topic).type) or may_be_measured(topic)
 
 
 def _namesake(app: AppFacts, lost: str) -> str:
@@ -121,15 +119,15 @@ def _only_open(app: AppFacts, lost: str, open_topics: Mapping[str, list[str]]) -
 
 def _is_command(app: AppFacts, topic: str) -> bool:
     """Return whether a topic commands, and does not tell of a motion by the same type."""
-    if may_be_measured(topic) or _ECHO.search(topic.lower()):
+    if _is_measurement(app, topic) or _ECHO.search(topic.lower()):
         return False
     if not app.facts.topic(topic).type.startswith(_AMBIGUOUS) or _COMMANDS.search(topic.lower()):
         return True
     beside = (e for node in app.publishers(topic) for e in app.graph.published_by(node))
-    return not any(_is_measurement(normalise_type(each.type)) for each in beside)
+    return not any(_measures(normalise_type(each.type)) for each in beside)
 
 
-def _is_measurement(type: str) -> bool:
+def _measures(type: str) -> bool:
     return type.startswith(("nav_msgs/Odometry", "sensor_msgs/")) or "WithCovariance" in type
 
 
