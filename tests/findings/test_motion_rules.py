@@ -75,7 +75,8 @@ class TestSeveralPublishers:
         finding = the_finding("several_publishers", small_graph(MUX_PASSED_BY + BASE))
         assert finding.summary == "/teleop can drive the robot on /cmd_vel past /twist_mux"
         assert finding.cause == (
-            "/twist_mux stands before the robot, but /base hears both: it decides nothing"
+            "/twist_mux stands before the robot, but /base hears both: "
+            "what /teleop sends does not pass it"
         )
         assert finding.remedy == REMEDY
 

@@ -543,7 +543,7 @@ class TestBypassedNode:
 
 
 class TestSharedOutput:
-    @pytest.mark.parametrize("topic", ["/cmd_vel", "/diagnostics", "/tf", "/rosout"])
+    @pytest.mark.parametrize("topic", ["/cmd_vel", "/diagnostics", "/tf", "/rosout", "/rover/bond"])
     def test_motion_and_what_all_share_do_not_count(self, topic):
         assert not found("shared_output", with_fact("shared_output", topic, "", "/a", "/b"))
 

@@ -98,7 +98,8 @@ def _finding(
     if passed_by and others:
         summary = f"{join_names(others)} can {command} on {names} past {passed_by[0]}"
         verb = f"{conjugate(readers, 'hear')} {both_or_all(publishers)}"
-        cause = f"{passed_by[0]} stands before the robot, but {who} {verb}: it decides nothing"
+        cause = f"{passed_by[0]} stands before the robot, but {who} {verb}: what "
+        cause += f"{join_names(others)} {conjugate(others, 'send')} does not pass it"
     else:
         summary = f"{join_names(publishers)} {both_or_all(publishers)} {command} on {names}"
         obeys = conjugate(obedient, "obey")

@@ -4,7 +4,7 @@
 
 Nodes, nodelets or components of one program that publish one topic, while their other topics
 differ. The nodelets of one manager count apart, though they are one node to ROS. Diagnostics,
-transforms, joint states and logs do not count, nor does what commands motion: see
+transforms, joint states, bonds and logs do not count, nor does what commands motion: see
 `several_publishers`.
 
 ## Why it matters
@@ -33,17 +33,17 @@ from rtron.vocabulary import (
     FindingLevel,
     WiringFactKind,
 )
-from rtron.vocabulary.names import TRANSFORM_TOPICS
 from rtron.wording import both_or_all, join_names
 
-_OF_ALL = (*TRANSFORM_TOPICS, "/diagnostics", "/joint_states", "/rosout")
-"""Topics that many nodes publish for all (REP 105, REP 107)."""
+_OF_ALL = frozenset({"tf", "tf_static", "diagnostics", "joint_states", "rosout", "bond"})
+"""Last names of topics that many nodes publish for all (REP 105, REP 107, bond)."""
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each topic that instances of one program share."""
     for group in wiring_groups(app.graph, WiringFactKind.SHARED_OUTPUT):
-        if group.subject not in _OF_ALL and not app.is_motion(group.subject):
+        is_of_all = group.subject.rpartition("/")[2] in _OF_ALL
+        if not (is_of_all or app.is_motion(group.subject)):
             yield _finding(group)
 
 

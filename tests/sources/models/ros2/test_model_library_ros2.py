@@ -409,6 +409,40 @@ def test_relative_topics_of_layers_are_of_the_costmap_until_jazzy(distribution, 
 
 
 @pytest.mark.parametrize(
+    ("plugin", "distribution", "heard", "published"),
+    [
+        ("KeepoutFilter", "jazzy", "/r/local_costmap/info", ""),
+        ("KeepoutFilter", "kilted", "/r/info", ""),
+        ("BinaryFilter", "jazzy", "/r/local_costmap/info", "/r/local_costmap/binary_state"),
+        ("BinaryFilter", "kilted", "/r/local_costmap/info", "/r/local_costmap/binary_state"),
+        ("SpeedFilter", "jazzy", "/r/local_costmap/info", "/r/local_costmap/speed_limit"),
+        ("SpeedFilter", "kilted", "/r/info", "/r/speed_limit"),
+        ("ZoneParameterFilter", "lyrical", "/r/info", "/r/zone_filter_state"),
+        ("AsymmetricInflationLayer", "lyrical", "/r/plan", ""),
+    ],
+)
+def test_topics_of_filters_are_joined_as_each_release_does(plugin, distribution, heard, published):
+    filter = {
+        "plugins": [],
+        "filters": ["zone"],
+        "zone.plugin": f"nav2_costmap_2d::{plugin}",
+        "zone.filter_info_topic": "info",
+    }
+    found = modelled(
+        "nav2_controller/controller_server",
+        name="/r/controller_server",
+        settings={"/r/local_costmap/local_costmap": filter},
+        environ=[("ROS_DISTRO", distribution)],
+    )
+    names = {
+        kind: {d.name for d in found.declarations if d.kind.value == kind}
+        for kind in ("subscribe", "publish")
+    }
+    assert heard in names["subscribe"]
+    assert {published} - {""} <= names["publish"]
+
+
+@pytest.mark.parametrize(
     ("distribution", "settings", "type"),
     [
         ("humble", {}, "Twist"),
