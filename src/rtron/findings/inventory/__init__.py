@@ -8,7 +8,12 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
-from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles, is_no_driver
+from rtron.findings.inventory.node_roles import (
+    FIRMWARE_PACKAGES,
+    NodeRoles,
+    is_no_driver,
+    is_sensors,
+)
 from rtron.findings.inventory.stopping import stopping
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
@@ -116,7 +121,8 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
         for node in app.unread_nodes
         if node not in bridges(app) and not is_no_driver(app.nodes[node])
     )
-    return nodes or tuple(name for name in app.unread_files if ".launch" in name)[:1]
+    files = (name for name in app.unread_files if ".launch" in name)
+    return nodes or tuple(name for name in files if not is_sensors(name))[:1]
 
 
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:

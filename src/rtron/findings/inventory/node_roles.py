@@ -140,6 +140,11 @@ def is_no_driver(node: Node) -> bool:
     return is_sensor and not any(has_moving_name(name) or _MOVING.search(name) for name in names)
 
 
+def is_sensors(file: str) -> bool:
+    """Return whether a launch file is called like a sensor, or lies in its package."""
+    return _SENSORS.search(re.sub(r"[^\w/-]+", "/", file)) is not None
+
+
 def _has_word(node: Node, pattern: re.Pattern[str]) -> bool:
     words = re.split(r"[_\-\s]+", f"{node.name.rpartition('/')[2]} {node.package}".lower())
     return any(map(pattern.fullmatch, words))
