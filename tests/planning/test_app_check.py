@@ -64,7 +64,7 @@ def test_a_client_of_a_bridge_is_in_no_graph():
 def test_a_flow_that_nobody_publishes():
     assert told(with_first_flow(publisher="/gazebo"))[0] == (
         "error: GRCN grcn_cmd_vel, flow1: /gazebo does not publish /cmd_vel: "
-        "/move_base, /teleop_twist_keyboard does"
+        "/move_base and /teleop_twist_keyboard do"
     )
 
 

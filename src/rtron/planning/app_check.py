@@ -27,6 +27,7 @@ from rtron.vocabulary import (
     ros1_topic_name,
     with_goal_topics,
 )
+from rtron.wording import join_names
 
 
 @dataclass(frozen=True)
@@ -247,7 +248,8 @@ def _check_publisher(
     if is_bridge_client(pattern):  # `rtron bridge check` knows these
         return
     if any(matches_node(pattern, node) for node in app.nodes):
-        who = f"{', '.join(publishers)} does" if publishers else "nobody does"
+        does = "do" if publishers[1:] else "does"
+        who = f"{join_names(publishers)} {does}" if publishers else "nobody does"
         yield PlanProblem(ProblemLevel.ERROR, where, f"{pattern} does not publish {topic}: {who}")
     else:
         yield _no_node(where, pattern, app)

@@ -492,7 +492,8 @@ def test_a_launch_file_that_was_not_read_may_start_who_obeys():
     note = UnresolvedItem(what="include $(find smoother)/smoother.launch", why="not here")
     assert the_mover(TWO_DRIVERS, unresolved=(note,)).unread == (note.what,)
     shape = UnresolvedItem(what="include $(find arm)/urdf/arm.urdf.xacro", why="not here")
-    assert the_mover(TWO_DRIVERS, unresolved=(shape,)).unread == ()
+    eye = UnresolvedItem(what="include $(find my_camera)/launch/nodes.launch.xml", why="not here")
+    assert the_mover(TWO_DRIVERS, unresolved=(shape, eye)).unread == ()
 
 
 def test_all_parameters_of_what_can_be_tuned_count_where_no_name_tells():
@@ -740,3 +741,32 @@ def test_a_server_of_goals_takes_them_from_a_topic_too():
     assert names(mover.commands) == ["/navigate_to_pose", "/goal_pose"]
     assert names(mover.last_commands) == ["/navigate_to_pose"]
     assert mover.arbiters == ()
+
+
+def test_a_mode_that_a_node_sets_by_a_service_is_a_switch():
+    text = "/pilot p own\n    sub /set_boat_mode std_msgs/msg/String\n    sub /joy_mode p/msg/Joy\n"
+    client = ServiceClient(node="/pilot", name="/mavros/set_mode", type="mavros_msgs/srv/SetMode")
+    assert inventory(text) == ()
+    mover = the_mover(text, clients=(client,))
+    assert mover.thing is Thing.MODE
+    assert set(names(mover.last_commands)) == {"/mavros/set_mode", "/set_boat_mode"}
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "listed"),
+    [
+        ("/actuators/gripper1/set_angle", "std_msgs/msg/UInt16", True),
+        ("/gripper/angle", "std_msgs/msg/UInt16", False),
+        ("/gripper/set_angle", "std_msgs/msg/String", False),
+        ("/camera/set_exposure", "std_msgs/msg/UInt16", False),
+    ],
+)
+def test_a_number_that_sets_a_part_of_the_robot_leaves_the_app(topic, type, listed):
+    found = inventory(f"/mission p own\n    pub {topic} {type}\n")
+    assert [mover.thing for mover in found] == [Thing.GRIPPER] * listed
+
+
+def test_a_light_with_a_device_obeys_no_mode():
+    text = "/battery p own\n    pub /low_voltage_mode std_msgs/msg/Bool\n"
+    text += "/led_node p own\n    sub /low_voltage_mode std_msgs/msg/Bool\n"
+    assert inventory(text, wiring=(fact("device", "/led_node", "serial port"),)) == ()

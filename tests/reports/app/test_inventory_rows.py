@@ -99,6 +99,9 @@ def test_a_topic_that_a_node_may_obey_which_was_not_read():
     command = Command(means=Means.TOPIC, name="/cmd_vel", senders=("/nav",))
     found = rows(thing=Thing.BASE, commands=(command,), unread=("/one", "/two"))
     assert found[0] == "/cmd_vel, obeyed by nobody that was read; /one and /two may"
+    found = rows(thing=Thing.BASE, commands=(command,), unread=("include $(find p)/a.launch",))
+    starts = "what $(find p)/a.launch starts may"
+    assert found[0] == f"/cmd_vel, obeyed by nobody that was read; {starts}"
 
 
 def test_who_tells_a_sender_without_an_arbiter():

@@ -10,7 +10,7 @@ from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
 from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles
 from rtron.findings.inventory.stopping import stopping
-from rtron.findings.measurement_names import is_called_sensor
+from rtron.findings.measurement_names import is_called_sensor, moves_nothing
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary.inventory import (
@@ -117,7 +117,8 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
         for node in app.unread_nodes
         if node not in bridges(app) and not is_called_sensor(app.nodes[node])
     )
-    return nodes or tuple(name for name in app.unread_files if ".launch" in name)[:1]
+    files = (name for name in app.unread_files if ".launch" in name)
+    return nodes or tuple(name for name in files if not moves_nothing(name))[:1]
 
 
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:

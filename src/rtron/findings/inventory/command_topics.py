@@ -20,6 +20,10 @@ COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
 _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
 _ORDERS = SIGNALS | {"std_msgs/String"}
+_SETS = re.compile(r"^set_|_cmd$|_command$|^cmd_|^command_")
+"""How the names of commands begin or end; `set` alone is vague."""
+_NUMBER = re.compile(r"std_msgs/(?:U?Int|Float)\d+")
+_PARTS = frozenset({Thing.GRIPPER, Thing.TOOL, Thing.HEAD, Thing.THRUSTERS})
 _OF_BASE = re.compile(
     "drive|steer|wheel|base|chassis|omni|mecanum|ackermann|tricycle|bicycle", re.IGNORECASE
 )
@@ -111,7 +115,8 @@ class CommandTopics:
         motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
         motion |= set(filter(self._is_joy_command, self._things))
         found = (motion | self.locks | self._derived.keys()) - self._action_topics
-        for node in filter(self.roles.is_called_driver, self.app.nodes):
+        found |= set(filter(self._leaves, self._things))
+        for node in filter(self.roles.obeys, filter(self.roles.is_called_driver, self.app.nodes)):
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
         return frozenset(found | set(filter(self._switches, self._things)))
 
@@ -132,7 +137,23 @@ class CommandTopics:
         is_signal = self.app.facts.topic(topic).type in _ORDERS
         is_switch = self._things[topic] in (_SURE_SWITCHES if not is_signal else _SIGNAL_SWITCHES)
         is_state = self.app.facts.classify(topic).domain is Domain.PERCEPTION
-        return is_switch and not is_state and bool(self.app.readers(topic))
+        readers = self.app.readers(topic)
+        is_mode = self._things[topic] is Thing.MODE and not self._switching.isdisjoint(readers)
+        return (is_switch or (is_mode and is_signal)) and not is_state and bool(readers)
+
+    @cached_property
+    def _switching(self) -> frozenset[str]:
+        """The nodes that call services which set a mode."""
+        clients = self.app.graph.clients
+        modes = (c for c in clients if thing_of(c.name, c.type, Means.SERVICE) is Thing.MODE)
+        return frozenset(client.node for client in modes)
+
+    def _leaves(self, topic: str) -> bool:
+        """Return whether a number that sets a part of the robot goes to nobody here."""
+        facts = self.app.facts.topic(topic)
+        is_set = _SETS.search(topic.rpartition("/")[2]) and _NUMBER.fullmatch(facts.type)
+        is_open = bool(facts.publishers) and not self.app.readers(topic)
+        return bool(is_set) and is_open and self._things[topic] in _PARTS
 
     def is_unnamed(self, end: Endpoint) -> bool:
         """Return whether a driver may obey a topic though neither its name nor its type tells."""

@@ -65,7 +65,10 @@ def _nobody(mover: Mover) -> str:
     """Return who obeys a command that nobody obeys: perhaps a node that was not read."""
     if not mover.unread:
         return "nobody in this launch"
-    return f"nobody that was read; {join_names(mover.unread)} may"
+    is_node = mover.unread[0].startswith("/")
+    files = [name.removeprefix("include ").removeprefix("launch file ") for name in mover.unread]
+    who = join_names(mover.unread) if is_node else f"what {join_names(files)} starts"
+    return f"nobody that was read; {who} may"
 
 
 def _topic_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
