@@ -20,7 +20,7 @@ from rtron.guard.supervision.helper_process import (
     HelperProcess,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD
-from rtron.guard.system.beat import Beat
+from rtron.guard.system.shared_beat import SharedBeat
 from rtron.vocabulary import SECOND
 
 
@@ -129,14 +129,14 @@ class Watched:
     def look_for(self, duration, *, beats=False):
         for _ in range(duration // BEAT_PERIOD):
             self.now += BEAT_PERIOD
-            if beats and self.now % Beat.PERIOD == 0:
+            if beats and self.now % SharedBeat.PERIOD == 0:
                 self.beat.at = self.now
             self.helper.tick(self.now)
 
 
 @pytest.fixture
 def watched(order):
-    beat = Beat.create()
+    beat = SharedBeat.create()
     helper = HelperProcess(
         Starter(sys.executable, "-c", CODE), order, "link_program:main", beat=beat
     )

@@ -18,9 +18,9 @@ from rtron.guard.link.plan_intake import PlanIntake, PutInForce
 from rtron.guard.link.service_connection import ServiceConnection
 from rtron.guard.link.settings_file import read_settings, write_settings
 from rtron.guard.link.spool import Spool
-from rtron.guard.system.beat import Beat
 from rtron.guard.system.machine_time import machine_time
 from rtron.guard.system.process_priority import lower_priority
+from rtron.guard.system.shared_beat import SharedBeat
 from rtron.guard.system.unix_socket import peer_credentials
 from rtron.vocabulary import SECOND, GuardEvent, Settings
 from rtron.wire.common.link_protocol import (
@@ -315,13 +315,13 @@ def _saved_settings(options: LinkOptions) -> Settings | None:
         return None
 
 
-def run_relay(options: LinkOptions, put_in_force: PutInForce, beat: Beat) -> None:
+def run_relay(options: LinkOptions, put_in_force: PutInForce, beat: SharedBeat) -> None:
     """Be the link process until told to end; `beat` for the supervisor while it is well."""
     lower_priority(_NICE)
     asyncio.run(_run(options, put_in_force, beat))
 
 
-async def _run(options: LinkOptions, put_in_force: PutInForce, beat: Beat) -> None:
+async def _run(options: LinkOptions, put_in_force: PutInForce, beat: SharedBeat) -> None:
     ended = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ended.set)
     beating = asyncio.create_task(_keep_beating(beat))
@@ -329,7 +329,7 @@ async def _run(options: LinkOptions, put_in_force: PutInForce, beat: Beat) -> No
     beating.cancel()
 
 
-async def _keep_beating(beat: Beat) -> None:
+async def _keep_beating(beat: SharedBeat) -> None:
     while True:
         beat.at = time.monotonic_ns()
-        await asyncio.sleep(Beat.PERIOD / SECOND)
+        await asyncio.sleep(SharedBeat.PERIOD / SECOND)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
 from rtron.guard.supervision.watchdog import SchedulingDelay, Watchdog, adapt_bound
-from rtron.guard.system.beat import Beat
+from rtron.guard.system.shared_beat import SharedBeat
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
@@ -36,7 +36,7 @@ class HelperProcess:
         program: str,
         *,
         files: Sequence[int] = (),
-        beat: Beat | None = None,
+        beat: SharedBeat | None = None,
         has_plan: bool = True,
     ) -> None:
         """Start the program with the configuration and `files`; one that `has_plan` follows it.
@@ -50,7 +50,7 @@ class HelperProcess:
         self._program = program
         self._config_file = config_file
         self._started_at = 0
-        self._watchdog, self._delay = Watchdog(0), SchedulingDelay(0, Beat.PERIOD)
+        self._watchdog, self._delay = Watchdog(0), SchedulingDelay(0, SharedBeat.PERIOD)
         self._start_due: int | None = 0
         self._restart_delay = MIN_RESTART_DELAY
 
@@ -87,7 +87,7 @@ class HelperProcess:
 
     def _start(self, now: int) -> None:
         self._started_at, self._start_due = now, None
-        self._watchdog, self._delay = Watchdog(now), SchedulingDelay(now, Beat.PERIOD)
+        self._watchdog, self._delay = Watchdog(now), SchedulingDelay(now, SharedBeat.PERIOD)
         if self._beat:
             self._beat.at = 0
         try:

@@ -9,7 +9,7 @@ from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.plan_trial import PlanSlot
 from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
-from rtron.guard.system.beat import Beat
+from rtron.guard.system.shared_beat import SharedBeat
 from rtron.vocabulary import Plan
 
 
@@ -24,7 +24,7 @@ def main(numbers: str) -> None:
         PlanSlot(slot[0]).write(pickle.dumps(replace(config, plan=plan)))
 
     def relay() -> int:
-        run_relay(config.options["link"], put_in_force, Beat(beat))
+        run_relay(config.options["link"], put_in_force, SharedBeat(beat))
         return 0
 
     sys.exit(run_program(relay))

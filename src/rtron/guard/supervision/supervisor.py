@@ -34,7 +34,7 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorFsm,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
-from rtron.guard.system.beat import Beat
+from rtron.guard.system.shared_beat import SharedBeat
 from rtron.guard.transport.factory import open_transport
 from rtron.vocabulary import SECOND
 from rtron.wire.common.systemd import take_notifier
@@ -344,7 +344,7 @@ def _helpers(
         yield HelperProcess(server, config_file, BULK)
     if config.options.get("link"):
         yield HelperProcess(
-            server, config_file, LINK, files=slot_files, beat=Beat.create(), has_plan=False
+            server, config_file, LINK, files=slot_files, beat=SharedBeat.create(), has_plan=False
         )
 
 

@@ -95,7 +95,7 @@ class SupervisorClient:
             _record_messages(guarded, info, last_message, loop)
 
     def open(self) -> None:
-        """Beat as soon as the loop runs."""
+        """SharedBeat as soon as the loop runs."""
         if self._name:
             answer_name(self._loop, self._name)
         else:

@@ -7,7 +7,7 @@ from rtron.guard.system.sealed_memory import create_sealed_memory
 from rtron.vocabulary import SECOND
 
 
-class Beat:
+class SharedBeat:
     """When the process was last well, ns; 0 before its first beat."""
 
     PERIOD: ClassVar[int] = SECOND // 10
@@ -18,7 +18,7 @@ class Beat:
         self._words = memoryview(mmap.mmap(descriptor, mmap.PAGESIZE)).cast("Q")
 
     @classmethod
-    def create(cls) -> "Beat":
+    def create(cls) -> "SharedBeat":
         """Return one that has not beaten; OSError if there is no memory left."""
         return cls(create_sealed_memory("rtron-beat", mmap.PAGESIZE))
 
