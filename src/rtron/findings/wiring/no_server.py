@@ -64,10 +64,6 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 def unserved_names(app: AppFacts) -> Mapping[str, UnservedName]:
     """Return what is called and not offered, by its name."""
-    return app.once(_unserved_names)
-
-
-def _unserved_names(app: AppFacts) -> dict[str, UnservedName]:
     offers = _offers(app)
     calls = [*_sides("service", app.graph.clients), *_actions(app, ActionRole.CLIENT)]
     served = {(offer.what, offer.name) for offer in offers}

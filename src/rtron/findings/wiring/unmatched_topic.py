@@ -52,10 +52,6 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 def unmatched_topics(app: AppFacts) -> Mapping[str, list[str]]:
     """Return the topics that are subscribed and not published, each with the near ones."""
-    return app.once(_unmatched_topics)
-
-
-def _unmatched_topics(app: AppFacts) -> dict[str, list[str]]:
     others = {*_action_topics(app.graph), *lost_commands(app).values()}
     topics = (each for each in app.explicit_topics if _is_unmatched(app, each))
     return {topic: _near(app, topic) for topic in topics if topic not in others}
