@@ -16,7 +16,7 @@ from rtron.vocabulary import (
     unstamped_type,
 )
 from rtron.vocabulary.launch import canonical_name, resolve_name
-from rtron.vocabulary.names import are_nested
+from rtron.vocabulary.names import are_nested, snake_case
 
 parts = st.text("ab_/~", max_size=8)
 
@@ -136,16 +136,13 @@ def test_the_topics_of_a_lease_are_private():
 
 
 @pytest.mark.parametrize(
-    ("namespace", "other", "expected"),
+    ("name", "expected"),
     [
-        ("", "", True),
-        ("", "/a", True),
-        ("/a", "/a", True),
-        ("/a/b", "/a", True),
-        ("/a", "/ab", False),
-        ("/a/b", "/a/c", False),
+        ("chassisCommand", "chassis_command"),
+        ("/robot/wheelVelMeasured", "/robot/wheel_vel_measured"),
+        ("cmd_vel", "cmd_vel"),
+        ("", ""),
     ],
 )
-def test_namespaces_that_are_nested(namespace, other, expected):
-    assert are_nested(namespace, other) is expected
-    assert are_nested(other, namespace) is expected
+def test_words_that_stand_apart(name, expected):
+    assert snake_case(name) == expected
