@@ -313,6 +313,24 @@ class TestWhatMoves:
         plan = propose_plan(graph, discover_risks(graph), {"/cmd_vel": ()}, only_motion=True)
         assert [grcn.topic for grcn in plan.grcn] == ["/cmd_vel"]
 
+    @pytest.mark.parametrize(
+        ("type", "publishers", "policy"),
+        [
+            ("p/Frame", "/wheels a own,/lamps b own", PolicyName.BLOCK),
+            ("p/Frame", "/wheels a own", PolicyName.PREEMPTION),
+            (TWIST, "/nav a own,/teleop b own", PolicyName.PREEMPTION),
+        ],
+    )
+    def test_frames_of_several_drivers_for_one_board_do_not_end_each_other(
+        self, type, publishers, policy
+    ):
+        graph = graph_of("app", shared("/board/input", type, publishers))
+        last = {"/board/input": ()}
+        plan = propose_plan(graph, discover_risks(graph), last, only_motion=True)
+        grcn = grcn_of(plan, "/board/input")
+        assert (grcn.mode, grcn.policy) == (Mode.ENFORCE, policy)
+        assert len(grcn.flows) == len(publishers.split(","))
+
 
 class TestQueues:
     def test_a_goal_without_a_known_end_counts_as_done_after_a_while(self):

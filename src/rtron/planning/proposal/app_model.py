@@ -130,6 +130,15 @@ class AppModel:
             return TopicClass(domain=Domain.CONTROL, kind=StreamKind.COMMAND)
         return known
 
+    def is_shared_channel(self, topic: str) -> bool:
+        """Tell whether several nodes may send frames of their own, so that none is to end others.
+
+        So it may be where a driver alone says that a topic commands, and neither type nor name.
+        """
+        known = self.report.topic_classes.get(topic, TopicClass())
+        is_known_by_driver = topic in self.last_commands and known.domain not in _MOVING
+        return is_known_by_driver and len(self.publishers(topic)) > 1
+
     def can_guard(self, topic: str) -> bool:
         """Tell whether a topic is one of the graph and its name is wholly known.
 

@@ -8,6 +8,7 @@ The defaults (paper sections 5.3 and 7.2):
 | Planning, contending                | enforce | Priority_Queue, `done` where it is known  |
 | an action                           | as its goals | as above: it is one unit             |
 | the last command before the hardware | enforce | Preemption, whoever publishes it        |
+| the same, where it may carry frames of several | enforce | Block, no bit set             |
 | merging, Perception, Drivers, Others | observe | Block, no bit set                        |
 | else nobody is known to publish or listen | observe | as above                            |
 
@@ -169,7 +170,8 @@ def _policy(app: AppModel, topic: str) -> PolicyName:
         topic_class.kind is StreamKind.STATE and len(app.publishers(topic)) <= 1
     )
     is_cancel = app.type_of(topic).startswith(_CANCELS)
-    if topic_class.sharing is Sharing.MERGE or is_cancel or is_single_publisher_state:
+    is_shared = topic_class.sharing is Sharing.MERGE or app.is_shared_channel(topic)
+    if is_shared or is_cancel or is_single_publisher_state:
         return PolicyName.BLOCK
     if topic_class.domain is Domain.PLANNING or topic_class.kind is StreamKind.ACTION:
         return PolicyName.PRIORITY_QUEUE
