@@ -296,6 +296,18 @@ class TestNoServer:
         assert likely == [True] * is_near
         assert bool(found("incomplete_launch", graph)) is not is_near
 
+    def test_a_manager_that_asks_for_a_node_of_another_namespace(self):
+        type = "lifecycle_msgs/srv/ChangeState"
+        call = ServiceClient(node="/slam", name="/map_server/change_state", type=type)
+        server = Service(
+            node="/laser", name="/robot/map_server/change_state", type=type, implicit=True
+        )
+        finding = the_finding("no_server", small_graph(SCAN, clients=(call,), services=(server,)))
+        assert finding.remedy == "did you mean /robot/map_server/change_state?"
+        other = replace(server, name="/planner_server/change_state")
+        call = replace(call, name="/smoother_server/change_state")
+        assert not found("no_server", small_graph(SCAN, clients=(call,), services=(other,)))
+
     def test_with_something_unread_it_is_possible_only(self):
         server = Service(node="/laser", name="/map/saved")
         for more in (

@@ -310,8 +310,10 @@ def is_near(one: str, other: str) -> bool:
             return False
         if says_more(name, other_name):
             return True
-    elif name == other_name and _is_within(namespace, other_namespace):
-        return True
+    elif name == other_name:
+        if _is_within(namespace, other_namespace):
+            return True
+        one, other = namespace, other_namespace
     shorter, longer = sorted((len(one), len(other)))
     if 2 * shorter < _NEAR_RATIO * (shorter + longer):
         return False

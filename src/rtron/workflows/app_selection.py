@@ -175,9 +175,11 @@ def _source_app(selection: AppSelection, progress: Progress) -> SelectedApp:
 
 
 def _distro_guess(source: WorkspaceSource) -> str:
-    if source.distro is None:
+    if source.distro is not None:
+        return f"ROS_DISTRO={source.distro.name} is a guess, from {source.distro.file}"
+    if source.ros == 1 or "ROS_DISTRO" in source.environ:
         return ""
-    return f"ROS_DISTRO={source.distro.name} is a guess, from {source.distro.file}"
+    return "nothing names the ROS distribution: the newest counts; --env ROS_DISTRO=… gives it"
 
 
 def _common_folder(folders: Sequence[Path]) -> Path | None:

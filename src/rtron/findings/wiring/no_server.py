@@ -104,14 +104,15 @@ def _near_servers(calls: list[_RequestSide], offers: list[_RequestSide]) -> list
         {
             offer.name
             for offer in offers
-            if not offer.implicit
-            and "{" not in offer.name
-            and any(
-                offer.what == what and (offer.type == type or not (offer.type and type))
-                for what, type in types
-            )
+            if "{" not in offer.name and any(_fits(offer, *each) for each in types)
         },
     )
+
+
+def _fits(offer: _RequestSide, what: str, type: str) -> bool:
+    """Return whether an offer may be meant; one that a library adds must be of the known type."""
+    is_open = not (offer.implicit or (offer.type and type))
+    return offer.what == what and (is_open or offer.type == type != "")
 
 
 def _finding(app: AppFacts, name: str, unserved: UnservedName) -> Finding:

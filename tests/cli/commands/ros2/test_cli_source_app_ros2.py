@@ -196,3 +196,10 @@ def test_an_argument_that_may_be_declared_in_what_is_skipped_is_not_missed(rtron
     whats = [note["what"] for note in json.loads(ran.out)["unresolved"]]
     assert "launch argument robot" not in whats
     assert "launch argument sin" in whats
+
+
+def test_a_distribution_that_nothing_names_is_said(rtron, folder):
+    app = ("scan", folder, "--launch", "parts/robot.launch.py", "-j", "1", "--fail-on", "never")
+    said = "nothing names the ROS distribution: the newest counts"
+    assert said in " ".join(rtron(*app).out.split())
+    assert said not in " ".join(rtron(*app, "--env", "ROS_DISTRO=jazzy").out.split())
