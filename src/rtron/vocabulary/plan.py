@@ -312,8 +312,7 @@ class Supervision:
     After `stall_after` (ns) the robot is stopped, after `kill_after` (ns) the guard is killed and
     the next one begins. It is stopped, too, while nothing that goes into the guard comes out of it
     again within `deliver_within` (ns), and a stream is after which the audit has not looked for
-    `audit_within` (ns). A guard may take `start_within` (ns) until its topics are open, and a
-    supervisor that takes over a running guard until it watches.
+    `audit_within` (ns). A guard may take `start_within` (ns) until its topics are open.
     """
 
     stall_after: int = 30 * SECOND // 1000

@@ -25,6 +25,9 @@ def say(numbers):
 def end(numbers):
     sys.exit(int(os.read(int(numbers), 1)))
 
+def shut(numbers):
+    os.close(int(numbers))
+
 def fail(numbers):
     raise ValueError("failed")
 
@@ -36,6 +39,7 @@ def wait(numbers):
 
 program = ModuleType("rtron.guard.supervision.trial_program")
 program.say, program.end, program.fail, program.wait = say, end, fail, wait
+program.shut = shut
 sys.modules[program.__name__] = program
 server = ForkServer()
 reading, writing = os.pipe()
@@ -83,6 +87,12 @@ def run(code):
 def test_a_program_has_its_files_and_ends_well():
     found, errors = run('code(start("say", writing)), os.read(reading, 9).decode()')
     assert found == [0, "here"]
+    assert errors == ""
+
+
+def test_a_program_may_close_its_files():
+    found, errors = run('code(start("shut", writing))')
+    assert found == [0]
     assert errors == ""
 
 

@@ -189,7 +189,7 @@ def elsewhere(master, impatient, monkeypatch):
 def test_a_guard_that_we_cannot_see_is_refused_and_not_signalled(master, killed, monkeypatch):
     """A signal to 0 is one to ourselves."""
     monkeypatch.setattr(guard_name, "END_TIMEOUT", 0)
-    for take in (partial(take_name, GUARD), await_former_guard):
+    for take in (partial(take_name, GUARD), partial(await_former_guard, ramp=0)):
         with pytest.raises(SourceError, match="in another container"):
             take(master)
     assert killed == []
@@ -207,9 +207,9 @@ def test_a_guard_that_has_lost_its_supervisor_and_does_not_end_is_killed(
 
     monkeypatch.setattr("os.kill", kill)
     monkeypatch.setattr(guard_name, "END_TIMEOUT", SECOND // 20)
-    await_former_guard(master)
+    await_former_guard(master, 0)
     assert sent == [(os.getpid(), signal.SIGKILL)]
 
 
 def test_nobody_is_waited_for_where_no_guard_runs(master):
-    await_former_guard(master)
+    await_former_guard(master, 0)

@@ -34,9 +34,11 @@ def plan_with_a_blocked_flow():
 class Supervised:
     """A guard under supervision, and the driver behind it; a forbidden velocity flows too."""
 
-    def __init__(self, ros1, driver, plan=None, lower=FORBIDDEN):
+    def __init__(self, ros1, driver, plan=None, lower=FORBIDDEN, *options):
         self.ros1 = ros1
-        self.process = start_guard(ros1, plan or plan_with_a_blocked_flow(), CMD_VEL_GUARD)
+        self.process = start_guard(
+            ros1, plan or plan_with_a_blocked_flow(), CMD_VEL_GUARD, *options
+        )
         self.plan = ros1.folder / "rtron.yaml"
         ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
         self.driven = Driven(ros1.folder / "driven.txt")
@@ -296,6 +298,14 @@ def test_the_guard_ends_when_no_other_could_take_its_place(supervised, number):
     supervised.assert_nothing_unchecked()
 
 
+def test_a_dry_run_without_its_supervisor_stops_the_robot_too(ros1, driver):
+    supervised = Supervised(ros1, driver, drive_plan(), SPEED, "--dry-run")
+    told = len(supervised.speeds())
+    os.kill(supervised.supervisor, signal.SIGKILL)
+    supervised.wait_for_stop(told)
+    wait_for(lambda: supervised.speeds()[-1] == 0.0, what="the rest")
+
+
 @pytest.mark.long
 def test_a_guard_that_hangs_without_its_supervisor_is_killed_by_the_next(supervised):
     guard, supervisor = supervised.guard, supervised.supervisor
@@ -353,6 +363,7 @@ def test_all_end_in_order_and_the_robot_is_stopped(supervised, send, number):
     wait_for(lambda: supervised.speeds()[-1] == 0.0, what="the rest")
     assert not supervised.ros1.publishers(OUT)
     assert " ERROR " not in supervised.process.log
+    assert "Traceback" not in supervised.process.log
 
 
 @pytest.mark.long

@@ -1,6 +1,5 @@
 """Debian's or ROS's own `rosmaster`, as a child that listens on loopback and ends with us."""
 
-import ctypes
 import logging
 import os
 import shutil
@@ -9,10 +8,12 @@ import socket
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from functools import partial
 
 from rtron.errors import RTronError, SourceError
 from rtron.guard.master_proxy.name_registry import CALLER
+from rtron.guard.system.parent_end import end_with_parent
 from rtron.wire.ros1.xmlrpc import ros_call
 
 log = logging.getLogger(__name__)
@@ -20,7 +21,6 @@ log = logging.getLogger(__name__)
 _START_S = 30.0
 _END_S = 5.0
 _PAUSE_S = 0.02
-_PR_SET_PDEATHSIG = 1
 
 
 class Rosmaster:
@@ -37,12 +37,13 @@ class Rosmaster:
             raise SourceError("rosmaster is not installed", help=help)
         self.port = port or _free_port()
         self.uri = f"http://127.0.0.1:{self.port}/"
+        end_with_us = partial(end_with_parent, os.getpid(), signal.SIGKILL)
         self._popen = subprocess.Popen(  # noqa: S603 - the user's own ROS
             [program, "--core", "-p", str(self.port)],
             env=_environ(os.environ, self.uri),
             stdin=subprocess.DEVNULL,
             start_new_session=True,  # ^C is for us; we end it
-            preexec_fn=_exit_with_parent(os.getpid()),  # noqa: PLW1509 - no thread is running yet
+            preexec_fn=end_with_us,  # noqa: PLW1509 - no thread is running yet
         )
         try:
             self._wait()
@@ -94,15 +95,3 @@ def _free_port() -> int:
         free.bind(("127.0.0.1", 0))
         port: int = free.getsockname()[1]
         return port
-
-
-def _exit_with_parent(parent: int) -> Callable[[], None]:
-    """Return what makes a child end when its parent does, however that ends (prctl(2))."""
-    prctl = ctypes.CDLL(None, use_errno=True).prctl
-
-    def prepare() -> None:
-        prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:
-            os._exit(1)
-
-    return prepare

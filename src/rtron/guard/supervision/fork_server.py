@@ -17,6 +17,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
+from rtron.errors import SourceError
+from rtron.guard.supervision.programs import GUARD
+from rtron.guard.system.parent_end import end_with_parent
+
 _MOST_FILES = 8
 _MOST_BYTES = 1 << 10
 _ANSWER_S = 1.5
@@ -29,7 +33,11 @@ class ForkServer:
     """The supervisor's side; `connection` can be read once the fork server is gone."""
 
     def __init__(self) -> None:
-        """Fork this process, which must have one thread."""
+        """Fork this process, whose threads are not in the fork.
+
+        SourceError if the system has no file descriptors of processes.
+        """
+        _check_system()
         self.connection, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._pid = os.fork()
         if self._pid == 0:
@@ -43,7 +51,13 @@ class ForkServer:
 
         It does not hear Ctrl-C before `leave_interrupts`. OSError if the system cannot start it.
         """
-        return ForkedProcess(self, self._ask(["start", entry_point], files))
+        pid = self._ask(["start", entry_point], files)
+        try:
+            return ForkedProcess(self, pid)
+        except OSError:
+            os.kill(pid, signal.SIGKILL)
+            self.exit_code(pid)
+            raise
 
     def exit_code(self, pid: int) -> int:
         """Return how a process has ended that has, minus the signal if one has killed it."""
@@ -95,6 +109,14 @@ class ForkedProcess:
                 signal.pidfd_send_signal(self._descriptor, number)
 
 
+def _check_system() -> None:
+    try:
+        os.close(os.pidfd_open(os.getpid()))
+    except (AttributeError, OSError) as error:
+        help = "it takes Linux 5.3, a Python with os.pidfd_open, and a container that permits it"
+        raise SourceError(f"the guard's processes cannot be watched: {error}", help=help) from None
+
+
 def _serve(connection: socket.socket) -> NoReturn:
     """Do what the supervisor asks until it is gone; a process that is started runs its program."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -112,22 +134,23 @@ def _serve(connection: socket.socket) -> NoReturn:
 
 def _fork(connection: socket.socket, entry_point: str, files: list[int]) -> tuple[int, int]:
     """Return the process that runs a program, and the error if there is none."""
+    pid, error, server = 0, 0, os.getpid()
     try:
         pid = os.fork()
-    except OSError as error:
-        return 0, error.errno or _LOST
-    else:
-        if pid == 0:
-            connection.close()
-            _run(entry_point, files)
-    finally:
-        for each in files:
-            os.close(each)
-    return pid, 0
+    except OSError as failure:
+        error = failure.errno or _LOST
+    if pid == 0 and not error:
+        connection.close()
+        _run(entry_point, files, server)
+    for each in files:
+        os.close(each)
+    return pid, error
 
 
-def _run(entry_point: str, files: list[int]) -> NoReturn:
+def _run(entry_point: str, files: list[int], server: int) -> NoReturn:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if entry_point != GUARD:  # it stops the robot first
+        end_with_parent(server, signal.SIGTERM)
     module, _, function = entry_point.partition(":")
     set_process_name(f"rtron-{module.removesuffix('_program')}")
     main = getattr(import_module(f"rtron.guard.supervision.{module}"), function)

@@ -58,6 +58,11 @@ def is_stoppable(stream: Stream) -> bool:
     return commands and stream.mode is Mode.ENFORCE
 
 
+def longest_ramp(plan: Plan) -> int:
+    """Return how long the guard of a plan may take until the robot is at rest, ns."""
+    return max((each.stop.within for each in stopped_streams(plan)), default=0)
+
+
 def stopped_streams(plan: Plan) -> tuple[Stream, ...]:
     """Return the streams of a plan that are stopped when the guard dies, in the plan's order."""
     return tuple(filter(is_stoppable, build_streams(plan)))

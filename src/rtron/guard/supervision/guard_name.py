@@ -49,13 +49,14 @@ def answer_name(loop: EventLoop, name: socket.socket) -> None:
     loop.watch(name, answer, lambda error: loop.suspend(name, _PAUSE_S))
 
 
-def await_former_guard(master: str) -> None:
+def await_former_guard(master: str, ramp: int) -> None:
     """Wait until a guard that has lost its supervisor has stopped the robot and ended.
 
-    One that takes longer than `END_TIMEOUT` is killed. SourceError if we do not see its process.
+    One that takes `END_TIMEOUT` longer than its `ramp` (ns) is killed. SourceError if we do not see
+    its process.
     """
     pid, uid = _holder(GUARD, master) or (0, -1)
-    until = EventLoop.now() + END_TIMEOUT
+    until = EventLoop.now() + ramp + END_TIMEOUT
     while uid == os.getuid() and _is_held(GUARD, master):
         if EventLoop.now() > until and pid == 0:
             raise _guard_exists(master, pid)

@@ -11,7 +11,7 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.fork_server import ForkServer
-from rtron.guard.supervision.guard_config import GuardConfig, stopped_streams
+from rtron.guard.supervision.guard_config import GuardConfig, longest_ramp, stopped_streams
 from rtron.guard.supervision.guard_name import (
     SUPERVISOR,
     answer_name,
@@ -62,7 +62,7 @@ class Supervisor:
         self._stream_count = len(streams)
         self._server = server
         self._name = take_name(SUPERVISOR, config.master)
-        await_former_guard(config.master)
+        await_former_guard(config.master, longest_ramp(config.plan))
         self._guard: GuardProcess | None = None
         self._plan_trial = _plan_trial(config, config_file)
         self._loop = loop
@@ -323,7 +323,7 @@ class Supervisor:
         self._loop.forget(self._server.connection)
         self._code = os.EX_OSERR
         log.error("what starts the guard's processes is gone: the guard ends, start it again")
-        self._end()
+        self._perform(self._fsm.shut_down(self._loop.now()), self._loop.now())
 
     def _refuse_shutdown(self, node: str, reason: str) -> None:
         """Go on: what stops the robot is not ended over the network."""

@@ -95,7 +95,7 @@ class SupervisorClient:
             _record_messages(guarded, info, last_message, loop)
 
     def open(self) -> None:
-        """SharedBeat as soon as the loop runs."""
+        """Beat as soon as the loop runs."""
         if self._name:
             answer_name(self._loop, self._name)
         else:
@@ -178,6 +178,7 @@ class SupervisorClient:
         log.error("%s: the robot is stopped, and the guard ends; start rtron guard again", reason)
         self._is_ending = True
         for guarded in self._stoppable:
+            guarded.dry_run = False  # who ends forwards nothing any more: the base would drive on
             guarded.brake("supervisor", reason)
             guarded.stop_controller.release_brake()
 

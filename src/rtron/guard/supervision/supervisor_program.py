@@ -17,8 +17,12 @@ def main(numbers: str) -> None:
     (config_file,) = open_descriptors(numbers)
     set_process_name("rtron-supervisor")
     config = read_config(config_file)
-    preload(config)
-    server = ForkServer()  # before there is a thread or a node
-    start_logging(config.log_level, "supervisor")
-    share_memory(config.plan.ros, on=False)
-    sys.exit(run_program(lambda: Supervisor(config, config_file, EventLoop(), server).run()))
+
+    def supervise() -> int:
+        preload(config)
+        server = ForkServer()  # before there is a thread or a node of ours
+        start_logging(config.log_level, "supervisor")
+        share_memory(config.plan.ros, on=False)
+        return Supervisor(config, config_file, EventLoop(), server).run()
+
+    sys.exit(run_program(supervise))
