@@ -2,6 +2,7 @@
 
 import json
 import socket
+import time
 from contextlib import ExitStack
 
 from driven_base import CMD_VEL, CMD_VEL_GUARD, Driven, drive_plan, start_guard
@@ -20,6 +21,7 @@ NOT_OF_THE_AUDIT = (
     AlarmKind.INTRUSION,
     AlarmKind.UNDELIVERED,
 )
+_CONNECT_S = 1.0
 KINDS = tuple(f": {kind}:" for kind in AlarmKind if kind not in NOT_OF_THE_AUDIT)
 
 
@@ -133,21 +135,27 @@ class ReturningIntruder(Intruder):
     """An intruder that comes by `way`, again when it was sent away before it was found.
 
     roscpp hangs up on whom the master does not list whenever the guard says its registrations
-    again; on a machine that is too busy the audit has not looked by then.
+    again; on a machine that is too busy the audit has not looked by then. rospy never connects if
+    it reads the master's list next: of two lists that wait it takes the later one.
     """
 
     def __init__(self, way, name=ROGUE):
         super().__init__(name, OUT)
-        self._way = way
+        self._way, self._came = way, 0.0
 
     def __enter__(self):
-        self._way(self)
+        self._come()
         return self
 
     def insist(self):
-        """Come again if whom it told of itself has hung up."""
-        if self.first_connection and not self.has_subscriber:
-            self._way(self)
+        """Come again if whom it told of itself has hung up, or does not connect."""
+        is_late = time.monotonic() > self._came + _CONNECT_S
+        if not self.has_subscriber and (self.first_connection or is_late):
+            self._come()
+
+    def _come(self):
+        self._way(self)
+        self._came = time.monotonic()
 
 
 def ghost(node, *others):
