@@ -4,7 +4,8 @@ A template is a text with expressions in braces: `{param('~prefix', 'robot')}/od
 """
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 from rtron.sources.launch.common.expression import evaluate
 from rtron.sources.models.common.functions import Function, model_functions
@@ -15,18 +16,16 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 _NAME = re.compile(r"~?[A-Za-z0-9_/]*", re.ASCII)
 
 
-@dataclass(slots=True)
+@dataclass
 class ModelExpressions:
     """Evaluates expressions in one scope; `has_unknown` tells that an answer was not known."""
 
     scope: ModelScope
     has_unknown: bool = False
-    _functions: dict[str, Function] = field(init=False)
 
-    def __post_init__(self) -> None:
-        self._functions = {
-            name: self._tracked(f) for name, f in model_functions(self.scope).items()
-        }
+    @cached_property
+    def _functions(self) -> dict[str, Function]:
+        return {name: self._tracked(f) for name, f in model_functions(self.scope).items()}
 
     def value(self, text: str) -> Value:
         """Return an expression's value; raise ValueError or UnresolvableError if it has none."""
