@@ -47,9 +47,12 @@ _OpenName: TypeAlias = tuple[str, str]
 """A name that is known in part, and the type of its endpoint."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AppFacts:
-    """The facts of a graph; message types are in ROS 1 spelling throughout."""
+    """The facts of a graph; message types are in ROS 1 spelling throughout.
+
+    Two are equal if they are one object, so that what is computed of the last app can be kept.
+    """
 
     facts: GraphFacts
 

@@ -20,6 +20,7 @@ Correct the name.
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts, near_names
@@ -62,6 +63,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
             yield _finding(app, name, unserved)
 
 
+@lru_cache(maxsize=1)
 def unserved_names(app: AppFacts) -> Mapping[str, UnservedName]:
     """Return what is called and not offered, by its name."""
     offers = _offers(app)

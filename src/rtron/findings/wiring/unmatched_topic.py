@@ -23,6 +23,7 @@ Remap one of the names to the other.
 """
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.lost_commands import lost_commands
@@ -50,6 +51,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
             yield _finding(app, topic, near)
 
 
+@lru_cache(maxsize=1)
 def unmatched_topics(app: AppFacts) -> Mapping[str, list[str]]:
     """Return the topics that are subscribed and not published, each with the near ones."""
     others = {*_action_topics(app.graph), *lost_commands(app).values()}
