@@ -74,6 +74,13 @@ class TestTypeMismatch:
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
         assert "ROS_DISTRO" in finding.remedy
 
+    def test_where_the_distribution_was_given_a_model_is_certain(self):
+        graph = nav_and_base(TWIST, STAMPED, base=Resolution.MODEL)
+        fact = WiringFact(kind=WiringFactKind.DISTRIBUTION, subject="jazzy")
+        finding = the_finding("type_mismatch", replace(graph, wiring=(fact,)))
+        assert (finding.certainty, finding.level) == (Certainty.CERTAIN, FindingLevel.REGULAR)
+        assert finding.remedy == "give both ends one message type"
+
     def test_a_model_with_another_type_than_the_stamped_is_certain(self):
         graph = nav_and_base("std_msgs/msg/String", TWIST, base=Resolution.MODEL)
         assert the_finding("type_mismatch", graph).certainty is Certainty.CERTAIN
@@ -185,6 +192,28 @@ class TestUnmatchedTopic:
         text = self.MISSPELT.replace("/odometry/filtered", other)
         assert bool(found("unmatched_topic", small_graph(text))) is is_near
         assert bool(found("incomplete_launch", small_graph(text))) is not is_near
+
+    @pytest.mark.parametrize(
+        ("expected", "sent", "more", "is_near"),
+        [
+            ("/imu", "/imu/data", "", True),
+            ("/imu/data", "/imu", "", True),
+            ("/imu", "/imus/data", "", False),
+            ("/imu", "/imu/data", "/log log own\n sub /imu/data {}\n", False),
+            ("/imu", "/imu/left", "/right driver own\n pub /imu/right {}\n", False),
+        ],
+    )
+    def test_a_measurement_below_that_nobody_reads_is_near(self, expected, sent, more, is_near):
+        type = "sensor_msgs/msg/Imu"
+        text = f"/driver driver own\n pub {sent} {type}\n/ekf ekf own\n sub {expected} {type}\n"
+        graph = small_graph(text + more.format(type))
+        likely = [each.certainty is Certainty.LIKELY for each in found("unmatched_topic", graph)]
+        assert likely == [True] * is_near
+        states = text.replace(type, "std_msgs/msg/Bool")
+        assert not found("unmatched_topic", small_graph(states))
+        reader = Endpoint(node="/log", topic="/imu{?}", type=type, direction=Direction.SUBSCRIBE)
+        maybe_read = replace(graph, endpoints=(*graph.endpoints, reader))
+        assert not found("unmatched_topic", maybe_read)
 
     def test_among_very_many_names_a_near_one_tells_nothing(self):
         text = self.MISSPELT + "".join(

@@ -8,7 +8,7 @@ from functools import cached_property
 from itertools import chain
 from typing import TypeAlias
 
-from rtron.findings.measurement_names import is_called_sensor, moves_nothing
+from rtron.findings.measurement_names import MEASURED_TYPES, is_called_sensor, moves_nothing
 from rtron.risks.graph_facts import GraphFacts, evidence_of
 from rtron.vocabulary import (
     Consequence,
@@ -23,6 +23,7 @@ from rtron.vocabulary import (
     fits_open_name,
     normalise_type,
 )
+from rtron.vocabulary.names import are_nested
 from rtron.wording import join_names
 
 _NEAR_RATIO = 0.8
@@ -243,14 +244,25 @@ class AppFacts:
         if sum(map(len, sent)) > _MOST_COMPARED:
             return []
         readers = set(self.readers(topic))
+        others = list(chain.from_iterable(sent))
         near = [
             name
-            for name in near_names(topic, list(chain.from_iterable(sent)))
+            for name in near_names(topic, others) or self._unread_measurement(topic, others)
             if not readers.issuperset(self.publishers(name))
             and topic not in self.upstream_topics(self.publishers(name), types)
             and not (self.is_motion(name) and self._is_forwarded(name, types))
         ]
         return sorted(near, key=lambda name: (bool(self.readers(name)), name))
+
+    def _unread_measurement(self, topic: str, others: Iterable[str]) -> list[str]:
+        """Return the one measurement below or above a topic, if nobody reads it.
+
+        Where there are more they are things of one kind, such as the odometry of each wheel.
+        """
+        nested = [other for other in others if other != topic and are_nested(topic, other)]
+        is_unread = not any(self.readers(each) or self.open_readers(each) for each in nested)
+        is_measured = bool(MEASURED_TYPES.match(self.facts.topic(topic).type))
+        return nested if len(nested) == 1 and is_unread and is_measured else []
 
     def upstream_topics(self, nodes: Iterable[str], types: Collection[str]) -> set[str]:
         """Return the topics of some types that reach nodes, by themselves or through others."""

@@ -45,6 +45,8 @@ class WiringFactKind(StringEnum):
     """A topic that code which was not understood may publish."""
     STATE_PUBLISHER = "state_publisher"
     """A latched topic that the value, a node, publishes once or on change, not ever again."""
+    DISTRIBUTION = "distribution"
+    """The ROS distribution that the user gave for the scan; what is only guessed is no fact."""
     DEVICE = "device"
     """A node whose source opens hardware; the value says what: a serial port, CAN."""
     SOCKET = "socket"

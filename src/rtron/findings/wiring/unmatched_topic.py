@@ -3,11 +3,13 @@
 ## What it finds
 
 A topic with a subscriber and no publisher, where another topic of the same type has a near name:
-most often a remap, a namespace or a slip of the pen parts the two. It is likely if nobody else
-subscribes the other topic and all nodes were read. Else it is possible, and shown from the level
-`pedantic` on. No other topic is named that is made of this one, that another node forwards as a
-command, or where a publisher's name that is known in part may be this topic. What a lost command
-likely means is left to `lost_command`, and a topic without a near name to `incomplete_launch`.
+most often a remap, a namespace or a slip of the pen parts the two. Of a measurement (of a sensor,
+odometry, a map) so has the only one below or above it, such as `/imu/data` of `/imu`, if nobody
+reads that. It is likely if nobody else subscribes the other topic and all nodes were read. Else it
+is possible, and shown from the level `pedantic` on. No other topic is named that is made of this
+one, that another node forwards as a command, or where a publisher's name that is known in part may
+be this topic. What a lost command likely means is left to `lost_command`, and a topic without a
+near name to `incomplete_launch`.
 
 ## Why it matters
 
