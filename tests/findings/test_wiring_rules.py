@@ -13,7 +13,7 @@ from finding_graphs import (
     small_graph,
     the_finding,
 )
-from finding_pairs import FILTERED, ODOMETRY, SCAN, with_fact
+from finding_pairs import FILTERED, MANAGER, ODOMETRY, SCAN, with_fact
 
 from rtron.findings.app_facts import is_near
 from rtron.vocabulary import (
@@ -553,6 +553,56 @@ class TestMissingProgram:
         assert len(found("missing_program", both)) == 2
 
 
+class TestMissingManagedNode:
+    CALLS = tuple(
+        ServiceClient(node="/manager", name=f"/{name}/{service}")
+        for name in ("amcl", "recoveries")
+        for service in ("change_state", "get_state")
+    )
+    AMCL = "/amcl nav2_amcl third_party\n"
+
+    def offers(self, *names):
+        return tuple(Service(node=name, name=f"{name}/change_state") for name in names)
+
+    def test_where_another_of_its_nodes_is_there_it_is_likely(self):
+        services = self.offers("/amcl", "/behaviors")
+        graph = small_graph(MANAGER + self.AMCL, clients=self.CALLS, services=services)
+        finding = the_finding("missing_managed_node", graph)
+        assert finding.summary == "/manager waits for /recoveries and activates none of its nodes"
+        assert finding.cause == "no node of this launch has this name; /behaviors has no manager"
+        assert finding.remedy == "start /recoveries, or remove it from node_names"
+        assert (finding.certainty, finding.level) == (Certainty.LIKELY, FindingLevel.REGULAR)
+        assert not found("no_server", graph)
+        assert not found("incomplete_launch", graph)
+
+    def test_a_lifecycle_node_of_a_near_name_is_likely_meant(self):
+        services = self.offers("/robot/amcl", "/robot/recoveries")
+        graph = small_graph(MANAGER, clients=self.CALLS, services=services)
+        finding = the_finding("missing_managed_node", graph)
+        assert finding.remedy.startswith("did you mean /robot/amcl? Else start /amcl and /recover")
+        assert finding.cause.endswith("; /robot/amcl and /robot/recoveries have no manager")
+        assert finding.certainty is Certainty.LIKELY
+
+    @pytest.mark.parametrize(
+        ("text", "more"),
+        [
+            ("", {}),
+            (AMCL + FIRMWARE, {"unread": ("/firmware",)}),
+            (AMCL + "/{?} nav own\n", {}),
+        ],
+    )
+    def test_where_another_launch_may_start_it_it_is_possible(self, text, more):
+        finding = the_finding(
+            "missing_managed_node", small_graph(MANAGER + text, clients=self.CALLS, **more)
+        )
+        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+
+    def test_nodes_that_are_there_and_names_known_in_part_are_none(self):
+        calls = (ServiceClient(node="/manager", name="/{?}/change_state"), *self.CALLS)
+        text = MANAGER + self.AMCL + "/recoveries nav own\n"
+        assert not found("missing_managed_node", small_graph(text, clients=calls))
+
+
 class TestBypassedNode:
     def test_tells_who_reads_past_whom(self):
         finding = the_finding("bypassed_node", small_graph(FILTERED.format("/scan")))
@@ -599,6 +649,18 @@ def frame_facts(*facts):
         for kind, parent, *nodes in facts
     )
     return small_graph(SCAN, wiring=wiring)
+
+
+def test_a_loop_of_frames_is_one_finding_with_all_of_them():
+    kind = WiringFactKind.FRAME_LOOP
+    facts = tuple(
+        WiringFact(kind=kind, subject="base", value=frame, others=(node,))
+        for frame, node in (("base", "/ekf"), ("odom", "/driver"))
+    )
+    finding = the_finding("frame_loop", small_graph(SCAN, wiring=facts))
+    assert finding.summary == "the transforms of base and odom form a loop"
+    assert finding.cause == "each frame is below the other; /ekf and /driver broadcast them"
+    assert (finding.nodes, finding.level) == (("/ekf", "/driver"), FindingLevel.REGULAR)
 
 
 class TestDoubleFrame:

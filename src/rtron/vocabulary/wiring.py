@@ -39,6 +39,8 @@ class WiringFactKind(StringEnum):
     """The same, where all of them broadcast a transform that never changes, below one parent."""
     POSSIBLE_DOUBLE_FRAME = "possible_double_frame"
     """The same, where conditions that are not known decide whether more than one does."""
+    FRAME_LOOP = "frame_loop"
+    """A TF frame in a loop; the value is a frame of the loop, too, which others broadcast."""
     STRAY_FRAME = "stray_frame"
     """A frame of messages of others that is in no transform; the value is a near one that is."""
     UNREAD_PUBLISHER = "unread_publisher"
