@@ -34,6 +34,7 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.enums import HiddenPart
 
 
 def nav_and_base(sent: str, expected: str, **resolutions: Resolution):
@@ -152,14 +153,14 @@ class TestUnmatchedTopic:
         [("include", "package 'x' is not here"), ("more_actions", "what it starts is not known")],
     )
     def test_what_was_not_read_is_named_where_all_nodes_were(self, what, why):
-        notes = (UnresolvedItem(what=what, why=why),)
+        notes = (UnresolvedItem(what=what, why=why, hides=HiddenPart.NODES),)
         finding = the_finding("unmatched_topic", small_graph(self.MISSPELT, unresolved=notes))
         assert finding.certainty is Certainty.POSSIBLE
         assert f"publishes it, unless {what} (not read) does" in finding.cause
 
     @pytest.mark.parametrize("what", ["include nav.launch.py", "launch x.launch that /a starts"])
     def test_with_a_launch_file_that_was_not_read_it_is_only_possible(self, what):
-        notes = (UnresolvedItem(what=what, why="?"),)
+        notes = (UnresolvedItem(what=what, why="?", hides=HiddenPart.NODES),)
         graph = small_graph(self.MISSPELT, unresolved=notes)
         assert the_finding("unmatched_topic", graph).certainty is Certainty.POSSIBLE
 
@@ -341,7 +342,7 @@ class TestNoServer:
         server = Service(node="/laser", name="/map/saved")
         for more in (
             {"unread": ("/firmware",)},
-            {"unresolved": (UnresolvedItem(what="include x", why="?"),)},
+            {"unresolved": (UnresolvedItem(what="include x", why="?", hides=HiddenPart.NODES),)},
             {"services": (server, Service(node="/laser", name="{?}"))},
         ):
             keys = {"clients": self.CALL, "services": (server,)} | more

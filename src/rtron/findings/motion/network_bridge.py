@@ -35,6 +35,7 @@ from rtron.vocabulary import (
     Node,
     UnresolvedItem,
 )
+from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.ros_packages import CARRIER_PACKAGES, NETWORK_BRIDGES
 from rtron.wording import join_names
 
@@ -146,8 +147,8 @@ def _included_bridges(app: AppFacts) -> dict[str, list[UnresolvedItem]]:
 
 def _names_launch_of(package: str, note: UnresolvedItem) -> bool:
     """Return whether a launch file of a package is included that could not be read."""
-    is_launch = note.what.startswith(("include", "launch file "))
-    return is_launch and package in re.findall(r"\w+", f"{note.what} {note.why}")
+    is_named = package in re.findall(r"\w+", f"{note.what} {note.why}")
+    return note.hides is HiddenPart.NODES and is_named
 
 
 def _included(app: AppFacts, package: str, notes: list[UnresolvedItem]) -> Finding:

@@ -27,6 +27,7 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.names import TRANSFORM_TOPICS, TRANSFORMS
 from rtron.vocabulary.remap_rules import expand_name, remaps_for_node
 
@@ -71,7 +72,10 @@ class Ros2Assembly(GraphBuilder):
         for started in part.interface.runtime_starts:
             what = f"launch {started.path} that {part.owner} starts"
             why = "what a node starts itself is not followed: name it with --launch too"
-            self.add_unresolved(UnresolvedItem(what=what, why=why, evidence=started.evidence))
+            hides = HiddenPart.NODES
+            self.add_unresolved(
+                UnresolvedItem(what=what, why=why, hides=hides, evidence=started.evidence)
+            )
 
     def _note_remaps(
         self, created: CreatedNode, part: NodePart, declared: list[Declaration]
