@@ -34,6 +34,8 @@ SCAN = """
     sub /scan sensor_msgs/msg/LaserScan
 """
 
+MANAGER = "/manager nav2_lifecycle_manager third_party\n"
+MANAGED = ServiceClient(node="/manager", name="/amcl/change_state")
 SAVE = (ServiceClient(node="/slam", name="/save_map"),)
 
 ODOMETRY = """
@@ -152,6 +154,10 @@ PAIRS = {
         small_graph(SCAN, clients=SAVE, services=(Service(node="/laser", name="/save_map"),)),
     ),
     "incomplete_launch": (small_graph(SCAN, clients=SAVE), small_graph(SCAN)),
+    "missing_managed_node": (
+        small_graph(MANAGER, clients=(MANAGED,)),
+        small_graph(MANAGER + "/amcl nav2_amcl third_party\n", clients=(MANAGED,)),
+    ),
     "missing_program": (_with_missing("slam/slam"), _with_missing("")),
     "duplicate_node": (with_fact("duplicate_node", "/base"), small_graph(SCAN)),
     "idle_remap": (with_fact("idle_remap", "/a", "/b", "/base"), small_graph(SCAN)),
@@ -187,6 +193,7 @@ PAIRS = {
         with_fact("double_frame", "base_link", "odom", "/ekf", "/base"),
         small_graph(SCAN),
     ),
+    "frame_loop": (with_fact("frame_loop", "base", "odom", "/ekf"), small_graph(SCAN)),
     "stray_frame": (with_fact("stray_frame", "laser_1", "laser", "/laser"), small_graph(SCAN)),
     "sim_time": (
         small_graph(SCAN, parameters=parameters("use_sim_time", laser=True, slam=False)),

@@ -27,6 +27,7 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.enums import HiddenPart
 
 NODES = ["/a", "/b", "/mux", "/rviz", "/bridge"]
 NAMES = ["/cmd_vel", "/nav/cmd_vel", "/cmd_ve", "/scan", "/x/goal", "/x/feedback", "/{?}/scan", "{"]
@@ -76,7 +77,13 @@ def graphs_of(node, name, type, text):
     parameter = st.builds(
         NodeParameter, node=node, name=st.sampled_from(PARAMETERS) | text, value=value
     )
-    note = st.builds(UnresolvedItem, what=text, why=text, missing=st.sampled_from(MISSING) | text)
+    note = st.builds(
+        UnresolvedItem,
+        what=text,
+        why=text,
+        missing=st.sampled_from(MISSING) | text,
+        hides=st.none() | st.sampled_from(HiddenPart),
+    )
     others = tuples(name | text, 3)
     fact = st.builds(
         WiringFact,

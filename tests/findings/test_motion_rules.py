@@ -32,6 +32,7 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.enums import HiddenPart
 
 MUX_PASSED_BY = MUX + f"/teleop teleop own\n    pub /cmd_vel {TWIST}\n"
 REMEDY = "put one arbiter before /cmd_vel: `rtron plan` proposes a guard (GRCN)"
@@ -289,7 +290,7 @@ class TestNetworkBridge:
     )
     def test_one_that_is_included_and_not_in_the_source_is_likely(self, what, why):
         place = Evidence(file="base.launch", line=7)
-        note = UnresolvedItem(what=what, why=why, evidence=(place,))
+        note = UnresolvedItem(what=what, why=why, hides=HiddenPart.NODES, evidence=(place,))
         finding = the_finding("network_bridge", small_graph(BASE, unresolved=(note,)))
         assert (finding.subject, finding.certainty) == ("rosbridge_server", Certainty.LIKELY)
         assert finding.summary.startswith("rosbridge_server opens the app to the network")
@@ -302,15 +303,20 @@ class TestNetworkBridge:
         assert finding.summary.startswith("/web shows the app to the network")
 
     def test_one_that_is_started_and_included_is_one_finding(self):
-        note = UnresolvedItem(what="include $(find rosbridge_server)/a.launch", why="gone")
+        what = "include $(find rosbridge_server)/a.launch"
+        note = UnresolvedItem(what=what, why="gone", hides=HiddenPart.NODES)
         finding = the_finding("network_bridge", small_graph(self.BRIDGE, unresolved=(note,)))
         assert finding.subject == "/bridge"
 
     @pytest.mark.parametrize(
-        "what", ["include $(find my_rosbridge_server_too)/a.launch", "node /x (rosbridge_server/y)"]
+        ("what", "hides"),
+        [
+            ("include $(find my_rosbridge_server_too)/a.launch", HiddenPart.NODES),
+            ("node /x (rosbridge_server/y)", None),
+        ],
     )
-    def test_other_notes_are_no_bridge(self, what):
-        note = UnresolvedItem(what=what, why="gone")
+    def test_other_notes_are_no_bridge(self, what, hides):
+        note = UnresolvedItem(what=what, why="gone", hides=hides)
         assert not found("network_bridge", small_graph(BASE, unresolved=(note,)))
 
 
@@ -550,7 +556,7 @@ class TestCommandsOfOtherNames:
         ],
     )
     def test_a_file_that_was_not_read_weakens_what_it_may_join(self, what, is_joined):
-        notes = (UnresolvedItem(what=what, why="gone"),)
+        notes = (UnresolvedItem(what=what, why="gone", hides=HiddenPart.NODES),)
         assert bool(self.lost(self.NAV + self.WHEELS, unresolved=notes)) is is_joined
 
     @pytest.mark.parametrize(

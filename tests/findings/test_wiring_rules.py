@@ -13,7 +13,7 @@ from finding_graphs import (
     small_graph,
     the_finding,
 )
-from finding_pairs import FILTERED, ODOMETRY, SCAN, with_fact
+from finding_pairs import FILTERED, MANAGER, ODOMETRY, SCAN, with_fact
 
 from rtron.findings.app_facts import is_near
 from rtron.vocabulary import (
@@ -34,6 +34,7 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.enums import HiddenPart
 
 
 def nav_and_base(sent: str, expected: str, **resolutions: Resolution):
@@ -73,6 +74,13 @@ class TestTypeMismatch:
         )
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
         assert "ROS_DISTRO" in finding.remedy
+
+    def test_where_the_distribution_was_given_a_model_is_certain(self):
+        graph = nav_and_base(TWIST, STAMPED, base=Resolution.MODEL)
+        fact = WiringFact(kind=WiringFactKind.DISTRIBUTION, subject="jazzy")
+        finding = the_finding("type_mismatch", replace(graph, wiring=(fact,)))
+        assert (finding.certainty, finding.level) == (Certainty.CERTAIN, FindingLevel.REGULAR)
+        assert finding.remedy == "give both ends one message type"
 
     def test_a_model_with_another_type_than_the_stamped_is_certain(self):
         graph = nav_and_base("std_msgs/msg/String", TWIST, base=Resolution.MODEL)
@@ -145,14 +153,14 @@ class TestUnmatchedTopic:
         [("include", "package 'x' is not here"), ("more_actions", "what it starts is not known")],
     )
     def test_what_was_not_read_is_named_where_all_nodes_were(self, what, why):
-        notes = (UnresolvedItem(what=what, why=why),)
+        notes = (UnresolvedItem(what=what, why=why, hides=HiddenPart.NODES),)
         finding = the_finding("unmatched_topic", small_graph(self.MISSPELT, unresolved=notes))
         assert finding.certainty is Certainty.POSSIBLE
         assert f"publishes it, unless {what} (not read) does" in finding.cause
 
     @pytest.mark.parametrize("what", ["include nav.launch.py", "launch x.launch that /a starts"])
     def test_with_a_launch_file_that_was_not_read_it_is_only_possible(self, what):
-        notes = (UnresolvedItem(what=what, why="?"),)
+        notes = (UnresolvedItem(what=what, why="?", hides=HiddenPart.NODES),)
         graph = small_graph(self.MISSPELT, unresolved=notes)
         assert the_finding("unmatched_topic", graph).certainty is Certainty.POSSIBLE
 
@@ -185,6 +193,28 @@ class TestUnmatchedTopic:
         text = self.MISSPELT.replace("/odometry/filtered", other)
         assert bool(found("unmatched_topic", small_graph(text))) is is_near
         assert bool(found("incomplete_launch", small_graph(text))) is not is_near
+
+    @pytest.mark.parametrize(
+        ("expected", "sent", "more", "is_near"),
+        [
+            ("/imu", "/imu/data", "", True),
+            ("/imu/data", "/imu", "", True),
+            ("/imu", "/imus/data", "", False),
+            ("/imu", "/imu/data", "/log log own\n sub /imu/data {}\n", False),
+            ("/imu", "/imu/left", "/right driver own\n pub /imu/right {}\n", False),
+        ],
+    )
+    def test_a_measurement_below_that_nobody_reads_is_near(self, expected, sent, more, is_near):
+        type = "sensor_msgs/msg/Imu"
+        text = f"/driver driver own\n pub {sent} {type}\n/ekf ekf own\n sub {expected} {type}\n"
+        graph = small_graph(text + more.format(type))
+        likely = [each.certainty is Certainty.LIKELY for each in found("unmatched_topic", graph)]
+        assert likely == [True] * is_near
+        states = text.replace(type, "std_msgs/msg/Bool")
+        assert not found("unmatched_topic", small_graph(states))
+        reader = Endpoint(node="/log", topic="/imu{?}", type=type, direction=Direction.SUBSCRIBE)
+        maybe_read = replace(graph, endpoints=(*graph.endpoints, reader))
+        assert not found("unmatched_topic", maybe_read)
 
     def test_among_very_many_names_a_near_one_tells_nothing(self):
         text = self.MISSPELT + "".join(
@@ -312,7 +342,7 @@ class TestNoServer:
         server = Service(node="/laser", name="/map/saved")
         for more in (
             {"unread": ("/firmware",)},
-            {"unresolved": (UnresolvedItem(what="include x", why="?"),)},
+            {"unresolved": (UnresolvedItem(what="include x", why="?", hides=HiddenPart.NODES),)},
             {"services": (server, Service(node="/laser", name="{?}"))},
         ):
             keys = {"clients": self.CALL, "services": (server,)} | more
@@ -524,6 +554,56 @@ class TestMissingProgram:
         assert len(found("missing_program", both)) == 2
 
 
+class TestMissingManagedNode:
+    CALLS = tuple(
+        ServiceClient(node="/manager", name=f"/{name}/{service}")
+        for name in ("amcl", "recoveries")
+        for service in ("change_state", "get_state")
+    )
+    AMCL = "/amcl nav2_amcl third_party\n"
+
+    def offers(self, *names):
+        return tuple(Service(node=name, name=f"{name}/change_state") for name in names)
+
+    def test_where_another_of_its_nodes_is_there_it_is_likely(self):
+        services = self.offers("/amcl", "/behaviors")
+        graph = small_graph(MANAGER + self.AMCL, clients=self.CALLS, services=services)
+        finding = the_finding("missing_managed_node", graph)
+        assert finding.summary == "/manager waits for /recoveries and activates none of its nodes"
+        assert finding.cause == "no node of this launch has this name; /behaviors has no manager"
+        assert finding.remedy == "start /recoveries, or remove it from node_names"
+        assert (finding.certainty, finding.level) == (Certainty.LIKELY, FindingLevel.REGULAR)
+        assert not found("no_server", graph)
+        assert not found("incomplete_launch", graph)
+
+    def test_a_lifecycle_node_of_a_near_name_is_likely_meant(self):
+        services = self.offers("/robot/amcl", "/robot/recoveries")
+        graph = small_graph(MANAGER, clients=self.CALLS, services=services)
+        finding = the_finding("missing_managed_node", graph)
+        assert finding.remedy.startswith("did you mean /robot/amcl? Else start /amcl and /recover")
+        assert finding.cause.endswith("; /robot/amcl and /robot/recoveries have no manager")
+        assert finding.certainty is Certainty.LIKELY
+
+    @pytest.mark.parametrize(
+        ("text", "more"),
+        [
+            ("", {}),
+            (AMCL + FIRMWARE, {"unread": ("/firmware",)}),
+            (AMCL + "/{?} nav own\n", {}),
+        ],
+    )
+    def test_where_another_launch_may_start_it_it_is_possible(self, text, more):
+        finding = the_finding(
+            "missing_managed_node", small_graph(MANAGER + text, clients=self.CALLS, **more)
+        )
+        assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+
+    def test_nodes_that_are_there_and_names_known_in_part_are_none(self):
+        calls = (ServiceClient(node="/manager", name="/{?}/change_state"), *self.CALLS)
+        text = MANAGER + self.AMCL + "/recoveries nav own\n"
+        assert not found("missing_managed_node", small_graph(text, clients=calls))
+
+
 class TestBypassedNode:
     def test_tells_who_reads_past_whom(self):
         finding = the_finding("bypassed_node", small_graph(FILTERED.format("/scan")))
@@ -570,6 +650,18 @@ def frame_facts(*facts):
         for kind, parent, *nodes in facts
     )
     return small_graph(SCAN, wiring=wiring)
+
+
+def test_a_loop_of_frames_is_one_finding_with_all_of_them():
+    kind = WiringFactKind.FRAME_LOOP
+    facts = tuple(
+        WiringFact(kind=kind, subject="base", value=frame, others=(node,))
+        for frame, node in (("base", "/ekf"), ("odom", "/driver"))
+    )
+    finding = the_finding("frame_loop", small_graph(SCAN, wiring=facts))
+    assert finding.summary == "the transforms of base and odom form a loop"
+    assert finding.cause == "each frame is below the other; /ekf and /driver broadcast them"
+    assert (finding.nodes, finding.level) == (("/ekf", "/driver"), FindingLevel.REGULAR)
 
 
 class TestDoubleFrame:

@@ -1,14 +1,14 @@
 """What the rules of findings ask of an app: its graph, what was not read, and what moves it."""
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from functools import cached_property
 from itertools import chain
 from typing import TypeAlias
 
-from rtron.findings.measurement_names import is_called_sensor, moves_nothing
+from rtron.findings.measurement_names import MEASURED_TYPES, is_called_sensor, moves_nothing
 from rtron.risks.graph_facts import GraphFacts, evidence_of
 from rtron.vocabulary import (
     Consequence,
@@ -18,11 +18,14 @@ from rtron.vocabulary import (
     Evidence,
     InteractionGraph,
     Node,
+    UnresolvedItem,
     WiringFact,
     WiringFactKind,
     fits_open_name,
     normalise_type,
 )
+from rtron.vocabulary.enums import HiddenPart
+from rtron.vocabulary.names import are_nested
 from rtron.wording import join_names
 
 _NEAR_RATIO = 0.8
@@ -30,7 +33,6 @@ _MOST_COMPARED = 200
 """Among more names of one type a near one tells nothing, and comparing them takes long."""
 _UNKNOWN_TYPES = ("", "*", "topic_tools/ShapeShifter")
 """Not known, or any: ShapeShifter takes every type (ROS wiki: topic_tools)."""
-_UNREAD_CALLS = "which node it is called on is not known"
 _INDIRECT_TYPES = frozenset({"sensor_msgs/Joy", "std_msgs/String", "sound_play/SoundRequest"})
 """Types of what a node may turn into motion, or into speech, but that moves nothing itself."""
 _ECHOES = ("prev_", "previous_", "last_", "current_")
@@ -38,18 +40,18 @@ _ECHOES = ("prev_", "previous_", "last_", "current_")
 _STOPS = ("emergency_stop", "e_stop", "estop")
 _TRANSPORTS = ("/compressed", "/compressedDepth", "/theora", "/ffmpeg", "/zstd")
 """What image_transport adds to a topic's name (ROS wiki: image_transport)."""
-_UNREAD_FILES = ("include", "launch ", "component", "composable", "robot_description")
-"""How notes begin on what may start or name more nodes."""
 _OF_PX4 = {Direction.SUBSCRIBE: "/fmu/in/", Direction.PUBLISH: "/fmu/out/"}
 """What the autopilot subscribes and publishes (PX4: uXRCE-DDS), whose firmware no scan reads."""
-_UNREAD_ACTIONS = "what it starts is not known"
 _OpenName: TypeAlias = tuple[str, str]
 """A name that is known in part, and the type of its endpoint."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AppFacts:
-    """The facts of a graph; message types are in ROS 1 spelling throughout."""
+    """The facts of a graph; message types are in ROS 1 spelling throughout.
+
+    Two are equal if they are one object, so that what is computed of the last app can be kept.
+    """
 
     facts: GraphFacts
 
@@ -72,12 +74,11 @@ class AppFacts:
     @cached_property
     def unread_files(self) -> tuple[str, ...]:
         """What else was not read and may start nodes or name topics: includes, launch files."""
-        notes = (
-            note.what
-            for note in self.graph.unresolved
-            if note.what.startswith(_UNREAD_FILES) or _UNREAD_ACTIONS in note.why
-        )
-        return tuple(dict.fromkeys(notes))
+        return tuple(dict.fromkeys(note.what for note in self._hiding(HiddenPart.NODES)))
+
+    def _hiding(self, part: HiddenPart) -> Iterator[UnresolvedItem]:
+        """Yield what was not read and may hide a part of the app."""
+        return (note for note in self.graph.unresolved if note.hides is part)
 
     @property
     def unread_hint(self) -> str:
@@ -107,7 +108,7 @@ class AppFacts:
     @cached_property
     def _has_unread_calls(self) -> bool:
         """Whether something is published, subscribed or served by nobody knows whom."""
-        return any(_UNREAD_CALLS in note.why for note in self.graph.unresolved)
+        return any(self._hiding(HiddenPart.ENDPOINTS))
 
     @cached_property
     def explicit_topics(self) -> tuple[str, ...]:
@@ -240,14 +241,25 @@ class AppFacts:
         if sum(map(len, sent)) > _MOST_COMPARED:
             return []
         readers = set(self.readers(topic))
+        others = list(chain.from_iterable(sent))
         near = [
             name
-            for name in near_names(topic, list(chain.from_iterable(sent)))
+            for name in near_names(topic, others) or self._unread_measurement(topic, others)
             if not readers.issuperset(self.publishers(name))
             and topic not in self.upstream_topics(self.publishers(name), types)
             and not (self.is_motion(name) and self._is_forwarded(name, types))
         ]
         return sorted(near, key=lambda name: (bool(self.readers(name)), name))
+
+    def _unread_measurement(self, topic: str, others: Iterable[str]) -> list[str]:
+        """Return the one measurement below or above a topic, if nobody reads it.
+
+        Where there are more they are things of one kind, such as the odometry of each wheel.
+        """
+        nested = [other for other in others if other != topic and are_nested(topic, other)]
+        is_unread = not any(self.readers(each) or self.open_readers(each) for each in nested)
+        is_measured = bool(MEASURED_TYPES.match(self.facts.topic(topic).type))
+        return nested if len(nested) == 1 and is_unread and is_measured else []
 
     def upstream_topics(self, nodes: Iterable[str], types: Collection[str]) -> set[str]:
         """Return the topics of some types that reach nodes, by themselves or through others."""

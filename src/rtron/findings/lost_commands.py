@@ -3,6 +3,7 @@
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from itertools import product
 
 from rtron.findings.app_facts import AppFacts, says_more
@@ -34,6 +35,7 @@ _SIDES = re.compile(
 """Words that tell twins apart: robots, arms, wheels."""
 
 
+@lru_cache(maxsize=1)
 def lost_commands(app: AppFacts) -> Mapping[str, str]:
     """Return the commands that nobody reads, each with the obeyed topic that it likely means."""
     lost = [topic for topic in app.motion_topics if _is_lost(app, topic)]

@@ -8,6 +8,8 @@ import re
 from rtron.vocabulary import Node
 from rtron.vocabulary.names import snake_case
 
+MEASURED_TYPES = re.compile(r"sensor_msgs/(?!Joy)|nav_msgs/(?:Odometry|OccupancyGrid|GridCells)")
+"""Types of what is measured, as ROS 1 spells them."""
 _COMMANDED = re.compile(r"cmd|command|setpoint")
 """Words in the names of what is no measurement, whatever else they say."""
 _MEASURED = re.compile(

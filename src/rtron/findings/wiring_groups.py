@@ -1,10 +1,19 @@
 """The facts about an app's wiring, those of one subject together."""
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from rtron.vocabulary import Evidence, InteractionGraph, WiringFact, WiringFactKind
+from rtron.findings.rule import make_finding
+from rtron.vocabulary import (
+    Certainty,
+    Consequence,
+    Evidence,
+    Finding,
+    InteractionGraph,
+    WiringFact,
+    WiringFactKind,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,3 +39,30 @@ def wiring_groups(graph: InteractionGraph, kind: WiringFactKind) -> Iterator[Wir
             others=tuple(dict.fromkeys(name for fact in facts for name in fact.others)),
             evidence=tuple(dict.fromkeys(place for fact in facts for place in fact.evidence)),
         )
+
+
+def fact_finding(  # noqa: PLR0913 - a finding has so many parts, all by keyword
+    rule: str,
+    fact: WiringGroup | WiringFact,
+    *,
+    summary: str,
+    cause: str,
+    remedy: str,
+    subject: str = "",
+    certainty: Certainty = Certainty.LIKELY,
+    nodes: Iterable[str] = (),
+    topics: Iterable[str] = (),
+) -> Finding:
+    """Return the finding that a part of the app fails, as facts say; its subject is theirs."""
+    return make_finding(
+        rule,
+        subject or fact.subject,
+        summary=summary,
+        cause=cause,
+        remedy=remedy,
+        consequence=Consequence.FAILURE,
+        certainty=certainty,
+        nodes=nodes,
+        topics=topics,
+        evidence=fact.evidence,
+    )

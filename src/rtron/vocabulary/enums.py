@@ -10,6 +10,15 @@ class StringEnum(str, Enum):
         return str(self.value)
 
 
+class HiddenPart(StringEnum):
+    """What of an app may be behind something that could not be read, as far as that is known."""
+
+    NODES = "nodes"
+    """More nodes, or other names of topics: a launch file, a component, a robot description."""
+    ENDPOINTS = "endpoints"
+    """A call that joins a node which is not known to a topic or a service."""
+
+
 class Domain(StringEnum):
     """The part of the robot's workflow a topic or function belongs to (paper, table of repos)."""
 

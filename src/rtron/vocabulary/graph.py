@@ -11,6 +11,7 @@ from rtron.vocabulary.enums import (
     Domain,
     Durability,
     FunctionType,
+    HiddenPart,
     Liveliness,
     Reliability,
     Resolution,
@@ -140,6 +141,7 @@ class UnresolvedItem:
     what: str
     why: str
     missing: str = ""
+    hides: HiddenPart | None = None
     evidence: tuple[Evidence, ...] = ()
 
 

@@ -2,11 +2,20 @@
 
 from collections.abc import Collection
 
-CARRIER_PACKAGES = frozenset(
-    {"rosbridge_server", "foxglove_bridge", "ros2_web_bridge", "zenoh_bridge_ros2dds"}
-    | {"zenoh_bridge_dds", "ddsrouter_tool", "tcp_ros_bridge", "ros_tcp_endpoint", "mqtt_bridge"}
-    | {"mqtt_client", "domain_bridge", "ros1_bridge", "micro_ros_agent"}
-)
+NETWORK_BRIDGES = {
+    "rosbridge_server": "WebSocket clients",
+    "foxglove_bridge": "Foxglove clients",
+    "ros2_web_bridge": "WebSocket clients",
+    "zenoh_bridge_ros2dds": "every Zenoh peer",
+    "zenoh_bridge_dds": "every Zenoh peer",
+    "ddsrouter_tool": "participants of the other domain",
+    "tcp_ros_bridge": "TCP clients",
+    "ros_tcp_endpoint": "TCP clients",
+}
+"""Packages whose nodes let others than nodes publish on every topic, and whom."""
+CARRIER_PACKAGES = NETWORK_BRIDGES.keys() | {
+    *("mqtt_bridge", "mqtt_client", "domain_bridge", "ros1_bridge", "micro_ros_agent")
+}
 """Packages whose nodes speak on any topic for others; remaps move what these say, or nothing."""
 _STACKS = (("nav2_", "opennav_"), ("move_base", "moveit"), ("autoware_",), ("gazebo_", "ros_gz"))
 """Prefixes of packages whose nodes take turns among themselves."""

@@ -2,14 +2,14 @@
 
 import shlex
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtron.errors import InputError
 from rtron.sources.static.common.scan_options import Progress, ScanOptions
-from rtron.vocabulary import InteractionGraph
+from rtron.vocabulary import InteractionGraph, WiringFact, WiringFactKind
 from rtron.workflows.launch_arguments import parse_assignments
 
 if TYPE_CHECKING:
@@ -79,7 +79,13 @@ class WorkspaceSource:
 
             graph = with_state_publishers(graph, self.workspace)
         notes = dict.fromkeys((*graph.unresolved, *self.environ.notes()))
-        return replace(graph, unresolved=tuple(notes))
+        wiring = (*graph.wiring, *self._distribution())
+        return replace(graph, unresolved=tuple(notes), wiring=wiring)
+
+    def _distribution(self) -> Iterator[WiringFact]:
+        """Yield the distribution as a fact, if it was given and not guessed."""
+        if self.distro is None and "ROS_DISTRO" in self.environ:
+            yield WiringFact(kind=WiringFactKind.DISTRIBUTION, subject=self.environ["ROS_DISTRO"])
 
     def _read(self) -> InteractionGraph:
         if self.ros > 1:

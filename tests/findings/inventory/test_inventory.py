@@ -16,6 +16,7 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.inventory import Means, Stops, Thing
 
 LIDAR = "/lidar lidar third_party\n    pub /scan sensor_msgs/msg/LaserScan\n"
@@ -489,10 +490,18 @@ def test_what_a_driver_tells_is_no_command_behind_another():
 
 
 def test_a_launch_file_that_was_not_read_may_start_who_obeys():
-    note = UnresolvedItem(what="include $(find smoother)/smoother.launch", why="not here")
+    note = UnresolvedItem(
+        what="include $(find smoother)/smoother.launch", why="not here", hides=HiddenPart.NODES
+    )
     assert the_mover(TWO_DRIVERS, unresolved=(note,)).unread == (note.what,)
-    shape = UnresolvedItem(what="include $(find arm)/urdf/arm.urdf.xacro", why="not here")
-    eye = UnresolvedItem(what="include $(find my_camera)/launch/nodes.launch.xml", why="not here")
+    shape = UnresolvedItem(
+        what="include $(find arm)/urdf/arm.urdf.xacro", why="not here", hides=HiddenPart.NODES
+    )
+    eye = UnresolvedItem(
+        what="include $(find my_camera)/launch/nodes.launch.xml",
+        why="not here",
+        hides=HiddenPart.NODES,
+    )
     assert the_mover(TWO_DRIVERS, unresolved=(shape, eye)).unread == ()
 
 

@@ -95,7 +95,7 @@ def test_an_include_that_is_not_found_leaves_the_rest(uri, world, models):
         packages={"pkg": models.parent},
     )
     (note,) = found.unresolved
-    assert note.evidence[0].line == 2
+    assert (note.evidence[0].line, note.hides) == (2, "nodes")
     assert [plugin.filename for plugin in found.plugins] == ["a"]
 
 

@@ -79,7 +79,7 @@ def test_what_grows_without_end_ends_soon_and_is_noted(name, evaluated):
 def test_what_lies_outside_the_grammar_is_not_evaluated(expression, evaluated):
     result = evaluated(f'<x y="${{{expression}}}"/>')
     (note,) = result.unresolved
-    assert note.evidence[0].line == 2
+    assert (note.evidence[0].line, note.hides) == (2, None)
     assert result.root.find("x").attributes["y"] == f"${{{expression}}}"
     assert result.root.find("end")
 
@@ -129,6 +129,7 @@ def test_an_include_that_cannot_be_read_leaves_the_rest(name, evaluated, tmp_pat
     result = evaluated(f'<a/>\n<xacro:include filename="{name}"/>')
     (note,) = result.unresolved
     assert (note.evidence[0].file, note.evidence[0].line) == (str(tmp_path / "robot.xacro"), 3)
+    assert note.hides == "nodes"
     assert [element.tag for element in result.root.elements()] == ["a", "end"]
 
 

@@ -35,19 +35,10 @@ from rtron.vocabulary import (
     Node,
     UnresolvedItem,
 )
-from rtron.vocabulary.ros_packages import CARRIER_PACKAGES
+from rtron.vocabulary.enums import HiddenPart
+from rtron.vocabulary.ros_packages import CARRIER_PACKAGES, NETWORK_BRIDGES
 from rtron.wording import join_names
 
-_BRIDGES = {
-    "rosbridge_server": "WebSocket clients can publish on every topic",
-    "foxglove_bridge": "Foxglove clients can publish on every topic",
-    "ros2_web_bridge": "WebSocket clients can publish on every topic",
-    "zenoh_bridge_ros2dds": "every Zenoh peer can publish on every topic",
-    "zenoh_bridge_dds": "every Zenoh peer can publish on every topic",
-    "ddsrouter_tool": "participants of the other domain can publish on every topic",
-    "tcp_ros_bridge": "TCP clients can publish on every topic",
-    "ros_tcp_endpoint": "TCP clients can publish on every topic",
-}
 _LINKS = {"mavros": ("gcs_url", "a ground station on its link commands the vehicle")}
 """Nodes that forward commands only where a parameter opens a link (wiki.ros.org/mavros)."""
 _LINK_TOPIC = "/mavlink_source"
@@ -62,7 +53,7 @@ _LOCAL = ("127.", "localhost", "::1")
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each bridge of the app."""
     for node in app.graph.nodes:
-        if node.package in _BRIDGES:
+        if node.package in NETWORK_BRIDGES:
             yield _finding(app, node)
         elif node.package in _VIEWS and not _is_local(app, node.name):
             yield _view(app, node)
@@ -134,7 +125,7 @@ def _view(app: AppFacts, node: Node) -> Finding:
 
 def bridges(app: AppFacts) -> list[str]:
     """Return the nodes that are bridges, and the packages of those that are only included."""
-    nodes = [node.name for node in app.graph.nodes if node.package in _BRIDGES]
+    nodes = [node.name for node in app.graph.nodes if node.package in NETWORK_BRIDGES]
     return [*nodes, *_included_bridges(app)]
 
 
@@ -148,7 +139,7 @@ def _included_bridges(app: AppFacts) -> dict[str, list[UnresolvedItem]]:
     started = {node.package for node in app.graph.nodes}
     noted = {
         package: [note for note in app.graph.unresolved if _names_launch_of(package, note)]
-        for package in _BRIDGES
+        for package in NETWORK_BRIDGES
         if package not in started
     }
     return {package: notes for package, notes in noted.items() if notes}
@@ -156,15 +147,15 @@ def _included_bridges(app: AppFacts) -> dict[str, list[UnresolvedItem]]:
 
 def _names_launch_of(package: str, note: UnresolvedItem) -> bool:
     """Return whether a launch file of a package is included that could not be read."""
-    is_launch = note.what.startswith(("include", "launch file "))
-    return is_launch and package in re.findall(r"\w+", f"{note.what} {note.why}")
+    is_named = package in re.findall(r"\w+", f"{note.what} {note.why}")
+    return note.hides is HiddenPart.NODES and is_named
 
 
 def _included(app: AppFacts, package: str, notes: list[UnresolvedItem]) -> Finding:
     return make_finding(
         RULE.name,
         package,
-        summary=f"{package} opens the app to the network: {_BRIDGES[package]}{_reach(app)}",
+        summary=f"{package} {_opens(app, package)}",
         cause="its launch file is included; its address is not known, the package is not here",
         remedy="bind it to the local address or put a login before it; allow only needed topics",
         consequence=Consequence.MOTION,
@@ -173,8 +164,11 @@ def _included(app: AppFacts, package: str, notes: list[UnresolvedItem]) -> Findi
     )
 
 
-def _reach(app: AppFacts) -> str:
-    return f", {join_names(app.motion_topics)} included" if app.motion_topics else ""
+def _opens(app: AppFacts, package: str) -> str:
+    """Say what a bridge does, and which commands it reaches."""
+    effect = f"{NETWORK_BRIDGES[package]} can publish on every topic"
+    reach = f", {join_names(app.motion_topics)} included" if app.motion_topics else ""
+    return f"opens the app to the network: {effect}{reach}"
 
 
 def _finding(app: AppFacts, node: Node) -> Finding:
@@ -184,7 +178,7 @@ def _finding(app: AppFacts, node: Node) -> Finding:
     return make_finding(
         RULE.name,
         node.name,
-        summary=f"{node.name} opens the app to the network: {_BRIDGES[node.package]}{_reach(app)}",
+        summary=f"{node.name} {_opens(app, node.package)}",
         cause=f"{node.package} forwards what its clients send; {where}",
         remedy="bind it to the local address or put a login before it; allow only needed topics",
         consequence=Consequence.MOTION,

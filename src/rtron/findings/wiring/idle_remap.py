@@ -39,17 +39,9 @@ from itertools import chain
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts, is_near
-from rtron.findings.rule import FindingRule, make_finding
-from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.vocabulary import (
-    Certainty,
-    Consequence,
-    Direction,
-    Finding,
-    FindingLevel,
-    WiringFact,
-    WiringFactKind,
-)
+from rtron.findings.rule import FindingRule
+from rtron.findings.wiring_groups import WiringGroup, fact_finding, wiring_groups
+from rtron.vocabulary import Certainty, Direction, Finding, WiringFact, WiringFactKind
 from rtron.vocabulary.names import TRANSFORM_TOPICS
 from rtron.wording import conjugate, join_names
 
@@ -157,20 +149,17 @@ def _joined_finding(app: AppFacts, fact: WiringFact, pair: _Joined) -> Finding:
     of_used = [node for node in app.users(pair.used, pair.direction) if node in fact.others]
     of_meant = app.users(pair.meant, other)
     is_reversed = pair.meant == fact.subject
-    return make_finding(
+    return fact_finding(
         RULE.name,
-        fact.subject,
+        fact,
         summary=f"the remap of {fact.subject} to {fact.value} changes nothing: "
         f"{join_names(of_used)} {conjugate(of_used, _VERBS[pair.direction])} {pair.used}, "
         f"which nobody {other_verb}",
         cause=f"{join_names(of_meant)} {conjugate(of_meant, _VERBS[other])} {pair.meant}, "
         f"which nobody {verb}; no node that gets the remap uses its old name",
         remedy="exchange its ends" if is_reversed else f"remap {pair.used} instead",
-        consequence=Consequence.FAILURE,
-        certainty=Certainty.LIKELY,
         nodes=(*of_used, *of_meant),
         topics=(fact.subject, fact.value, pair.used),
-        evidence=fact.evidence,
     )
 
 
@@ -178,18 +167,15 @@ def _finding(group: WiringGroup, near: list[str]) -> Finding:
     users = group.others[:_MOST_USERS]
     others = f"{join_names(users)} {conjugate(users, 'use')} it or one below it"
     remedy = "write the whole name that the node uses, or remove the remap"
-    return make_finding(
+    return fact_finding(
         RULE.name,
-        group.subject,
+        group,
         summary=f"the remap of {group.subject} to {join_names(group.values)} changes nothing",
         cause="no node that gets it uses the name; "
         + (others if users else "their source was read whole"),
         remedy=f"did you mean {near[0]}? Else remove the remap" if near else remedy,
-        consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if near else Certainty.POSSIBLE,
-        level=FindingLevel.REGULAR if near else FindingLevel.PEDANTIC,
         topics=(group.subject, *group.values, *near[:1]),
-        evidence=group.evidence,
     )
 
 

@@ -21,17 +21,15 @@ Scan the launch that starts the rest, too, or start it here.
 A launch starts `/slam`, which subscribes `/scan`, and no driver of a laser.
 """
 
-import re
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.measurement_names import MEASURED_TYPES
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring.no_server import unserved_names
 from rtron.findings.wiring.unmatched_topic import unmatched_topics
 from rtron.vocabulary import Certainty, Consequence, Finding
 from rtron.wording import conjugate, join_names
-
-_MEASUREMENT = re.compile(r"sensor_msgs/(?!Joy)|nav_msgs/(?:Odometry|OccupancyGrid|GridCells)")
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
@@ -46,7 +44,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
 def _is_needed(app: AppFacts, topic: str) -> bool:
     """Return whether a topic is no command, and more than an option of a node from elsewhere."""
     is_own = any(app.facts.are_own([reader]) for reader in app.readers(topic))
-    is_measurement = bool(_MEASUREMENT.match(app.facts.topic(topic).type))
+    is_measurement = bool(MEASURED_TYPES.match(app.facts.topic(topic).type))
     return (is_measurement or is_own) and not app.is_motion(topic)
 
 

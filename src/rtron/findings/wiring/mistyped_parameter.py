@@ -27,8 +27,9 @@ Write the value in the declared type, or declare the type that is given.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.rule import FindingRule, make_finding
-from rtron.vocabulary import Certainty, Consequence, Finding, WiringFact, WiringFactKind
+from rtron.findings.rule import FindingRule
+from rtron.findings.wiring_groups import fact_finding
+from rtron.vocabulary import Finding, WiringFact, WiringFactKind
 from rtron.wording import join_names
 
 
@@ -41,16 +42,14 @@ def check(app: AppFacts) -> Iterator[Finding]:
 def _finding(fact: WiringFact) -> Finding:
     node, name = fact.subject, fact.value
     declared, given = join_names(fact.others[:1]), join_names(fact.others[1:])
-    return make_finding(
+    return fact_finding(
         RULE.name,
-        f"{node}:{name}",
+        fact,
+        subject=f"{node}:{name}",
         summary=f"{node} does not start: the launch gives {name} another type",
         cause=f"the node declares it as {declared}, the launch gives it as {given}",
         remedy=f"write the value as {declared}, or declare {given} in the node",
-        consequence=Consequence.FAILURE,
-        certainty=Certainty.LIKELY,
         nodes=(node,),
-        evidence=fact.evidence,
     )
 
 

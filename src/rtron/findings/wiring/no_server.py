@@ -3,7 +3,8 @@
 ## What it finds
 
 A client of a service or an action without a server in the app, where one with a near name and the
-same type has a server. One without a near name is left to `incomplete_launch`.
+same type has a server. One without a near name is left to `incomplete_launch`, and what a
+lifecycle manager calls to `missing_managed_node`.
 
 ## Why it matters
 
@@ -20,10 +21,12 @@ Correct the name.
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts, near_names
 from rtron.findings.rule import FindingRule, make_finding
+from rtron.findings.wiring.missing_managed_node import is_managing
 from rtron.vocabulary import (
     ActionRole,
     Certainty,
@@ -62,6 +65,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
             yield _finding(app, name, unserved)
 
 
+@lru_cache(maxsize=1)
 def unserved_names(app: AppFacts) -> Mapping[str, UnservedName]:
     """Return what is called and not offered, by its name."""
     offers = _offers(app)
@@ -70,6 +74,7 @@ def unserved_names(app: AppFacts) -> Mapping[str, UnservedName]:
     unserved: dict[str, list[_RequestSide]] = defaultdict(list)
     for call in calls:
         counts = not call.implicit and "{" not in call.name and call.node not in app.facts.viewers
+        counts &= not is_managing(app, call.node, call.name)
         if counts and (call.what, call.name) not in served:
             unserved[call.name].append(call)
     return {name: _unserved(unserved[name], offers) for name in sorted(unserved)}

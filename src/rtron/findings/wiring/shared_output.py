@@ -24,15 +24,9 @@ The nodelets `left_camera` and `right_camera` both publish `/image`.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.rule import FindingRule, make_finding
-from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.vocabulary import (
-    Certainty,
-    Consequence,
-    Finding,
-    FindingLevel,
-    WiringFactKind,
-)
+from rtron.findings.rule import FindingRule
+from rtron.findings.wiring_groups import WiringGroup, fact_finding, wiring_groups
+from rtron.vocabulary import Certainty, Finding, WiringFactKind
 from rtron.wording import both_or_all, join_names
 
 _OF_ALL = frozenset({"tf", "tf_static", "diagnostics", "joint_states", "rosout", "bond"})
@@ -49,18 +43,15 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 def _finding(group: WiringGroup) -> Finding:
     topic, instances = group.subject, group.others
-    return make_finding(
+    return fact_finding(
         RULE.name,
-        topic,
+        group,
         summary=f"{join_names(instances)} {both_or_all(instances)} publish {topic}",
         cause="they are instances of one program, and their other topics differ",
         remedy=f"remap {topic} for each of them",
-        consequence=Consequence.FAILURE,
         certainty=Certainty.POSSIBLE,
-        level=FindingLevel.PEDANTIC,
         nodes=instances,
         topics=(topic,),
-        evidence=group.evidence,
     )
 
 

@@ -33,15 +33,9 @@ The driver of a laser stamps its scans with `pico_1`; the static transform is fo
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.rule import FindingRule, make_finding
-from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.vocabulary import (
-    Certainty,
-    Consequence,
-    Endpoint,
-    Finding,
-    WiringFactKind,
-)
+from rtron.findings.rule import FindingRule
+from rtron.findings.wiring_groups import WiringGroup, fact_finding, wiring_groups
+from rtron.vocabulary import Certainty, Endpoint, Finding, WiringFactKind
 from rtron.vocabulary.names import TRANSFORM_TOPICS
 from rtron.wording import conjugate, join_names
 
@@ -82,17 +76,15 @@ def _listeners(app: AppFacts) -> set[str]:
 
 def _finding(group: WiringGroup, *, is_transformed: bool) -> Finding:
     near = group.values[0]
-    return make_finding(
+    return fact_finding(
         RULE.name,
-        group.subject,
+        group,
         summary=f"{join_names(group.others)} {conjugate(group.others, 'send')} messages in the "
         f"frame {group.subject}, which is in no transform",
         cause=f"the transforms of this launch have {near}",
         remedy=f"did you mean {near}? Give the messages and the transform one name",
-        consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if is_transformed else Certainty.POSSIBLE,
         nodes=group.others,
-        evidence=group.evidence,
     )
 
 

@@ -21,15 +21,9 @@ Write the name that is used.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.rule import FindingRule, make_finding
-from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.vocabulary import (
-    Certainty,
-    Consequence,
-    Finding,
-    FindingLevel,
-    WiringFactKind,
-)
+from rtron.findings.rule import FindingRule
+from rtron.findings.wiring_groups import WiringGroup, fact_finding, wiring_groups
+from rtron.vocabulary import Certainty, Finding, WiringFactKind
 from rtron.wording import join_names
 
 
@@ -41,17 +35,14 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 def _finding(group: WiringGroup) -> Finding:
     parameter, near = group.subject, join_names(group.others)
-    return make_finding(
+    return fact_finding(
         RULE.name,
-        parameter,
+        group,
         summary=f"the parameter {parameter} names {join_names(group.values)}, which nobody uses",
         cause=f"no node of this launch publishes or subscribes it; {near} is in use",
         remedy=f"did you mean {near}?",
-        consequence=Consequence.FAILURE,
         certainty=Certainty.POSSIBLE,
-        level=FindingLevel.PEDANTIC,
         topics=(*group.values, *group.others),
-        evidence=group.evidence,
     )
 
 

@@ -5,8 +5,8 @@
 A topic that is published with one type and subscribed with another: a subscriber whose type nobody
 publishes, or a publisher whose type nobody subscribes. Twist and TwistStamped on one `/cmd_vel` are
 the usual case, since ROS 2 distributions differ in it. Where only a model of a node tells the type,
-and no ROS_DISTRO is given, or where the type of another end is not known, the finding is possible
-only. Where all ends belong to one node, it is an oddity: nobody else is concerned.
+and no distribution is given (`--env ROS_DISTRO=jazzy`), or where the type of another end is not
+known, the finding is possible only. Where all ends belong to one node, it is an oddity.
 
 ## Why it matters
 
@@ -34,6 +34,7 @@ from rtron.vocabulary import (
     Finding,
     FindingLevel,
     Resolution,
+    WiringFactKind,
     unstamped_type,
 )
 from rtron.wording import conjugate, join_names
@@ -68,7 +69,7 @@ def _finding(
     readers = sorted({end.node for each in subscribed.values() for end in each})
     endpoints = [end for each in (*published.values(), *subscribed.values()) for end in each]
     sent, expected = join_names(list(published)), join_names(list(subscribed))
-    depends = _depends_on_distribution([*published, *subscribed], endpoints)
+    depends = _depends_on_distribution(app, [*published, *subscribed], endpoints)
     is_one_node = senders == readers and len(senders) == 1
     is_unsure = depends or app.has_unknown_type(topic, lost.opposite)
     summary = f"{join_names(readers)} {conjugate(readers, 'get')} nothing from {topic}"
@@ -91,10 +92,11 @@ def _finding(
     )
 
 
-def _depends_on_distribution(types: list[str], endpoints: list[Endpoint]) -> bool:
-    """Return whether only a stamp parts the types, and a model chose it by the ROS distribution."""
+def _depends_on_distribution(app: AppFacts, types: list[str], endpoints: list[Endpoint]) -> bool:
+    """Return whether only a stamp parts the types, and a model chose it by a guess at the ROS."""
+    is_given = any(fact.kind is WiringFactKind.DISTRIBUTION for fact in app.graph.wiring)
     is_modelled = any(end.resolution is Resolution.MODEL for end in endpoints)
-    return is_modelled and len(set(map(unstamped_type, types))) == 1
+    return is_modelled and not is_given and len(set(map(unstamped_type, types))) == 1
 
 
 RULE = FindingRule(

@@ -3,11 +3,13 @@
 ## What it finds
 
 A topic with a subscriber and no publisher, where another topic of the same type has a near name:
-most often a remap, a namespace or a slip of the pen parts the two. It is likely if nobody else
-subscribes the other topic and all nodes were read. Else it is possible, and shown from the level
-`pedantic` on. No other topic is named that is made of this one, that another node forwards as a
-command, or where a publisher's name that is known in part may be this topic. What a lost command
-likely means is left to `lost_command`, and a topic without a near name to `incomplete_launch`.
+most often a remap, a namespace or a slip of the pen parts the two. Of a measurement (of a sensor,
+odometry, a map) so has the only one below or above it, such as `/imu/data` of `/imu`, if nobody
+reads that. It is likely if nobody else subscribes the other topic and all nodes were read. Else it
+is possible, and shown from the level `pedantic` on. No other topic is named that is made of this
+one, that another node forwards as a command, or where a publisher's name that is known in part may
+be this topic. What a lost command likely means is left to `lost_command`, and a topic without a
+near name to `incomplete_launch`.
 
 ## Why it matters
 
@@ -23,6 +25,7 @@ Remap one of the names to the other.
 """
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.lost_commands import lost_commands
@@ -50,6 +53,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
             yield _finding(app, topic, near)
 
 
+@lru_cache(maxsize=1)
 def unmatched_topics(app: AppFacts) -> Mapping[str, list[str]]:
     """Return the topics that are subscribed and not published, each with the near ones."""
     others = {*_action_topics(app.graph), *lost_commands(app).values()}

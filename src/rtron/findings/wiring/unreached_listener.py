@@ -25,9 +25,9 @@ container, too.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.rule import FindingRule, make_finding
-from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel, WiringFactKind
+from rtron.findings.rule import FindingRule
+from rtron.findings.wiring_groups import WiringGroup, fact_finding, wiring_groups
+from rtron.vocabulary import Certainty, Finding, WiringFactKind
 from rtron.wording import conjugate, join_names
 
 
@@ -42,19 +42,16 @@ def _finding(app: AppFacts, group: WiringGroup) -> Finding:
     names = join_names(group.values)
     senders = sorted({node for topic in sent for node in app.publishers(topic)})
     hint = f"; {join_names(senders)} {conjugate(senders, 'send')} {join_names(sent)}"
-    return make_finding(
+    return fact_finding(
         RULE.name,
-        group.subject,
+        group,
         summary=f"the transform listener of {group.subject} does not get {names}",
         cause="it is a node of its own, which remaps of a component do not reach: it subscribes "
         f"{join_names(group.others)}{hint if sent else ''}",
         remedy="give the listener the component's node, or remap at the container, too",
-        consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if sent else Certainty.POSSIBLE,
-        level=None if sent else FindingLevel.PEDANTIC,
         nodes=(group.subject,),
         topics=(*group.values, *group.others),
-        evidence=group.evidence,
     )
 
 

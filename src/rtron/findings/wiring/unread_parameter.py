@@ -9,8 +9,8 @@ sets for all nodes (`/**`), or the launch file itself, counts where the node dec
 parameter that any node of the app declares or reads does not count, nor do nodes with
 dynamic_reconfigure. A section of a parameter file for a name that no node has counts where a node
 that is given no parameters has a near name, or where one alone of these is given the file and
-declares most of the section, two names at least. So does, in ROS 2, a parameter file with values
-and without `ros__parameters`.
+declares most of the section, two names at least, or has the section's name unless its launch
+renames it. So does, in ROS 2, a parameter file with values and without `ros__parameters`.
 
 ## Why it matters
 
@@ -30,15 +30,9 @@ from collections.abc import Iterator
 from pathlib import PurePath
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.rule import FindingRule, make_finding
-from rtron.findings.wiring_groups import WiringGroup, wiring_groups
-from rtron.vocabulary import (
-    Certainty,
-    Consequence,
-    Finding,
-    FindingLevel,
-    WiringFactKind,
-)
+from rtron.findings.rule import FindingRule
+from rtron.findings.wiring_groups import WiringGroup, fact_finding, wiring_groups
+from rtron.vocabulary import Certainty, Finding, WiringFactKind
 from rtron.wording import conjugate, join_names
 
 _READS = {1: "read", 2: "declare"}
@@ -54,71 +48,49 @@ def check(app: AppFacts) -> Iterator[Finding]:
     without_node = {group.subject for group in sections}
     for group in wiring_groups(app.graph, WiringFactKind.MISSPELT_PARAMETER):
         if group.subject not in without_node:
-            yield _misspelt(group, reads)
+            yield _ignored(group, reads)
     for group in wiring_groups(app.graph, WiringFactKind.UNREAD_PARAMETER):
-        yield _unread(group, reads)
+        yield _ignored(group, reads)
 
 
 def _without_node(group: WiringGroup) -> Finding:
     near = join_names(group.others)
-    return make_finding(
+    return fact_finding(
         RULE.name,
-        group.subject,
+        group,
         summary=f"the parameters that the launch sets for {group.subject} reach no node",
         cause=f"no node of this launch has this name, and {near} has no section",
         remedy=f"did you mean {near}?",
-        consequence=Consequence.FAILURE,
-        certainty=Certainty.LIKELY,
         nodes=group.others,
-        evidence=group.evidence,
     )
 
 
 def _malformed(group: WiringGroup) -> Finding:
     name = "/".join(PurePath(group.subject).parts[-3:])
-    return make_finding(
+    return fact_finding(
         RULE.name,
-        name,
+        group,
+        subject=name,
         summary=f"the parameters in {name} reach no node",
         cause=f"{join_names(group.others)} {conjugate(group.others, 'get')} the file, which has no "
         "ros__parameters: a node that reads it does not start",
         remedy="put the parameters below the node's name and ros__parameters",
-        consequence=Consequence.FAILURE,
-        certainty=Certainty.LIKELY,
         nodes=group.others,
-        evidence=group.evidence,
     )
 
 
-def _misspelt(group: WiringGroup, reads: str) -> Finding:
-    node, meant = group.subject, join_names(group.others)
-    return make_finding(
+def _ignored(group: WiringGroup, reads: str) -> Finding:
+    node, near = group.subject, join_names(group.others)
+    near_cause = f"it does not {reads} them; it {reads}s {near}"
+    return fact_finding(
         RULE.name,
-        node,
+        group,
+        subject="" if near else f"{node}:undeclared",
         summary=f"{node} ignores parameters that the launch sets: {join_names(group.values)}",
-        cause=f"it does not {reads} them; it {reads}s {meant}",
-        remedy=f"did you mean {meant}?",
-        consequence=Consequence.FAILURE,
-        certainty=Certainty.LIKELY,
-        level=FindingLevel.REGULAR,
+        cause=near_cause if near else f"the node does not {reads} them",
+        remedy=f"did you mean {near}?" if near else f"remove them, or {reads} them in the node",
+        certainty=Certainty.LIKELY if near else Certainty.POSSIBLE,
         nodes=(node,),
-        evidence=group.evidence,
-    )
-
-
-def _unread(group: WiringGroup, reads: str) -> Finding:
-    node = group.subject
-    return make_finding(
-        RULE.name,
-        f"{node}:undeclared",
-        summary=f"{node} ignores parameters that the launch sets: {join_names(group.values)}",
-        cause=f"the node does not {reads} them",
-        remedy=f"remove them, or {reads} them in the node",
-        consequence=Consequence.FAILURE,
-        certainty=Certainty.POSSIBLE,
-        level=FindingLevel.PEDANTIC,
-        nodes=(node,),
-        evidence=group.evidence,
     )
 
 

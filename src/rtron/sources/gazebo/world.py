@@ -14,7 +14,8 @@ from rtron.sources.launch.common.packages import PackageIndex
 from rtron.sources.launch.common.xml_document import MAX_BYTES
 from rtron.sources.workspace.package_files import is_inside
 from rtron.sources.xacro import XmlElement, parse_element, read_element
-from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary.enums import HiddenPart
 
 _BEFORE = re.compile(r"\s+|<!--.*?-->", re.DOTALL)
 
@@ -103,7 +104,13 @@ class _WorldReader:
             root = self._root(path)
         except InputError as error:
             if uri not in _BUILT_IN_MODELS:
-                self._note(f"include {uri}".strip(), str(error), include.evidence)
+                note = UnresolvedItem(
+                    what=f"include {uri}".strip(),
+                    why=str(error),
+                    hides=HiddenPart.NODES,
+                    evidence=(include.evidence,),
+                )
+                self.unresolved.append(note)
             return
         name = include.find("name")
         named = _with_model_name(root, name.text if name else "")
@@ -141,9 +148,6 @@ class _WorldReader:
         if str(path) not in self._roots:
             self._roots[str(path)] = read_sdf(path)
         return self._roots[str(path)]
-
-    def _note(self, what: str, why: str, evidence: Evidence) -> None:
-        self.unresolved.append(UnresolvedItem(what=what, why=why, evidence=(evidence,)))
 
 
 def _model_file(folder: Path) -> Path:

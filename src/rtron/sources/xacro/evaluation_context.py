@@ -20,9 +20,10 @@ from rtron.sources.launch.ros1.substitution_args import SubstitutionArgs
 from rtron.sources.xacro.budget import EvaluationBudget
 from rtron.sources.xacro.expression import XacroExpressionEvaluator
 from rtron.sources.xacro.scopes import NamespaceView, PropertyScope
-from rtron.sources.xacro.xml_element import XMLNS, XmlElement
+from rtron.sources.xacro.xml_element import XMLNS, XmlElement, statement_name
 from rtron.sources.xacro.yaml_file import load_yaml
 from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary.enums import HiddenPart
 
 MAX_MATCHES = 200
 
@@ -130,7 +131,8 @@ class EvaluationContext:
         """Keep that something at an element is not resolved, and why; the same counts once."""
         if len(self.notes) < MAX_NOTES:
             evidence = (element.evidence, *more)
-            self.notes[UnresolvedItem(what=what, why=why, evidence=evidence)] = None
+            hides = HiddenPart.NODES if statement_name(element) == "include" else None
+            self.notes[UnresolvedItem(what=what, why=why, hides=hides, evidence=evidence)] = None
 
     @contextmanager
     def noting_errors(self, element: XmlElement, what: str = "") -> Iterator[None]:

@@ -203,3 +203,15 @@ def test_a_distribution_that_nothing_names_is_said(rtron, folder):
     said = "nothing names the ROS distribution: the newest counts"
     assert said in " ".join(rtron(*app).out.split())
     assert said not in " ".join(rtron(*app, "--env", "ROS_DISTRO=jazzy").out.split())
+
+
+def test_only_a_distribution_that_is_given_is_a_fact(rtron, folder):
+    app = ("scan", folder, "--launch", "parts/robot.launch.py", "-j", "1", "--fail-on", "never")
+
+    def named(*words):
+        wiring = json.loads(rtron(*app, *words, "--format", "graph").out)["wiring"]
+        return [fact["subject"] for fact in wiring if fact["kind"] == "distribution"]
+
+    assert named("--env", "ROS_DISTRO=humble") == ["humble"]
+    (folder / "Dockerfile").write_text("FROM ros:humble\n")
+    assert named() == []

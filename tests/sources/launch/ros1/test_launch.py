@@ -93,6 +93,7 @@ def test_a_missing_package_leaves_out_the_include_and_says_so(launch, tmp_path):
     assert tree.root.includes == ()
     assert unresolved.what == "include $(find none)/x.launch"
     assert (unresolved.why, unresolved.missing) == ("package 'none' is not found", "")
+    assert unresolved.hides == "nodes"
     assert unresolved.evidence == (Evidence(file=str(tmp_path / "app.launch"), line=2),)
 
 
@@ -128,6 +129,7 @@ def test_an_argument_that_cannot_be_resolved_counts_only_where_it_is_used(launch
         sub=included('<arg name="p"/><node pkg="p" type="t" name="n" args="$(arg p)"/>'),
     )
     assert [(u.what, u.why) for u in tree.unresolved] == [("node n", "package 'none' is not found")]
+    assert tree.unresolved[0].hides is None
     assert tree.nodes()[0].args == "$(arg p)"
 
 

@@ -112,7 +112,8 @@ def test_a_file_included_under_a_condition(python, child):
 def test_a_file_that_is_not_here_is_noted_and_the_rest_is_read(python, file, why, missing):
     app = python(f"IncludeLaunchDescription({file}), Node(executable='e', name='n')")
     assert names(app) == ["/n"]
-    assert [note.missing for note in app.unresolved if why in note.why] == [missing]
+    noted = [note for note in app.unresolved if why in note.why]
+    assert [(note.missing, note.hides) for note in noted] == [(missing, "nodes")]
 
 
 def test_a_file_that_the_build_installs_in_another_folder(python, package):

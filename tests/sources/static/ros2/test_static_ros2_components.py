@@ -238,7 +238,8 @@ def test_a_command_that_loads_nothing_is_noted(commanded, line):
 
 def test_a_command_into_a_container_that_is_not_here_is_noted(commanded):
     graph = commanded(CALL.replace("/far/box", "/none"))
-    assert any("its container is /none" in note.why for note in graph.unresolved)
+    (note,) = (note for note in graph.unresolved if "its container is /none" in note.why)
+    assert note.hides == "nodes"
 
 
 LISTENER = """    listener_ = std::make_shared<tf2_ros::TransformListener>(*buffer_{});

@@ -162,6 +162,28 @@ def test_frames_on_other_topics_are_not_found(facts):
     assert facts("double_fixed_frame", unknown.replace("other", "$(command x)")) == []
 
 
+@pytest.mark.parametrize(
+    ("frames", "loop"),
+    [
+        ([("b", "a"), ("a", "b")], ["a", "b"]),
+        ([("b", "a"), ("c", "b"), ("a", "c")], ["a", "b", "c"]),
+        ([("a", "x"), ("b", "a"), ("x", "b"), ("x", "leaf"), ("root", "x")], ["a", "b", "x"]),
+        ([("b", "a"), ("root", "b"), ("root", "c")], []),
+        ([("a", "a")], []),
+    ],
+)
+def test_a_loop_of_frames_is_found_with_who_broadcasts_it(facts, frames, loop):
+    nodes = [FIXED.format(f'name="n{i}"', *pair) for i, pair in enumerate(frames)]
+    names = {child: f"/n{i}" for i, (parent, child) in enumerate(frames) if parent != "root"}
+    expected = [(loop[0], frame, names[frame]) for frame in loop]
+    assert facts("frame_loop", "\n".join(nodes)) == expected
+
+
+def test_a_loop_that_a_condition_not_known_decides_on_is_none(facts):
+    nodes = FIXED.format('name="n" if="$(command x)"', "a", "b") + FIXED.format("", "b", "a")
+    assert facts("frame_loop", nodes) == []
+
+
 MANAGED = """
 <node pkg="nav2_amcl" exec="amcl" name="amcl"/>
 <node pkg="tf2_ros" exec="static_transform_publisher" name="mount" args="0 0 0 0 0 0 map odom"/>

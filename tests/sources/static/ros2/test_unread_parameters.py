@@ -189,6 +189,33 @@ def test_a_section_is_meant_for_the_one_node_that_declares_most_of_it(scanned, s
     assert without_node(scanned(section, arm=arm)) == meant
 
 
+FILTER = """Node(package="robot_localization", executable="ekf_node", name={name!r},
+    parameters=[{file!r}{more}]),
+"""
+
+
+@pytest.mark.parametrize(
+    ("names", "more", "meant"),
+    [
+        (("odometry",), "", "/odometry"),
+        (("odometry",), ", {'use_sim_time': True}", "/odometry"),
+        (("odometry",), ", {'frequency': 9.0}", None),
+        (("odometry", "map_filter"), "", None),
+        (("odometry", "ekf_filter_node"), "", None),
+    ],
+)
+def test_a_section_with_a_programs_own_name_is_meant_for_what_a_launch_renames(
+    tmp_path, names, more, meant
+):
+    file, launch = tmp_path / "ekf.yaml", tmp_path / "app.launch.py"
+    file.write_text("ekf_filter_node: {ros__parameters: {odom0: /odom}}\n")
+    nodes = "".join(FILTER.format(name=name, file=str(file), more=more) for name in names)
+    head, _, _ = LAUNCH.partition("        Node(")
+    launch.write_text(f"{head}{nodes}])\n")
+    graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
+    assert without_node(graph) == ([("/ekf_filter_node", (meant,))] if meant else [])
+
+
 @pytest.mark.parametrize(("name", "found"), [("'x' + unknown()", ["/drive"]), ("unknown()", [])])
 def test_a_node_whose_name_is_not_known_may_have_the_section(scanned, name, found):
     graph = scanned(f"/drive: {TWO}", more=f"rclpy.create_node({name})")

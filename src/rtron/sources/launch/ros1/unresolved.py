@@ -14,6 +14,7 @@ from rtron.sources.launch.ros1.loader_context import LoaderContext
 from rtron.sources.launch.ros1.tag import Tag
 from rtron.sources.models.packages import known_package_of
 from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary.enums import HiddenPart
 
 _NAMING_ATTRIBUTES = ("file", "name", "test-name", "from", "ns")
 
@@ -80,4 +81,6 @@ class UnresolvedNotes:
         texts = (tag.element.get(attribute) for attribute in _NAMING_ATTRIBUTES)
         what = " ".join((tag.name, *(str(text) for text in list(filter(None, texts))[:1])))
         location = Evidence(file=tag.path, line=tag.line)
-        self.unresolved.append(UnresolvedItem(what=what, why=why, evidence=(location, *evidence)))
+        hides = HiddenPart.NODES if tag.name == "include" else None
+        evidence = (location, *evidence)
+        self.unresolved.append(UnresolvedItem(what=what, why=why, hides=hides, evidence=evidence))

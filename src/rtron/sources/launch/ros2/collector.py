@@ -7,6 +7,7 @@ from typing import ClassVar
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
 from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.vocabulary.enums import HiddenPart
 
 
 @dataclass(slots=True)
@@ -43,7 +44,7 @@ class LaunchCollector(ABC):
 
     def note_unknown(self, site: ElementSite) -> None:
         """Note an action of a kind that is not known."""
-        self.evaluator.note(site, self.unknown_action)
+        self.evaluator.note(site, self.unknown_action, hides=HiddenPart.NODES)
 
     def note_not_included(self, _: ElementSite, __: str | None) -> None:  # noqa: B027 - a choice
         """Take an inclusion whose file, the second argument, is not known."""

@@ -15,6 +15,9 @@ from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.limits import LaunchTooLargeError
 from rtron.sources.launch.ros2.substitutions.template import UnknownPartError, display_text
 from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary.enums import HiddenPart
+
+_STARTING_TAGS = ("include", "composable_node")
 
 
 @dataclass(slots=True, kw_only=True)
@@ -26,13 +29,19 @@ class UnresolvedNotes:
     _noted: set[UnresolvedItem] = field(default_factory=set)
     _missing_arguments: set[str] = field(default_factory=set)
 
-    def note(self, site: ElementSite, why: str, missing: str = "") -> None:
+    def note(
+        self, site: ElementSite, why: str, missing: str = "", hides: HiddenPart | None = None
+    ) -> None:
         """Note what cannot be read of an element, and the file that it names and is not there."""
         keys = ("file", "cmd", "name") if self.symbolic else ("file", "cmd")
         text = next(filter(None, map(site.plain_text, keys)), "")
         what = f"{site.tag} {display_text(text)[:80]}".strip()
         entry = UnresolvedItem(
-            what=what, why=display_text(why), missing=missing, evidence=(site.location,)
+            what=what,
+            why=display_text(why),
+            missing=missing,
+            hides=HiddenPart.NODES if site.tag in _STARTING_TAGS else hides,
+            evidence=(site.location,),
         )
         if not self.symbolic or entry not in self._noted:
             self._noted.add(entry)

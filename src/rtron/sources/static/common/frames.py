@@ -1,7 +1,7 @@
 """TF frames of an app: those that several nodes broadcast, and those that nobody does."""
 
 from collections import defaultdict
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from itertools import chain
@@ -81,6 +81,27 @@ class FrameBroadcasters:
                 frame = child if topic == TRANSFORMS else f"{child} on {topic}"
                 yield from _facts(_kind(certain), frame, counted)
 
+    def loops(self) -> Iterator[WiringFact]:
+        """Yield a fact for each frame of each loop: one that is below itself, through others."""
+        parents = {
+            frame: {each.frame.parent: each for each in known.values() if self._is_certain(each)}
+            for frame, known in sorted(self._nodes.items())
+        }
+        above = {frame: _frames_above(frame, parents) for frame in parents}
+        for (topic, child), nodes in parents.items():
+            loop = {e for e in above[topic, child] if child in above.get((topic, e), ())}
+            if len(loop) > 1:
+                within = [node for parent, node in nodes.items() if parent in loop]
+                yield WiringFact(
+                    kind=WiringFactKind.FRAME_LOOP,
+                    subject=min(loop),
+                    value=child,
+                    others=tuple(node.node for node in within),
+                    evidence=tuple(
+                        place for node in within for place in (node.start, *node.frame.evidence)
+                    ),
+                )
+
     def stray_frames(self) -> Iterator[WiringFact]:
         """Yield a fact for each frame of messages that no transform has, if a near one is there.
 
@@ -110,6 +131,18 @@ class FrameBroadcasters:
 
     def _is_certain(self, node: _Broadcaster) -> bool:
         return node.frame.is_certain and (not node.is_managed or node.node in self.activated)
+
+
+def _frames_above(frame: _Frame, parents: Mapping[_Frame, Collection[str]]) -> set[str]:
+    """Return the frames that a frame is below, itself too if it is in a loop."""
+    topic, _ = frame
+    found, pending = set[str](), list(parents[frame])
+    while pending:
+        parent = pending.pop()
+        if parent not in found:
+            found.add(parent)
+            pending.extend(parents.get((topic, parent), ()))
+    return found
 
 
 def _sends_transforms(declaration: Declaration) -> bool:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary.enums import HiddenPart
 
 
 @dataclass(slots=True)
@@ -11,6 +12,7 @@ class UnresolvedList:
 
     entries: list[UnresolvedItem] = field(default_factory=list)
 
-    def add(self, what: str, why: str, location: Evidence) -> None:
-        """Note what is unresolved, why, and where."""
-        self.entries.append(UnresolvedItem(what=what, why=why, evidence=(location,)))
+    def add(self, what: str, why: str, location: Evidence, hides: HiddenPart | None = None) -> None:
+        """Note what is unresolved, why, and where, and what may be behind it."""
+        note = UnresolvedItem(what=what, why=why, hides=hides, evidence=(location,))
+        self.entries.append(note)

@@ -14,6 +14,7 @@ from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch
 from rtron.sources.xacro import RobotDescriptions
 from rtron.vocabulary import LaunchTree, ParameterTree
+from rtron.vocabulary.enums import HiddenPart
 
 
 @dataclass(slots=True, kw_only=True)
@@ -50,7 +51,7 @@ class LaunchTrees:
             return self._add_launches([file])
         except InputError as error:
             what = f"launch {file.path.name} that {file.started_by} starts"
-            self.unresolved.add(what, str(error), file.evidence)
+            self.unresolved.add(what, str(error), file.evidence, HiddenPart.NODES)
             return []
 
     def _add_launches(self, files: list[RuntimeLaunch]) -> list[AppNode]:

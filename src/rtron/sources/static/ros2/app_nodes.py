@@ -21,6 +21,7 @@ from rtron.sources.static.ros2.loading_commands import (
     controller_command,
 )
 from rtron.vocabulary import Evidence
+from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.parameters import absolute_pattern
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
@@ -146,7 +147,8 @@ class AppNodeBuilder:
         """Return a component, which its container loads: the process is the container's."""
         if container is None:
             what, why = f"component {start.full_name}", "no launch file that is read starts it"
-            self.unresolved.add(what, f"its container is {start.container}: {why}", start.evidence)
+            why = f"its container is {start.container}: {why}"
+            self.unresolved.add(what, why, start.evidence, HiddenPart.NODES)
         site = NodeSite(
             name=_name(start, start.program.rpartition("::")[2]),
             ros=2,

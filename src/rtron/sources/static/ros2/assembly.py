@@ -27,6 +27,7 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
+from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.names import TRANSFORM_TOPICS, TRANSFORMS
 from rtron.vocabulary.remap_rules import expand_name, remaps_for_node
 
@@ -71,7 +72,10 @@ class Ros2Assembly(GraphBuilder):
         for started in part.interface.runtime_starts:
             what = f"launch {started.path} that {part.owner} starts"
             why = "what a node starts itself is not followed: name it with --launch too"
-            self.add_unresolved(UnresolvedItem(what=what, why=why, evidence=started.evidence))
+            hides = HiddenPart.NODES
+            self.add_unresolved(
+                UnresolvedItem(what=what, why=why, hides=hides, evidence=started.evidence)
+            )
 
     def _note_remaps(
         self, created: CreatedNode, part: NodePart, declared: list[Declaration]
@@ -89,7 +93,8 @@ class Ros2Assembly(GraphBuilder):
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
         self.add_wiring(*self.remap_uses.unread())
         self.add_wiring(*self.program_outputs.shared())
-        self.add_wiring(*self.frames.facts(), *self.frames.stray_frames())
+        self.add_wiring(*self.frames.facts(), *self.frames.loops())
+        self.add_wiring(*self.frames.stray_frames())
         values = (
             (f"{each.node}/{each.name}", each.value, self._started[each.node].evidence)
             for each in self.parameters.values()

@@ -12,6 +12,7 @@ from rtron.sources.static.ros2.app_nodes import process_name
 from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.names import fits_open_name
 from rtron.vocabulary.parameters import pattern_matches
+from rtron.vocabulary.remap_rules import expand_name
 
 _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 """What the client libraries declare or read by themselves."""
@@ -74,15 +75,21 @@ def malformed_files(starts: Iterable[LaunchStart]) -> Iterator[WiringFact]:
 def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[WiringFact]:
     """Yield a fact for each section of a parameter file for a name that no node has.
 
-    It counts if a node that is given no parameter at all has a near name, or if one alone of these
-    is given the file and declares most of what stands in the section.
+    It counts if a node that is given no parameter of its own has a near name, or if one alone of
+    these is given the file and declares most of what stands in the section, or is called so by its
+    program.
     """
     places = {
         each.node: part.node.places_of(each.node, each.name)
         for part in reversed(parts)
         for each in reversed(part.node.site.node_settings)
     }
-    given = {part.node.name for part in parts for _ in _set_by_launch(part, part.node.name)}
+    given = {
+        part.node.name
+        for part in parts
+        for name in _set_by_launch(part, part.node.name)
+        if not name.startswith(_OF_EVERY_NODE)
+    }
     without_section = {name for name in nodes - places.keys() - given if "{" not in name}
     declared = _declared_in_vain(part for part in parts if part.node.name in without_section)
     unused = (each for each in sorted(places.keys() - nodes) if "*" not in each)
@@ -99,9 +106,10 @@ def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterato
 
 
 def _declared_in_vain(parts: Iterable[NodePart]) -> dict[str, list[str]]:
-    """Return which nodes are given each section of a file and declare most of it.
+    """Return which nodes are given each section of a file and declare most of it, or have its name.
 
-    One common name, as a frame or a rate, says little: two of them must be declared.
+    One common name, as a frame or a rate, says little: two of them must be declared. A program
+    has the name of a section if it calls itself so where no launch gives it another name.
     """
     found: dict[str, list[str]] = defaultdict(list)
     for part in parts:
@@ -111,9 +119,16 @@ def _declared_in_vain(parts: Iterable[NodePart]) -> dict[str, list[str]]:
             if not each.name.startswith(_OF_EVERY_NODE):
                 sections[each.node].add(each.name)
         for section, names in sections.items():
-            if len(names & own) > max(1, len(names) / 2):
+            is_declared = len(names & own) > max(1, len(names) / 2)
+            if is_declared or section == _own_name(part):
                 found[section].append(part.node.name)
     return found
+
+
+def _own_name(part: NodePart) -> str:
+    """Return what a program without source calls itself; empty where it is not known."""
+    name = part.model.name if part.model else ""
+    return name and expand_name(name, part.node.name)
 
 
 def _nodes_with_parameters(part: NodePart) -> list[str]:

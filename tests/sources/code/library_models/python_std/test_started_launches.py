@@ -62,6 +62,8 @@ def test_what_is_not_known_of_a_launch_is_noted_with_its_line(body):
     assert interface.runtime_starts == ()
     assert [note.why for note in interface.unresolved] == [NOTED[body]]
     assert interface.unresolved[0].evidence[0].line == 2
+    is_launch = "ROSLaunchParent" in body
+    assert [note.hides for note in interface.unresolved] == ["nodes" if is_launch else None]
 
 
 @pytest.mark.parametrize("body", QUIET)

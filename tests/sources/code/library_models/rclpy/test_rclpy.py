@@ -282,3 +282,8 @@ def test_a_library_that_is_not_here_makes_the_node_whose_class_it_gets():
 def test_classes_that_are_no_nodes_take_no_turn_of_one_that_is():
     body = "process.spin(Tree)\n" * 450 + "process.spin(Foreign)"
     assert "/obeyed" in names(python(body, FOREIGN, **UNLAUNCHED))
+
+
+def test_a_call_on_a_node_that_is_not_known_hides_endpoints():
+    (note,) = python("Node.create_publisher(unknown(), Bool, 't', 1)").unresolved
+    assert note.hides == "endpoints"

@@ -300,3 +300,4 @@ def test_an_action_of_another_package_is_noted(python):
     [note] = app.unresolved
     assert "robot_launch.Robot" in note.what
     assert note.why == "is not known here: what it starts is not known"
+    assert note.hides == "nodes"

@@ -34,6 +34,7 @@ from rtron.vocabulary import (
     Resolution,
     UnresolvedItem,
 )
+from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.launch import resolve_name
 
 MAX_DECLARATIONS = 2000
@@ -200,10 +201,13 @@ class DeclarationRecorder:
         if not self.muted:
             self._starts[RuntimeStart(path=path, args=args, evidence=(evidence,))] = None
 
-    def add_unresolved(self, what: str, why: str, *evidence: Evidence) -> None:
-        """Record what could not be found out, and where."""
+    def add_unresolved(
+        self, what: str, why: str, *evidence: Evidence, hides: HiddenPart | None = None
+    ) -> None:
+        """Record what could not be found out, where, and what may be behind it."""
         if not self.muted and len(self._unresolved) < MAX_DECLARATIONS:
-            self._unresolved[UnresolvedItem(what=what, why=why, evidence=evidence)] = None
+            note = UnresolvedItem(what=what, why=why, hides=hides, evidence=evidence)
+            self._unresolved[note] = None
 
     def add_problem(self, path: Path, problem: SourceProblem) -> None:
         """Record a part of a file that could not be read."""

@@ -22,6 +22,7 @@ from rtron.sources.code.library_models.common.command_lines import shell_words
 from rtron.sources.code.library_models.common.trivial_functions import return_none
 from rtron.sources.code.library_models.python_std.argument_parsers import command_line_value
 from rtron.sources.code.library_models.python_std.processes import run_words
+from rtron.vocabulary.enums import HiddenPart
 
 
 def _main(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -59,7 +60,9 @@ def _record_launch(
             machine.recorder.add_start(str(option.value), words, arguments.evidence)
         else:
             what = f"launch file {text_with_holes(option)}"
-            machine.recorder.add_unresolved(what, "its path is not known", arguments.evidence)
+            machine.recorder.add_unresolved(
+                what, "its path is not known", arguments.evidence, hides=HiddenPart.NODES
+            )
 
 
 def _load_config(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -75,7 +78,7 @@ def _load_launch(machine: AbstractMachine, _: object, arguments: Arguments) -> V
 
 def _note_text(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     what, why = "launch file as a text", "what a program launches from a text is not followed"
-    machine.recorder.add_unresolved(what, why, arguments.evidence)
+    machine.recorder.add_unresolved(what, why, arguments.evidence, hides=HiddenPart.NODES)
     return NONE
 
 

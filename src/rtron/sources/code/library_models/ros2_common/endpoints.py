@@ -28,6 +28,7 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
 from rtron.sources.code.library_models.ros2_common.qos import DEFAULT_QOS, QOS_PROFILES
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Durability, Evidence, QoS
+from rtron.vocabulary.enums import HiddenPart
 
 MAX_CALLERS = 8
 _NAME = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
@@ -202,7 +203,12 @@ def note_unknown_node(
 ) -> None:
     """Note a call that joins nodes on what is not known to be a node."""
     shown = f"{what}({text_with_holes(name or Unknown('?'))})"
-    machine.recorder.add_unresolved(shown, "which node it is called on is not known", at.evidence)
+    machine.recorder.add_unresolved(
+        shown,
+        "which node it is called on is not known",
+        at.evidence,
+        hides=HiddenPart.ENDPOINTS,
+    )
 
 
 def _declare_implicit(

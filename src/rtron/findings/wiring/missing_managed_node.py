@@ -1,0 +1,98 @@
+"""A lifecycle manager waits for a node that is not there.
+
+## What it finds
+
+A name among the `node_names` of a lifecycle manager of Nav2 that no node of the launch has. It is
+likely a fault, and shown at the default level, where everything was read and the launch starts
+another node of the manager, or a lifecycle node of a near name. Else another launch may start the
+nodes, and it is possible.
+
+## Why it matters
+
+The manager waits for the services of that node, and configures and activates none of the others:
+the robot does not navigate, and no node fails.
+
+## Remedy
+
+Start the node, correct its name or its namespace, or remove it from `node_names`.
+
+## Example
+
+`/lifecycle_manager` manages `/recoveries_server`, and the launch starts `/behavior_server`.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from rtron.findings.app_facts import AppFacts, near_names
+from rtron.findings.rule import FindingRule, make_finding
+from rtron.vocabulary import Certainty, Consequence, Finding, Service, ServiceClient, fits_open_name
+from rtron.wording import join_names
+
+_MANAGER = "nav2_lifecycle_manager"
+_CALLED = ("/change_state", "/get_state")
+
+
+def check(app: AppFacts) -> Iterator[Finding]:
+    """Yield a finding for each manager that waits for nodes that are not there."""
+    present = {*app.nodes, *_nodes(app.graph.services)}
+    managed = {each.name: _managed_nodes(app, each.name) for each in app.graph.nodes}
+    unmanaged = sorted(set(_nodes(app.graph.services)).difference(*managed.values()))
+    for manager, names in managed.items():
+        missing = [name for name in names if name not in present]
+        if missing:
+            is_in_part = len(missing) < len(names)
+            yield _finding(app, manager, missing, unmanaged, is_in_part=is_in_part)
+
+
+def is_managing(app: AppFacts, node: str, service: str) -> bool:
+    """Return whether a node calls a service as the manager of the node that should offer it."""
+    is_manager = node in app.nodes and app.nodes[node].package == _MANAGER
+    return is_manager and service.endswith(_CALLED)
+
+
+def _managed_nodes(app: AppFacts, manager: str) -> list[str]:
+    calls = (each for each in app.graph.clients if each.node == manager)
+    return _nodes(each for each in calls if is_managing(app, manager, each.name))
+
+
+def _nodes(services: Iterable[Service | ServiceClient]) -> list[str]:
+    """Return the lifecycle nodes whose states services change."""
+    state = _CALLED[0]
+    found = (each.name.removesuffix(state) for each in services if each.name.endswith(state))
+    return [name for name in dict.fromkeys(found) if "{" not in name]
+
+
+def _finding(
+    app: AppFacts,
+    manager: str,
+    missing: Sequence[str],
+    unmanaged: Sequence[str],
+    *,
+    is_in_part: bool,
+) -> Finding:
+    near = list(dict.fromkeys(each for name in missing for each in near_names(name, unmanaged)))
+    is_open = any(fits_open_name(name, app.nodes) for name in missing)
+    is_likely = app.is_whole and not is_open and bool(is_in_part or near)
+    others = f"; {join_names(unmanaged)} {'have' if unmanaged[1:] else 'has'} no manager"
+    remedy = f"start {join_names(missing)}, or remove it from node_names"
+    return make_finding(
+        RULE.name,
+        manager,
+        summary=f"{manager} waits for {join_names(missing)} and activates none of its nodes",
+        cause=f"no node of this launch has this name{app.unread_hint}{others if unmanaged else ''}",
+        remedy=f"did you mean {near[0]}? Else {remedy}" if near else remedy,
+        consequence=Consequence.FAILURE,
+        certainty=Certainty.LIKELY if is_likely else Certainty.POSSIBLE,
+        nodes=(manager,),
+        topics=[f"{name}{_CALLED[0]}" for name in missing],
+        evidence=app.node_evidence([manager]),
+    )
+
+
+RULE = FindingRule(
+    name="missing_managed_node",
+    title="A lifecycle manager waits for a node that is not there",
+    consequence="failure: likely where the launch starts other nodes of it, else possible",
+    since="0.2.0",
+    check=check,
+)
