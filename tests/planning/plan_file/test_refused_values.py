@@ -4,8 +4,9 @@ import pytest
 
 from rtron.errors import PlanError
 from rtron.planning import parse_plan, write_plan
+from rtron.planning.app_check import check_plan
 from rtron.planning.plan_file.defaults import app_name
-from rtron.vocabulary import Plan
+from rtron.vocabulary import MessageDefinition, Plan
 
 LONGEST_NAME = 200
 APPS = [
@@ -123,3 +124,101 @@ def test_the_components_that_a_base_obeys_are_some(plan):
     assert parse_plan(plan.replace("uses: {}", "").format())
     with pytest.raises(PlanError, match="uses is empty: the base would obey all components"):
         parse_plan(plan.format("[]"))
+
+
+VECTOR = f"{'=' * 80}\nMSG: geometry_msgs/Vector3\n"
+XYZ, XZY = "float64 x\nfloat64 y\nfloat64 z\n", "float64 x\nfloat64 z\nfloat64 y\n"
+LINEAR, ANGULAR = "geometry_msgs/Vector3 linear\n", "geometry_msgs/Vector3 angular\n"
+TWIST = LINEAR + ANGULAR + VECTOR + XYZ
+DEFINITIONS = [
+    ("geometry_msgs/Twist", TWIST, True),
+    ("geometry_msgs/msg/Twist", "# a comment\n" + TWIST, True),
+    ("geometry_msgs/Twist", ANGULAR + LINEAR + VECTOR + XYZ, False),
+    ("geometry_msgs/msg/Twist", ANGULAR + LINEAR + VECTOR + XYZ, False),
+    ("geometry_msgs/Twist", LINEAR + ANGULAR + VECTOR + XZY, False),
+    ("geometry_msgs/Twist", (TWIST).replace("64", "32"), False),
+    (
+        "geometry_msgs/TwistStamped",
+        f"geometry_msgs/Twist twist\n{'=' * 80}\nMSG: geometry_msgs/Twist\n{TWIST}",
+        False,
+    ),
+    ("std_msgs/Float64", "float64 data", True),
+    ("std_msgs/Float64", "float32 data", False),
+    ("ackermann_msgs/AckermannDrive", "float32 speed", False),
+    ("my_msgs/Twist", ANGULAR + LINEAR + VECTOR + XYZ, True),
+]
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+@pytest.mark.parametrize(("type", "text", "is_allowed"), DEFINITIONS)
+def test_a_velocity_has_the_fields_that_it_has_in_ros(ros, type, text, is_allowed):
+    defined = MessageDefinition(type=type, definition=text)
+    plan = write_plan(Plan(app="a", ros=ros, messages=(defined,)))
+    if is_allowed:
+        assert parse_plan(plan).messages == (defined,)
+    else:
+        with pytest.raises(PlanError, match=f"{type} has other fields here than in ROS: no limit"):
+            parse_plan(plan)
+
+
+MISSION = """\
+msrcn:
+  mode: enforce
+  eflows:
+    - name: low
+      topic: /battery
+      publisher: /bms
+      type: sensor_msgs/BatteryState
+      when: {when}
+      max_age: 5 s
+  aflows:
+    - topic: /cmd_vel
+      type: geometry_msgs/Twist
+      flows: [{{name: nav, publisher: /nav}}]
+  rules: [{{name: battery, when: low, action: {action}, block: [/cmd_vel]}}]
+"""
+LOW_WARNING = "warning: MSRCN, low: `when` holds for every message of /battery"
+LOW, FAST = "event.percentage < 0.2", "action.linear.x > 0.5"
+CONDITIONS = [
+    (LOW, FAST, ""),
+    ("false", FAST, "low is never 1"),
+    ("event.percentage > 2.0 && event.percentage < 1.0", FAST, "low is never 1"),
+    ("event.present && !event.present", FAST, "low is never 1"),
+    (LOW, "false", "battery blocks nothing"),
+    (LOW, "action.linear.x > 0.5 && action.linear.x < 0.5", "battery blocks nothing"),
+    (LOW, "action.linear.x > 0.5 && action.linear.x < 0.6", ""),
+]
+
+
+@pytest.mark.parametrize(("when", "action", "fault"), CONDITIONS)
+def test_an_expression_that_holds_for_no_message(when, action, fault):
+    text = MISSION.format(when=f'"{when}"', action=f'"{action}"')
+    if fault:
+        with pytest.raises(PlanError, match=f"holds for no message: {fault}"):
+            parse_plan(text)
+    else:
+        assert parse_plan(text)
+
+
+@pytest.mark.parametrize(
+    ("when", "action", "warnings"),
+    [
+        (LOW, FAST, []),
+        ("event.percentage >= -1.0", FAST, []),
+        (
+            "true",
+            FAST,
+            [
+                f"{LOW_WARNING}: leave `when` out, and say with `present` how long a message counts"
+            ],
+        ),
+        (
+            LOW,
+            "action.linear.x < 1.0 || action.linear.x >= 1.0",
+            ["warning: MSRCN, rule battery: `action` holds for every message: leave it out"],
+        ),
+    ],
+)
+def test_an_expression_that_holds_for_every_message_is_told(when, action, warnings):
+    plan = parse_plan(MISSION.format(when=f'"{when}"', action=f'"{action}"'))
+    assert [str(each) for each in check_plan(plan)] == warnings
