@@ -208,9 +208,7 @@ def test_an_expression_that_holds_for_no_message(when, action, fault):
         (
             "true",
             FAST,
-            [
-                f"{LOW_WARNING}: leave `when` out, and say with `present` how long a message counts"
-            ],
+            [f"{LOW_WARNING}: leave `when` out, and say with `present` how long a message counts"],
         ),
         (
             LOW,
