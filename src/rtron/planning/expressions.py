@@ -18,6 +18,7 @@ from rtron.messages.common.velocity import VELOCITY_TYPES
 from rtron.messages.expressions.condition import Condition
 from rtron.messages.expressions.constant_check import constant_value
 from rtron.messages.expressions.evaluator import check_expression
+from rtron.planning.mission_gaps import mission_gaps
 from rtron.planning.problem import ProblemLevel
 from rtron.planning.rule_contradictions import contradictions
 from rtron.vocabulary import (
@@ -57,6 +58,7 @@ def rule_warnings(plan: Plan) -> Iterator[tuple[str, str]]:
     for level, rule, message in contradictions(msrcn, conditions):
         if level is ProblemLevel.WARNING:
             yield f"rule {rule.name}", message
+    yield from mission_gaps(plan, conditions)
     definitions = DefinitionRegistry(plan.messages, ros=plan.ros)
     for flow in [flow for flow in msrcn.eflows if flow.when][:MAX_EXPRESSIONS]:
         if _always_holds(flow.when, {flow.type}, "event", definitions):

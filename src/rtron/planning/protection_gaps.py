@@ -11,6 +11,7 @@ from rtron.vocabulary import (
     RSRCN,
     CoordinationKind,
     Flow,
+    GuardedTopic,
     Mode,
     OnSilence,
     Plan,
@@ -46,6 +47,9 @@ def protection_gaps(plan: Plan) -> Iterator[Gap]:
             help = "name who may under `flows`, and leave `block_unapproved: false` out"
             yield f"GRCN {grcn.id}", message + help
     yield from (("RSRCN", message) for message in _limit_gaps(plan))
+    msrcn = plan.msrcn
+    if msrcn and msrcn.rules and msrcn.mode is not Mode.ENFORCE:
+        yield from (("MSRCN", message) for message in _only_watched(msrcn.aflows, plan, "rule"))
     yield from (("plan", message) for message in _accepted_in_vain(plan))
 
 
@@ -90,16 +94,20 @@ def _limit_gaps(plan: Plan) -> Iterator[str]:
     rsrcn = plan.rsrcn
     if rsrcn is None or rsrcn.policy not in _LIMITING:
         return
-    enforced = [grcn for grcn in plan.grcn if grcn.mode is Mode.ENFORCE]
-    limited = {topic.topic for topic in rsrcn.vflows}
     if rsrcn.mode is not Mode.ENFORCE:
-        for topic in sorted(limited.intersection(grcn.topic for grcn in enforced)):
-            yield f"it only watches: no limit holds on {topic}; set `mode: enforce`"
+        yield from _only_watched(rsrcn.vflows, plan, "limit")
         return
-    yield from _unlimited_commands(rsrcn, enforced)
+    yield from _unlimited_commands(rsrcn, [g for g in plan.grcn if g.mode is Mode.ENFORCE])
     yield from _unlimited_turns(rsrcn)
     if rsrcn.policy in FRAME_RATE_POLICIES:
         yield from _own_frames(plan, rsrcn)
+
+
+def _only_watched(topics: Iterable[GuardedTopic], plan: Plan, what: str) -> Iterator[str]:
+    """Yield the topics on which a GRCN enforces, and a node with limits or rules does not."""
+    enforced = {grcn.topic for grcn in plan.grcn if grcn.mode is Mode.ENFORCE}
+    for topic in sorted(enforced.intersection(topic.topic for topic in topics)):
+        yield f"it only watches: no {what} holds on {topic}; set `mode: enforce`"
 
 
 def _unlimited_commands(rsrcn: RSRCN, enforced: Iterable[GRCN]) -> Iterator[str]:
