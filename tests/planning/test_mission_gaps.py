@@ -20,7 +20,7 @@ msrcn:
   mode: {mode}
   eflows:
     - {{name: low, topic: /bat, publisher: {publisher}, present: 5 s{unknown}}}
-    - {{name: near, topic: /people, publisher: /scanner, present: 1 s}}
+    - {{name: near, topic: /people, publisher: {scanner}, present: 1 s}}
   aflows:
     - topic: /cmd_vel
       type: geometry_msgs/Twist
@@ -28,7 +28,14 @@ msrcn:
       successors: [/base]
   rules: [{{name: battery, when: {when}, block: [{block}]}}]
 """
-USUAL = {"mode": "enforce", "publisher": "/bms", "unknown": "", "when": "low", "block": "/cmd_vel"}
+USUAL = {
+    "mode": "enforce",
+    "publisher": "/bms",
+    "scanner": "/scanner",
+    "unknown": "",
+    "when": "low",
+    "block": "/cmd_vel",
+}
 SILENT = "while /bms is silent, this blocks nothing: leave `on_silence` out, then it blocks"
 ERROR = (
     "while /bms says what cannot be judged, this blocks nothing: leave `on_error` out, then it "
@@ -65,6 +72,22 @@ def test_a_rule_that_does_not_hold_when_it_should(settings, gaps):
     told = [str(each) for each in check(parse_plan(PLAN.format(**USUAL | settings)))]
     mission = [each for each in told if each.startswith("warning: MSRCN")]
     assert mission == [f"warning: MSRCN, rule battery: {gap}" for gap in gaps]
+
+
+@pytest.mark.parametrize(
+    ("settings", "gaps"),
+    [
+        ({"mode": "observe", "scanner": "'/*'"}, []),
+        ({"scanner": "'/*'"}, ["every node can publish /people as /*: name one"]),
+        ({"scanner": "'/*/**'"}, ["every node can publish /people as /*/**: name one"]),
+        ({"scanner": "'/scan*'"}, []),
+    ],
+)
+def test_an_event_that_anybody_can_publish(settings, gaps):
+    told = [str(each) for each in check(parse_plan(PLAN.format(**USUAL | settings)))]
+    assert [each for each in told if "MSRCN, near" in each] == [
+        f"warning: MSRCN, near: {gap}" for gap in gaps
+    ]
 
 
 def test_rules_that_only_watch_where_a_grcn_enforces_are_told():

@@ -4,8 +4,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
 from rtron.messages.expressions.python_terms import MAX_ROUNDS, macro_depth
+from rtron.planning.protection_gaps import is_everybody
 from rtron.planning.rule_contradictions import MAX_EVENTS, BitCondition
-from rtron.vocabulary import EventFlow, MissionRule, Mode, Plan, WhenUnknown, matches_node
+from rtron.vocabulary import (
+    EventFlow,
+    MissionRule,
+    Mode,
+    Plan,
+    WhenUnknown,
+    matches_node,
+)
 from rtron.wording import join_names
 
 _COUNTED = {WhenUnknown.SET: True, WhenUnknown.CLEAR: False}
@@ -27,6 +35,9 @@ def mission_gaps(plan: Plan, conditions: Mapping[str, BitCondition]) -> Iterator
             own = _own_events(plan, rule, events)
             if own and _can_lift(condition, own):
                 yield f"rule {rule.name}", _lifted_by(own)
+    for flow in msrcn.eflows:
+        if is_everybody(flow.publisher):
+            yield flow.name, f"every node can publish {flow.topic} as {flow.publisher}: name one"
     texts = [(flow.name, "when", flow.when) for flow in msrcn.eflows]
     texts += [(f"rule {rule.name}", "action", rule.action) for rule in msrcn.rules]
     for where, key, text in texts:

@@ -31,6 +31,14 @@ MOTION_TYPES = (
 )
 """The velocities, as ROS 1 spells them, that the guard can make the robot stop with."""
 _LIMITING = (*FRAME_RATE_POLICIES, *VELOCITY_LIMIT_POLICIES)
+_FASTEST = {
+    "max_vel_limit": (50, "m/s"),
+    "max_side_limit": (50, "m/s"),
+    "max_turn_limit": (50, "rad/s"),
+    "max_accel_limit": (100, "m/s2"),
+    "threshold": (10, "m/frame"),
+}
+"""What no robot reaches: a limit above it is one of another unit, or a slip."""
 Gap = tuple[str, str]
 """Where a plan leaves something open, and what."""
 
@@ -71,8 +79,17 @@ def _stream_gaps(stream: Stream, plan: Plan) -> Iterator[str]:
     if stream.uses and "linear.x" not in stream.uses:
         used = join_names(stream.uses)
         yield f"`uses` has {used} only: the guard sets linear.x to 0, so it never drives forward"
+    for flow in passing:
+        if is_everybody(flow.publisher):
+            why = "no node is a stranger, and none is kept out"
+            yield f"{flow.publisher} of {flow.name} is every node: {why}; name the nodes"
     for node in duplicates(stream.successors, lambda node: node):
         yield f"the successor {node} stands twice: was another node meant?"
+
+
+def is_everybody(publisher: str) -> bool:
+    """Return whether a pattern means every node, or every one in a namespace."""
+    return not publisher.strip("/*")
 
 
 def is_motion(type: str) -> bool:
@@ -97,6 +114,12 @@ def _limit_gaps(plan: Plan) -> Iterator[str]:
     if rsrcn.mode is not Mode.ENFORCE:
         yield from _only_watched(rsrcn.vflows, plan, "limit")
         return
+    for key, (most, unit) in _FASTEST.items():
+        value = getattr(rsrcn, key)
+        if value is not None and value > most:
+            yield f"{key} is {value:g} {unit}: nothing that drives is limited by it"
+    if rsrcn.policy in VELOCITY_LIMIT_POLICIES and rsrcn.max_vel_limit == 0:
+        yield "max_vel_limit is 0 m/s: the robot never moves"
     yield from _unlimited_commands(rsrcn, [g for g in plan.grcn if g.mode is Mode.ENFORCE])
     yield from _unlimited_turns(rsrcn)
     if rsrcn.policy in FRAME_RATE_POLICIES:
