@@ -55,7 +55,7 @@ def test_a_queue_that_has_no_room_for_its_messages_is_doubted(size, is_doubted):
 
 def test_the_definition_of_a_type_of_ones_own_counts():
     plan = replace(
-        plan_of(grcn("/scan", ["/a"], [], type="my_msgs/Sweep")),
+        plan_of(grcn("/scan", ["/a"], [], type="my_msgs/Sweep", kind=StreamKind.STATE)),
         messages=(
             MessageDefinition(
                 type="my_msgs/Sweep", definition="float64[65536] a\nfloat64[65536] b"

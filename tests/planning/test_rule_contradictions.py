@@ -31,7 +31,9 @@ FIRST = 24
 
 def mission(*rules: str, events: str = "abcdefghijklm") -> str:
     """Return a plan in which the rules stand one a line, the first on line FIRST."""
-    names = [f"    - {{name: {e}, topic: /{e}, publisher: /{e}, present: 1}}\n" for e in events]
+    names = [
+        f"    - {{name: {e}, topic: /{e}, publisher: /{e}_sensor, present: 1}}\n" for e in events
+    ]
     written = (f"    - {{name: r{n}, {rule}}}\n" for n, rule in enumerate(rules, start=1))
     return f"{HEAD}{''.join(names)}  rules:\n{''.join(written)}"
 

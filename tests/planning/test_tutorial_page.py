@@ -4,9 +4,9 @@ import ast
 import re
 from pathlib import Path
 
-from rtron.planning.app_check import check_plan
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.vocabulary import PolicyName
+from rtron.workflows.check_plan import check
 
 PAGE = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
 
@@ -18,7 +18,7 @@ def blocks(language):
 def test_the_plan_of_the_tutorial_is_a_plan_without_problems():
     (block,) = blocks("yaml")
     plan = parse_plan(f"app: page\n{block}")
-    assert check_plan(plan) == ()
+    assert check(plan) == ()
     assert plan.rsrcn.policy is PolicyName.SAFE_CONSTRAIN
     assert [rule.name for rule in plan.msrcn.rules] == ["keep_off_the_stairs", "battery"]
 

@@ -21,18 +21,21 @@ _SHORT_ABSENCE = 8 * SECOND
 """In ROS 2 the audit of a new bulk process needs 6 s, of which it takes 4 s to know the domain."""
 _SHORTEST_HOLD = SECOND // 100
 """With less, nobody keeps the output between two messages, and no priority holds."""
+_SHORTEST_SILENCE = SECOND // 100
+"""With less, every pause between two messages is a silence: the robot stops after each, or a rule
+never learns that its event is there."""
 
 DURATION_RANGES: Mapping[str, tuple[int, int]] = {
     "timeout": (0, _DAY),
     "release_after": (_SHORTEST_HOLD, _HOUR),
     "max_age": (0, _DAY),
-    "EventFlow.max_age": (1, _DAY),
+    "EventFlow.max_age": (_SHORTEST_SILENCE, _DAY),
     "max_hold": (_SHORTEST_HOLD, _DAY),
-    "silent_after": (1, LONGEST_SILENCE),
-    "FpsMonitor.silent_after": (1, _MINUTE),
+    "silent_after": (_SHORTEST_SILENCE, LONGEST_SILENCE),
+    "FpsMonitor.silent_after": (_SHORTEST_SILENCE, _MINUTE),
     "StopButton.silent_after": (SECOND // 20, _MINUTE),
-    "present": (1, _DAY),
-    "silent": (1, _DAY),
+    "present": (_SHORTEST_SILENCE, _DAY),
+    "silent": (_SHORTEST_SILENCE, _DAY),
     "second_person": (SECOND, _HOUR),
     "ttl": (SECOND // 2, _HOUR),
     "window": (SECOND // 10, _MINUTE),

@@ -7,6 +7,7 @@ from functools import cached_property
 from rtron.errors import suggestion
 from rtron.planning.app_topics import action_topics, all_topics, is_sent_per_frame
 from rtron.planning.plan_file.fields import TYPE_NAME
+from rtron.planning.plan_file.loader import has_expressions
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import (
     GRCN,
@@ -127,12 +128,12 @@ def _app_problems(plan: Plan, app: _AppGraph) -> Iterator[PlanProblem]:
 
 
 def _rule_warnings(plan: Plan) -> Iterator[PlanProblem]:
-    if plan.msrcn is None or not plan.msrcn.rules:
+    if not has_expressions(plan):
         return
     from rtron.planning.expressions import rule_warnings  # noqa: PLC0415 - seldom needed
 
-    for name, message in rule_warnings(plan.msrcn):
-        yield PlanProblem(ProblemLevel.WARNING, f"MSRCN, rule {name}", message)
+    for name, message in rule_warnings(plan):
+        yield PlanProblem(ProblemLevel.WARNING, f"MSRCN, {name}", message)
 
 
 def _guarded_flows(plan: Plan) -> Iterator[_GuardedFlows]:

@@ -1,6 +1,6 @@
 """The expressions of a plan, checked before anything uses it: the guard refuses what is wrong."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from rtron.coherence.msrcn import (
@@ -11,10 +11,14 @@ from rtron.coherence.msrcn import (
 from rtron.coherence.required_flows import self_fulfilling_problems
 from rtron.coherence.settings_bounds import MAX_RULES
 from rtron.errors import InputError
+from rtron.messages.common.definition import Definition
 from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.common.definition_registry import DefinitionRegistry
+from rtron.messages.common.velocity import VELOCITY_TYPES
 from rtron.messages.expressions.condition import Condition
+from rtron.messages.expressions.constant_check import constant_value
 from rtron.messages.expressions.evaluator import check_expression
+from rtron.planning.mission_gaps import mission_gaps
 from rtron.planning.problem import ProblemLevel
 from rtron.planning.rule_contradictions import contradictions
 from rtron.vocabulary import (
@@ -45,12 +49,31 @@ def expression_problems(plan: Plan) -> Iterator[ExpressionProblem]:
     yield from _rules(plan.msrcn)
 
 
-def rule_warnings(msrcn: MSRCN) -> Iterator[tuple[str, str]]:
-    """Yield what may be meant although it looks odd: the rule's name, and what is odd."""
+def rule_warnings(plan: Plan) -> Iterator[tuple[str, str]]:
+    """Yield what may be meant although it looks odd: the rule or eflow, and what is odd."""
+    msrcn = plan.msrcn
+    if msrcn is None:
+        return
     conditions, _ = _conditions(msrcn)
     for level, rule, message in contradictions(msrcn, conditions):
         if level is ProblemLevel.WARNING:
-            yield rule.name, message
+            yield f"rule {rule.name}", message
+    yield from mission_gaps(plan, conditions)
+    definitions = DefinitionRegistry(plan.messages, ros=plan.ros)
+    for flow in [flow for flow in msrcn.eflows if flow.when][:MAX_EXPRESSIONS]:
+        if _always_holds(flow.when, {flow.type}, "event", definitions):
+            help = "leave `when` out, and say with `present` how long a message counts"
+            yield flow.name, f"`when` holds for every message of {flow.topic}: {help}"
+    for rule in [rule for rule in msrcn.rules[:MAX_RULES] if rule.action]:
+        if _always_holds(rule.action, blocked_types(rule, msrcn), "action", definitions):
+            yield f"rule {rule.name}", "`action` holds for every message: leave it out"
+
+
+def _always_holds(
+    text: str, types: Collection[str], subject: str, definitions: DefinitionRegistry
+) -> bool:
+    known = [definition for type in types if (definition := definitions.find(type))]
+    return len(known) == 1 and constant_value(text, known[0], subject) is True
 
 
 def _rules(msrcn: MSRCN) -> Iterator[ExpressionProblem]:
@@ -72,9 +95,26 @@ def _definition(
     message: MessageDefinition, definitions: DefinitionRegistry
 ) -> Iterator[ExpressionProblem]:
     try:
-        definitions.find(message.type)
+        defined = definitions.find(message.type)
+        is_velocity = normalise_type(message.type) in VELOCITY_TYPES
+        known = DefinitionRegistry(ros=definitions.ros).find(message.type) if is_velocity else None
     except InputError as error:
         yield message, "definition", error
+        return
+    if is_velocity and not _is_same(defined, known):
+        why = "no limit and no stop would read it as the robot does"
+        text = f"{message.type} has other fields here than in ROS: {why}"
+        yield message, "definition", InputError(text, help=f"leave {message.type} out")
+
+
+def _is_same(one: Definition | None, other: Definition | None) -> bool:
+    """Return whether two definitions have the same fields, those of their fields' types too."""
+    if one is None or other is None:
+        return one is other
+    nested = one.nested.keys() | other.nested.keys()
+    return one.fields == other.fields and all(
+        _is_same(one.nested.get(type), other.nested.get(type)) for type in nested
+    )
 
 
 def _event(
@@ -116,6 +156,11 @@ def _expression(
         check_expression(definition, text, subject, msrcn.areas, frame=part.frame)
     except InputError as error:
         yield part, key, _with_key(key, error)
+        return
+    if constant_value(text, definition, subject) is False:
+        what = f"{part.name} blocks nothing" if key == "action" else f"{part.name} is never 1"
+        message = f"{key}: {text} holds for no message: {what}"
+        yield part, key, InputError(message, help="correct what it compares, or leave it out")
 
 
 def _unknown_type(key: str, type: str, ros: int) -> InputError:

@@ -6,17 +6,16 @@ from rtron.coherence.duration_bounds import duration_doubts
 from rtron.planning.app_topics import action_servers, is_large
 from rtron.planning.command_sources import CommandSources
 from rtron.planning.problem import PlanProblem, ProblemLevel
+from rtron.planning.protection_gaps import protection_gaps
 from rtron.planning.queue_sizes import queue_doubts
+from rtron.planning.stop_doubts import stop_doubts
 from rtron.vocabulary import (
     GRCN,
-    RSRCN,
-    SECOND,
     Flow,
     InteractionGraph,
     Mode,
     Plan,
     PolicyName,
-    StopProfile,
     Stream,
     StreamKind,
     build_streams,
@@ -36,7 +35,8 @@ def void_value_warnings(plan: Plan) -> Iterator[PlanProblem]:
     if plan.rsrcn:
         for topic in plan.rsrcn.vflows:
             yield from _blocked(f"RSRCN on {topic.topic}", topic.flows)
-        yield from _steeper_stop(plan.rsrcn, plan.stop)
+    yield from (_warning("stop", message) for message in stop_doubts(plan))
+    yield from (_warning(where, message) for where, message in protection_gaps(plan))
     yield from (_warning(where, message) for where, message in duration_doubts(plan))
     yield from (_warning(where, message) for where, message in queue_doubts(plan))
     yield from (_warning(where, message) for where, message in _large_commands(plan))
@@ -63,15 +63,6 @@ def _large_commands(plan: Plan) -> Iterator[tuple[str, str]]:
         if is_large(topic.type):
             help = "put the rule on a topic of small messages"
             yield f"MSRCN on {topic.topic}", f"{_AMONG_COMMANDS}: {help}"
-
-
-def _steeper_stop(rsrcn: RSRCN, stop: StopProfile) -> Iterator[PlanProblem]:
-    """Warn where the stop from the greatest speed is steeper than the plan's own ramp."""
-    within = stop.within / SECOND
-    fastest = rsrcn.max_vel_limit or 0.0
-    if fastest > stop.decel * within:
-        ramp = f"at {stop.decel:g} m/s2 it takes {fastest / stop.decel:.2g} s from {fastest:g} m/s"
-        yield _warning("stop", f"every stop ends within {within:g} s, and {ramp}: it is steeper")
 
 
 def _blocked(where: str, flows: tuple[Flow, ...]) -> Iterator[PlanProblem]:

@@ -17,6 +17,7 @@ from rtron.errors import InputError, WireError
 from rtron.guard.incidents.entries import Observed
 from rtron.guard.replay.incident_player import IncidentPlayer, PlayedMessage
 from rtron.guard.replay.recorded_streams import RecordedStream
+from rtron.planning.plan_file.defaults import app_name
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.plan_file.writer import write_plan
 from rtron.sources.bag.incident import IncidentFile, PassedMessage, RecordedDecision
@@ -57,11 +58,12 @@ def without_guard(account: IncidentAccount) -> Alternative:
 def recorded_plan(incident: IncidentFile) -> tuple[Plan, Settings]:
     """Return the plan and the settings of an incident, the plan checked as a file of it is.
 
-    PlanError if it is none that a guard runs.
+    PlanError if it is none that a guard runs; the app may have any name.
     """
     plan, settings = incident.plan
     known = incident.definitions
-    return parse_plan(write_plan(plan), f"{incident.path}, its plan", known), settings
+    text = write_plan(replace(plan, app=app_name(plan.app)))
+    return parse_plan(text, f"{incident.path}, its plan", known), settings
 
 
 def as_planned(incident: IncidentFile) -> Alternative:

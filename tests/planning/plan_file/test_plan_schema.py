@@ -66,7 +66,7 @@ def test_a_duration_has_the_bounds_of_the_reader():
         ("RSRCN", "max_turn_limit", [0, 1.5, "1.5 rad/s", "90 deg/s"], [-1, "1 m/s", "1 rad/s2"]),
         ("RSRCN", "max_side_limit", [0, 0.1, "10 cm/s"], [-1, "1 rad/s"]),
         ("RSRCN", "max_accel_limit", [0.01, "0.5 m/s2"], [0, "0.5 m/s"]),
-        ("GRCN", "uses", [[], ["linear.x", "angular.z"]], ["linear.x", ["x"], ["linear.w"]]),
+        ("GRCN", "uses", [["linear.x", "angular.z"]], [[], "linear.x", ["x"], ["linear.w"]]),
         ("GuardedTopic", "uses", [["linear.y"]], [["angular"], ["linear.x.y"]]),
         ("StopProfile", "within", [0.05, 10, "800 ms"], [0.04, 11, "1 m"]),
         ("Supervision", "stall_after", [0.02, "55 ms", "0.2 s"], [0.01, 0.3, 0]),

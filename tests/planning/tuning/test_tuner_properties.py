@@ -105,7 +105,7 @@ class Dice(Random):
         heard = any(each.publisher == "/nav" for each in common["flows"])
         asked = {"type": "test/WalkActionGoal", "id": "grcn_goal", "topic": "/goal"}
         window = self.randint(SECOND // 10, 60 * SECOND)
-        silent_after = min(1 + self.length(), window)
+        silent_after = min(SECOND // 100 + self.length(), window)
         monitor = replace(MONITOR, window=window, silent_after=silent_after)
         return Plan(
             app="base",

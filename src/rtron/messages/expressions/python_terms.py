@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from rtron.messages.expressions.functions import BRACKETS, CLOSING, TOKEN
 from rtron.messages.expressions.python_functions import EvaluationError
 from rtron.messages.expressions.static_types import BOOL, StaticType, list_of
 
@@ -145,3 +146,16 @@ _MACROS = {
 }
 MACROS = frozenset(_MACROS)
 """The macros over lists."""
+
+
+def macro_depth(text: str) -> int:
+    """Return how deep the macros over lists in an expression are nested; 0 if there are none."""
+    deepest, before, brackets = 0, "", [False]
+    for word in (word for word in TOKEN.findall(text) if not word.isspace()):
+        if word in BRACKETS:
+            brackets.append(word == "(" and before in MACROS)
+            deepest = max(deepest, sum(brackets))
+        elif word in CLOSING and brackets:
+            brackets.pop()
+        before = word
+    return deepest

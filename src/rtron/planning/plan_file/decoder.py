@@ -85,6 +85,8 @@ class PlanDecoder:
         if not isinstance(node, yaml.SequenceNode):
             self._add_problem(node, f"{key.name} is a list: write `- …` lines or [ … ]")
             return _Invalid()
+        if key.if_empty and not node.value:
+            self._add_problem(node, f"{key.name} is empty: {key.if_empty}")
         items = (self._item(item, key) for item in node.value)
         return tuple(item for item in items if not isinstance(item, _Invalid))
 
@@ -126,8 +128,7 @@ def _duration(text: str, limits: tuple[int, int]) -> int:
     duration = parse_duration(text)
     if duration < least or duration > greatest:
         bounds = f"{write_duration(least)} and {write_duration(greatest)}"
-        problem = f"not between {bounds}" if least > 1 else "no time at all"
-        raise ValueError(f"{quoted(text)} is {problem}")
+        raise ValueError(f"{quoted(text)} is not between {bounds}")
     return duration
 
 

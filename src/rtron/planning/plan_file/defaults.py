@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import count
 from typing import Any, TypeVar
 
+from rtron.planning.plan_file.fields import APP_NAME, UNSAFE_CHARACTERS
 from rtron.vocabulary import (
     GRCN,
     MSRCN,
@@ -33,6 +34,15 @@ def with_defaults(plan_type: type, values: Mapping[str, Any]) -> dict[str, Any]:
 def node_id(prefix: str, name: str) -> str:
     """Return the id of a coordination node from what it is for: `grcn_cmd_vel`."""
     return f"{prefix}_{re.sub(r'[^A-Za-z0-9]+', '_', name).strip('_')}"
+
+
+def app_name(title: str) -> str:
+    """Return the name of an app in its plan: what it is called, without what a plan refuses."""
+    parts = (re.sub(rf"[{UNSAFE_CHARACTERS}]+", " ", part).strip() for part in title.split("/"))
+    name = "/".join(part for part in parts if part.strip("."))[: APP_NAME.max_length]
+    while name and not APP_NAME.matches(name):
+        name = name[:-1]
+    return name
 
 
 def with_distinct_ids(nodes: Iterable[NodeWithId]) -> tuple[NodeWithId, ...]:

@@ -50,6 +50,9 @@ from rtron.vocabulary import (
 T = TypeVar("T")
 _NAME = "[A-Za-z0-9_]+"
 _WORD = "[A-Za-z][A-Za-z0-9_]*"
+# A line end would forge lines of a log, and a mark that turns the writing round other names.
+UNSAFE_CHARACTERS = r"\x00-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff"
+_APP_PART = rf"(?!(\s*|\.{{1,2}})(/|$))[^/{UNSAFE_CHARACTERS}]+"
 _FRAME = "/?[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*"
 _TYPE = rf"{_WORD}/((msg|action)/)?{_WORD}"
 # The keywords and reserved words of CEL, the language of the expressions.
@@ -77,6 +80,11 @@ NODE_NAME = TextFormat(
     r"(/[A-Za-z0-9_*]+)+", "a full node name like /move_base, `*` for what changes"
 )
 TYPE_NAME = TextFormat(rf"({_TYPE})?", "a message type like pkg/Name")
+APP_NAME = TextFormat(
+    rf"{_APP_PART}(/{_APP_PART})*",
+    "an app's name like my_robot: one line, 200 characters at most, no `..`, no / at an end",
+    max_length=200,
+)
 IDENTIFIER = TextFormat(_WORD, "a word of letters, digits and _")
 ANY_TEXT = TextFormat(r"[\s\S]*", "a text of at most 1000 characters", max_length=1000)
 _VARIABLE = TextFormat(
@@ -91,6 +99,7 @@ _EXPRESSION = TextFormat(
 
 # What a text under a key looks like, and under one noun's key where it differs.
 _TEXTS = {
+    "app": APP_NAME,
     "topic": TOPIC_NAME,
     "done": TOPIC_NAME,
     "publisher": NODE_NAME,
@@ -115,6 +124,8 @@ _TEXTS = {
     "uses": TextFormat("(linear|angular)\\.[xyz]", "a component of a Twist like linear.x"),
     "require": TextFormat(rf"{_FLOW.pattern}?", _FLOW.description),
 }
+# Lists whose absence means all: an empty one would read as none.
+_NEVER_EMPTY = {"uses": "the base would obey all components; leave the key out, or name some"}
 _RANGES = {
     "ros": (1, 2),
     "revision": (0, 2**63 - 1),
@@ -179,6 +190,7 @@ class PlanField:
     """A key of a noun and what it holds: `item_type` itself, or a list of such if `is_list`.
 
     `text` is what a text must look like, `range` the least and greatest number or duration (ns).
+    `if_empty` says what an empty list would mean where it may not stand.
     """
 
     name: str
@@ -191,6 +203,7 @@ class PlanField:
     range: tuple[int, int] = (0, 0)
     is_duration: bool = False
     quantity: Quantity | None = None
+    if_empty: str = ""
 
 
 def plan_fields(plan_type: type) -> Mapping[str, PlanField]:
@@ -224,6 +237,7 @@ def _make_field(plan_type: type, field: Field[Any], hint: Any) -> PlanField:  # 
         range=duration_range or _RANGES.get(field.name, (0, 0)),
         is_duration=duration_range is not None,
         quantity=_QUANTITIES[field.name] if item is float else None,
+        if_empty=_NEVER_EMPTY.get(field.name, ""),
     )
 
 

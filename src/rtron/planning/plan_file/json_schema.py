@@ -41,7 +41,7 @@ def _plan_type(plan_type: type) -> dict[str, Any]:
 def _property(key: PlanField) -> dict[str, Any]:
     one = _item(key)
     if key.is_list:
-        return {"type": "array", "items": one}
+        return {"type": "array", "items": one} | ({"minItems": 1} if key.if_empty else {})
     if key.is_optional:
         one = {"anyOf": [one, {"type": "null"}]}
     return one

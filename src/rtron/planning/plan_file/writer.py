@@ -122,7 +122,8 @@ _BLOCK = re.compile(r"[!-~](?:[\t\n -~]*[!-~])?\n?")
 
 def write_plan(plan: Plan) -> str:
     """Return the plan as YAML with a comment for each section; what has its default is left out."""
-    lines = [_HEADER.rstrip("\n"), f"schema: {PLAN_SCHEMA}", f"app: {_scalar(plan.app)}"]
+    app = [f"app: {_scalar(plan.app)}"] if plan.app else []
+    lines = [_HEADER.rstrip("\n"), f"schema: {PLAN_SCHEMA}", *app]
     return "\n".join([*lines, *_sections(plan)]) + "\n"
 
 

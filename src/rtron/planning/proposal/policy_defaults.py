@@ -20,8 +20,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from rtron.planning.plan_file.defaults import node_id, with_distinct_ids
-from rtron.planning.plan_file.fields import ANY_TEXT, NODE_NAME, TOPIC_NAME
+from rtron.planning.plan_file.defaults import app_name, node_id, with_distinct_ids
+from rtron.planning.plan_file.fields import NODE_NAME, TOPIC_NAME
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.planning.proposal.app_model import AppModel
 from rtron.planning.proposal.app_nodes import fps_monitors, propose_msrcn, propose_rsrcn
@@ -81,7 +81,7 @@ def propose_plan(
     enforced = {node.topic for node in grcn if node.mode is Mode.ENFORCE}
     monitors = fps_monitors(app)
     return Plan(
-        app=graph.app[: ANY_TEXT.max_length],
+        app=app_name(graph.app),
         ros=graph.ros,
         grcn=grcn,
         rsrcn=propose_rsrcn(app, monitors, enforced),
