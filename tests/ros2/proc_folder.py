@@ -35,12 +35,6 @@ class ProcFolder:
         (place / "maps").write_text(maps)
         self._link(str(pid), "net", network)
 
-    def give_parent(self, pid, parent):
-        stat = self.proc / str(pid) / "stat"
-        head, _, fields = stat.read_text().partition(") ")
-        state, _, *rest = fields.split(" ")
-        stat.write_text(f"{head}) {' '.join([state, str(parent), *rest])}")
-
     def end(self, pid):
         rmtree(self.proc / str(pid))
 

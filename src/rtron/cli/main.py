@@ -1,5 +1,6 @@
 """The command `rtron`."""
 
+import os
 import sys
 from io import TextIOWrapper
 from typing import Annotated
@@ -23,6 +24,7 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line and end with its exit code; the one place where errors are shown."""
+    _open_standard_files()
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
@@ -30,6 +32,23 @@ def main() -> None:
     except RTronError as error:
         print_error(error)
         sys.exit(BAD_INPUT)
+
+
+def _open_standard_files() -> None:
+    """Let what the caller has closed (`>&-`) lead nowhere: its number would be another file's."""
+    for descriptor, name in enumerate(("stdin", "stdout", "stderr")):
+        if not _is_open(descriptor):
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # noqa: FBT003 - positional only
+            mode = "w" if descriptor else "r"
+            setattr(sys, name, open(descriptor, mode, encoding="utf-8", closefd=False))  # noqa: SIM115
+
+
+def _is_open(descriptor: int) -> bool:
+    try:
+        os.fstat(descriptor)
+    except OSError:
+        return False
+    return True
 
 
 def _print_version(is_requested: bool) -> None:  # noqa: FBT001 - typer hands over the option's value

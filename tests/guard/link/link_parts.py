@@ -133,7 +133,7 @@ def serving(service):
 
 @contextlib.contextmanager
 def running_relay(made):
-    """Run a link process's relay in a thread of its own."""
+    """Run a link process's relay in a thread of its own; `call` calls something there."""
     started, found = threading.Event(), []
 
     async def run():
@@ -146,6 +146,7 @@ def running_relay(made):
     thread.start()
     assert started.wait(60)
     relay, loop, ended = found
+    relay.call = loop.call_soon_threadsafe
     try:
         yield relay
     finally:

@@ -188,7 +188,7 @@ class Archive(Service):
 def relaying(made, service):
     """Run the link process for a guard that is there."""
     with running_relay(replace(made, service=service.url)) as relay:
-        relay._service.announce(hello())
+        relay.call(relay._service.announce, hello())
         yield relay
 
 

@@ -6,9 +6,11 @@ import pytest
 from harness import wait_for
 from settings_app import WALL, Base
 
+from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.link.options import LinkOptions
-from rtron.guard.link.settings_file import write_settings
+from rtron.guard.link.settings_file import read_settings, write_settings
+from rtron.guard.settings import saved_stop
 from rtron.guard.settings.in_force import SettingsInForce
 from rtron.guard.settings.saved_settings import settings_at_start
 from rtron.guard.settings.saved_stop import SavedStop
@@ -82,6 +84,21 @@ def test_a_file_that_cannot_be_read_stops_nothing_and_ends_nothing(watching, con
     assert not watching.looks()
     watching.write(Settings(revision=2, stop=STOP))
     wait_for(watching.stops, what="the stop")
+
+
+def test_a_stop_is_not_lost_because_one_look_has_failed(watching, monkeypatch, caplog):
+    looks = []
+
+    def read_late(path, at):
+        looks.append(path)
+        if len(looks) < 3:
+            raise SourceError("too many open files")
+        return read_settings(path, at)
+
+    monkeypatch.setattr(saved_stop, "read_settings", read_late)
+    watching.write(Settings(revision=2, stop=STOP))
+    wait_for(watching.stops, what="the stop")
+    assert caplog.text.count("too many open files") == 1
 
 
 def begin(watching):

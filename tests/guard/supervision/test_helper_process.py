@@ -12,14 +12,16 @@ import pytest
 from harness import wait_for
 
 from rtron.guard.supervision.helper_process import (
-    HANG_TIMEOUT,
-    LONGEST_HANG,
     MAX_RESTART_DELAY,
     MIN_RESTART_DELAY,
-    START_TIMEOUT,
     HelperProcess,
 )
-from rtron.guard.supervision.watchdog import BEAT_PERIOD
+from rtron.guard.supervision.watchdog import (
+    BEAT_PERIOD,
+    HANG_TIMEOUT,
+    LONGEST_HANG,
+    START_TIMEOUT,
+)
 from rtron.guard.system.shared_beat import SharedBeat
 from rtron.vocabulary import SECOND
 

@@ -4,17 +4,21 @@ import os
 import re
 import resource
 import signal
+import sys
+import time
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from driven_base import CMD_VEL_GUARD, PATIENCE, Driven, drive_plan, start_guard
-from harness import free_port, lives, named, wait_for
+from harness import SOURCE, free_port, lives, named, wait_for
 from log_lines import assert_each_has_a_time
 from rostopic import TWIST, say
 
 from rtron.guard.supervision.delivery_watch import ECHO_TOPIC
+from rtron.guard.supervision.programs import JOB_CONTROL_SIGNALS, TERMINATION_SIGNALS
+from rtron.guard.supervision.watchdog import HANG_TIMEOUT
 from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, Plan, Supervision
 from rtron.wire.ros1.xmlrpc import ros_call
@@ -109,6 +113,11 @@ def members(group):
                 continue
             found += [int(folder.name)] if same else []
     return found
+
+
+def signal_mask(pid, field):
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return int(next(line.split()[1] for line in lines if line.startswith(field)), 16)
 
 
 def starve(pid):
@@ -285,17 +294,25 @@ def test_the_robot_is_stopped_although_guard_and_supervisor_die_soon_after_each_
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_the_guard_ends_when_no_other_could_take_its_place(supervised, number):
-    guard, spare = supervised.guard, spare_of(supervised)
     told = len(supervised.speeds())
-    os.kill(parent(guard), number)
-    if number == signal.SIGSTOP:  # it is asked when a guard is to begin
-        for pid in (spare, guard):
-            os.kill(pid, signal.SIGKILL)
+    os.kill(parent(supervised.guard), number)
     supervised.wait_for_stop(told)
     wait_for(lambda: members(supervised.process.pid) == [], what="the end of all")
     assert supervised.process.code == os.EX_OSERR
     assert "what starts the guard's processes is gone" in supervised.log
     supervised.assert_nothing_unchecked()
+
+
+def test_the_stop_does_not_wait_for_a_fork_server_that_hangs(supervised):
+    guard, told = supervised.guard, len(supervised.speeds())
+    os.kill(parent(guard), signal.SIGSTOP)
+    os.kill(guard, signal.SIGKILL)
+    killed_at = time.monotonic()
+    supervised.wait_for_stop(told)
+    wait_for(lambda: supervised.speeds()[-1] == 0.0, what="the rest")
+    assert time.monotonic() - killed_at < HANG_TIMEOUT / SECOND, "it was killed first"
+    wait_for(lambda: members(supervised.process.pid) == [], what="the end of all")
+    assert "ran out of memory" not in supervised.log
 
 
 def test_a_dry_run_without_its_supervisor_stops_the_robot_too(ros1, driver):
@@ -307,13 +324,21 @@ def test_a_dry_run_without_its_supervisor_stops_the_robot_too(ros1, driver):
 
 
 @pytest.mark.long
-def test_a_guard_that_hangs_without_its_supervisor_is_killed_by_the_next(supervised):
+def test_a_guard_that_hangs_without_its_supervisor_is_killed_by_the_next_which_stops_the_robot(
+    supervised,
+):
     guard, supervisor = supervised.guard, supervised.supervisor
-    supervised.tell_guard(signal.SIGSTOP)
+    for pid in (supervisor, guard):
+        os.kill(pid, signal.SIGSTOP)
+    supervised.nav.tell(signal.SIGSTOP)
+    told = len(supervised.speeds())
     os.kill(supervisor, signal.SIGKILL)
     again = supervised.ros1.rtron("guard", "--plan", supervised.plan)
     wait_for(lambda: not lives(guard), what="the end of the guard that hangs")
-    supervised.wait_for_speed("the velocity through the next guard", len(supervised.speeds()))
+    stopped = supervised.wait_for_stop(told)
+    assert supervised.speeds()[stopped] == 0.0, "nobody knows how fast it was"
+    supervised.nav.tell(signal.SIGCONT)
+    supervised.wait_for_speed("the velocity through the next guard", stopped)
     again.stop()
 
 
@@ -349,7 +374,8 @@ def test_a_second_guard_is_refused(supervised):
 
 
 @pytest.mark.parametrize(
-    ("send", "number"), [(os.killpg, signal.SIGINT), (os.kill, signal.SIGTERM)]
+    ("send", "number"),
+    [(os.killpg, each) for each in TERMINATION_SIGNALS] + [(os.kill, signal.SIGTERM)],
 )
 def test_all_end_in_order_and_the_robot_is_stopped(supervised, send, number):
     """A terminal tells the whole group, systemd the first process."""
@@ -364,6 +390,43 @@ def test_all_end_in_order_and_the_robot_is_stopped(supervised, send, number):
     assert not supervised.ros1.publishers(OUT)
     assert " ERROR " not in supervised.process.log
     assert "Traceback" not in supervised.process.log
+
+
+def test_no_process_of_the_guard_is_frozen_from_a_terminal(supervised):
+    wait_for(lambda: "the next guard is ready" in supervised.log, what="all processes")
+    wait_for(lambda: "the bulk process is there" in supervised.log, what="the bulk process")
+    bits = sum(1 << (number - 1) for number in JOB_CONTROL_SIGNALS)
+    for pid in members(supervised.process.pid):
+        unheard = signal_mask(pid, "SigIgn") | signal_mask(pid, "SigBlk")
+        assert unheard & bits == bits, Path(f"/proc/{pid}/comm").read_text()
+
+
+def test_the_end_of_a_terminal_that_was_ignored_before_ends_nothing(ros1):
+    """As nohup(1) does."""
+    path = ros1.folder / "rtron.yaml"
+    path.write_text(write_plan(drive_plan()))
+    command = (sys.executable, "-m", "rtron", "guard", "--plan", path)
+    ran = ros1.spawn("nohup", *command, PYTHONPATH=str(SOURCE))
+    ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
+    assert signal_mask(ran.pid, "SigIgn") & 1 << (signal.SIGHUP - 1)
+    ran.stop()
+    assert ran.code == 0
+
+
+@pytest.mark.parametrize("closed", [0, 1, 2])
+def test_a_guard_guards_whichever_standard_file_is_closed(ros1, closed):
+    path = ros1.folder / "rtron.yaml"
+    path.write_text(write_plan(drive_plan()))
+    command = (sys.executable, "-m", "rtron", "guard", "--plan", path)
+    close = f'exec "$@" {closed}>&-'
+    ran = ros1.spawn("sh", "-c", close, "sh", *command, PYTHONPATH=str(SOURCE))
+    ros1.wait_for_nodes(GUARD_NODE, SUPERVISOR_NODE)
+    for node in (GUARD_NODE, SUPERVISOR_NODE):
+        pid = ros1.ask(ros1.uri_of(node), "getPid")
+        assert Path(f"/proc/{pid}/fd/{closed}").samefile(os.devnull)
+    ran.stop()
+    assert ran.code == 0
+    assert "Traceback" not in ran.log
 
 
 @pytest.mark.long

@@ -32,7 +32,7 @@ from rtron.guard.incidents.incident_folder import IncidentFolder
 from rtron.guard.incidents.ring import IncidentRing
 from rtron.guard.lanes.exchange.message_channel import MessageChannel
 from rtron.guard.log_format import start_logging
-from rtron.guard.system.process_priority import lower_priority
+from rtron.guard.system.process_attributes import lower_priority
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND, IncidentCause, IncidentHeader, Plan
 from rtron.wire.common.incident_format import encode_metadata

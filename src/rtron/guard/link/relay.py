@@ -9,6 +9,7 @@ import sqlite3
 import time
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 from rtron.errors import RTronError, SourceError, WireError
 from rtron.guard.link.audit_heads import HeadsFile
@@ -19,7 +20,7 @@ from rtron.guard.link.service_connection import ServiceConnection
 from rtron.guard.link.settings_file import read_settings, write_settings
 from rtron.guard.link.spool import Spool
 from rtron.guard.system.machine_time import machine_time
-from rtron.guard.system.process_priority import lower_priority
+from rtron.guard.system.process_attributes import lower_priority
 from rtron.guard.system.shared_beat import SharedBeat
 from rtron.guard.system.unix_socket import peer_credentials
 from rtron.vocabulary import SECOND, GuardEvent, Settings
@@ -71,7 +72,6 @@ class LineWriter:
 log = logging.getLogger(__name__)
 
 _DRAIN_S = 2.0
-_CHECK_S = 1.0
 _NICE = 10
 """The guard's messages go before what is told about them (nice(2), SCHED_BATCH of sched(7))."""
 _RECONNECT_S = 2.0
@@ -91,19 +91,18 @@ class Relay:
         self._has_guard = False
         self._settings = _saved_settings(options)
         self._former_settings = self._settings
-        self._parent = os.getppid()
 
     async def run(self, ended: asyncio.Event) -> None:
-        """Relay until `ended`, or until the supervisor has ended.
+        """Relay until `ended`.
 
         SourceError if another link process has the same state.
         """
         server = await asyncio.start_unix_server(
             self._serve, sock=self._bind(), limit=MAX_MESSAGE_BYTES
         )
-        works = [
+        works: list[asyncio.Task[Any]] = [
             asyncio.create_task(self._service.run()),
-            asyncio.create_task(self._run_until_ended(ended)),
+            asyncio.create_task(ended.wait()),
         ]
         async with server:
             done, _ = await asyncio.wait(works, return_when=asyncio.FIRST_COMPLETED)
@@ -140,13 +139,6 @@ class Relay:
             ) from None
         sock.listen()
         return sock
-
-    async def _run_until_ended(self, ended: asyncio.Event) -> None:
-        """End when told to, or when the supervisor has ended."""
-        while os.getppid() == self._parent:
-            with suppress(asyncio.TimeoutError):  # not told to end: check again
-                await asyncio.wait_for(ended.wait(), _CHECK_S)
-                return
 
     async def _drain(self) -> None:
         """Give what waits a moment to go."""

@@ -13,7 +13,7 @@ from functools import partial
 
 from rtron.errors import RTronError, SourceError
 from rtron.guard.master_proxy.name_registry import CALLER
-from rtron.guard.system.parent_end import end_with_parent
+from rtron.guard.system.process_attributes import end_with_parent
 from rtron.wire.ros1.xmlrpc import ros_call
 
 log = logging.getLogger(__name__)
@@ -37,7 +37,7 @@ class Rosmaster:
             raise SourceError("rosmaster is not installed", help=help)
         self.port = port or _free_port()
         self.uri = f"http://127.0.0.1:{self.port}/"
-        end_with_us = partial(end_with_parent, os.getpid(), signal.SIGKILL)
+        end_with_us = partial(end_with_parent, os.getpid())
         self._popen = subprocess.Popen(  # noqa: S603 - the user's own ROS
             [program, "--core", "-p", str(self.port)],
             env=_environ(os.environ, self.uri),

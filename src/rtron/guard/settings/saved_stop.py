@@ -32,6 +32,7 @@ class SavedStop:
         self._loop = loop
         self._worker = BackgroundWorker(self._look, "saved-stop")
         self._read_at = 0
+        self._failure = ""
         self._is_closed = False
 
     def open(self) -> None:
@@ -52,14 +53,20 @@ class SavedStop:
             return  # nothing was kept
         if written_at == self._read_at:
             return
-        self._read_at = written_at
         try:
             saved = read_settings(self._file, machine_time())
         except SourceError as error:  # not at the start: what is in force is known
-            log.error("%s", error)  # noqa: TRY400 - the reason is in it
+            self._log_once(str(error))
             return
+        self._read_at, self._failure = written_at, ""
         if saved and saved.stop:
             self._loop.post(partial(self._stop, saved, saved.stop))
+
+    def _log_once(self, failure: str) -> None:
+        """Say why the file cannot be read, which is tried again at the next look."""
+        if failure != self._failure:
+            log.error("%s", failure)
+        self._failure = failure
 
     def _stop(self, saved: Settings, stop: EmergencyStop) -> None:
         if saved.revision > self._settings.revision:

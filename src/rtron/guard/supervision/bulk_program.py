@@ -5,13 +5,13 @@ import sys
 from rtron.guard.lanes.bulk.bulk_process import run_bulk_process
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
-from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
+from rtron.guard.supervision.programs import leave_terminal, open_descriptors, run_program
 from rtron.guard.transport.factory import share_memory
 
 
 def main(numbers: str) -> None:
     """Be the bulk process of the configuration in an open file; end with the exit code."""
-    leave_interrupts()
+    leave_terminal()
     (config_file,) = open_descriptors(numbers)
     config = read_config(config_file)
     start_logging(config.log_level, "bulk")

@@ -1,36 +1,46 @@
 """The fork server: it has loaded what the guard's programs need, and starts each by a fork.
 
 It is forked from the supervisor before that has a thread or a node. So a program begins at once,
-and what is loaded is in memory once. Its processes are its children: it waits for their end when
-the supervisor asks, and ends with the supervisor.
+and what is loaded is in memory once. Its processes are its children, and it tells the supervisor
+how they end; the supervisor never waits for it. It ends with the supervisor.
 """
 
 import json
+import logging
 import os
 import select
 import signal
 import socket
 import sys
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
-from pathlib import Path
-from typing import NoReturn
+from itertools import count
+from typing import NamedTuple, NoReturn
 
 from rtron.errors import SourceError
-from rtron.guard.supervision.programs import GUARD
-from rtron.guard.system.parent_end import end_with_parent
+from rtron.guard.supervision.forked_process import START_FAILED, ForkedProcess
+from rtron.guard.supervision.programs import GUARD, TERMINAL_SIGNALS, process_name
+from rtron.guard.supervision.watchdog import HangWatch
+from rtron.guard.system.process_attributes import end_with_parent, set_process_name
+from rtron.guard.system.shared_beat import SharedBeat
+from rtron.vocabulary import SECOND
+
+log = logging.getLogger(__name__)
 
 _MOST_FILES = 8
 _MOST_BYTES = 1 << 10
-_ANSWER_S = 1.5
-"""An answer takes a millisecond; a guard kills a supervisor that stands still for 2 s."""
-_LOST = os.EX_OSERR
-"""The exit code of a process whose end nobody can tell any more."""
+_BEAT_S = SharedBeat.PERIOD / SECOND
+_END_S = 10.0
+"""How long the processes may take to end after the supervisor; `HelperProcess` waits as long."""
+_STARTED, _ENDED, _FAILED = "started", "ended", "failed"
+_BLOCKED = frozenset({*TERMINAL_SIGNALS, signal.SIGTERM})
+"""A process that is started has these while it cannot handle them yet: none is lost."""
 
 
 class ForkServer:
-    """The supervisor's side; `connection` can be read once the fork server is gone."""
+    """The supervisor's side; `connection` can be read when there is something to `receive`."""
 
     def __init__(self) -> None:
         """Fork this process, whose threads are not in the fork.
@@ -39,74 +49,57 @@ class ForkServer:
         """
         _check_system()
         self.connection, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._beat = SharedBeat.create()
         self._pid = os.fork()
         if self._pid == 0:
             self.connection.close()
-            _serve(other)
+            _Server(other, self._beat).run()
         other.close()
-        self.connection.settimeout(_ANSWER_S)
+        self.connection.settimeout(0)
+        self._hang_watch = HangWatch(time.monotonic_ns(), SharedBeat.PERIOD)
+        self._numbers = count()
+        self._processes: dict[int, ForkedProcess] = {}
 
-    def start(self, entry_point: str, files: Sequence[int]) -> "ForkedProcess":
-        """Start a program (`module:function`) that has the open `files`.
+    def start(self, entry_point: str, files: Sequence[int]) -> ForkedProcess:
+        """Have a program (`module:function`) started that has the open `files`.
 
-        It does not hear Ctrl-C before `leave_interrupts`. OSError if the system cannot start it.
+        It hears no terminal before `leave_terminal`. OSError if the request cannot be sent.
         """
-        pid = self._ask(["start", entry_point], files)
-        try:
-            return ForkedProcess(self, pid)
-        except OSError:
-            os.kill(pid, signal.SIGKILL)
-            self.exit_code(pid)
-            raise
+        number = next(self._numbers)
+        request = json.dumps([number, entry_point]).encode()
+        socket.send_fds(self.connection, [request], files)
+        process = self._processes[number] = ForkedProcess()
+        return process
 
-    def exit_code(self, pid: int) -> int:
-        """Return how a process has ended that has, minus the signal if one has killed it."""
+    def receive(self) -> bool:
+        """Take what the fork server tells of one process, if it does; False once it is gone."""
         try:
-            return self._ask(["reap", pid])
+            message, files, _, _ = socket.recv_fds(self.connection, _MOST_BYTES, 1)
+        except BlockingIOError:
+            return True
         except OSError:
-            return _LOST
+            message, files = b"", []
+        if message:
+            self._take(message, files)
+        else:
+            for process in self._processes.values():
+                process.note_server_lost()
+        return bool(message)
 
-    def _ask(self, question: list[object], files: Sequence[int] = ()) -> int:
-        try:
-            socket.send_fds(self.connection, [json.dumps(question).encode()], files)
-            answer = self.connection.recv(_MOST_BYTES)
-        except TimeoutError:  # its answer would be taken for that to the next question
+    def end_if_hung(self, now: int) -> None:
+        """Kill the fork server if it stands still at `now` (ns): it is gone then."""
+        if self._hang_watch.is_hung(now, self._beat.at):
             os.kill(self._pid, signal.SIGKILL)
-            raise
-        if not answer:
-            raise ConnectionResetError("what starts the guard's processes is gone")
-        number, error = json.loads(answer)
-        if error:
-            raise OSError(error, os.strerror(error))
-        return int(number)
 
-
-class ForkedProcess:
-    """A process that a fork server has started; `pid` is its own until its end has been asked."""
-
-    def __init__(self, server: ForkServer, pid: int) -> None:
-        self.pid = pid
-        self._server = server
-        self._code: int | None = None
-        self._descriptor = os.pidfd_open(pid)
-
-    def poll(self) -> int | None:
-        """Return the exit code, minus the signal that killed it; None while it lives."""
-        self.wait(0)
-        return self._code
-
-    def wait(self, timeout: float) -> bool:
-        """Wait for its end, s; return whether it has ended."""
-        if self._code is None and select.select([self._descriptor], (), (), timeout)[0]:
-            self._code = self._server.exit_code(self.pid)
-            os.close(self._descriptor)
-        return self._code is not None
-
-    def send_signal(self, number: int) -> None:
-        """Send a signal; nothing if it has ended."""
-        if self._code is None:
-            with suppress(ProcessLookupError):
-                signal.pidfd_send_signal(self._descriptor, number)
+    def _take(self, message: bytes, files: list[int]) -> None:
+        number, what, value = json.loads(message)
+        if what == _STARTED:
+            self._processes[number].note_started(value, files)
+            return
+        if what == _FAILED:
+            log.warning("a process of the guard cannot be started: %s", os.strerror(value))
+        process = self._processes.pop(number)
+        process.note_ended(START_FAILED if what == _FAILED else value)
 
 
 def _check_system() -> None:
@@ -117,57 +110,98 @@ def _check_system() -> None:
         raise SourceError(f"the guard's processes cannot be watched: {error}", help=help) from None
 
 
-def _serve(connection: socket.socket) -> NoReturn:
-    """Do what the supervisor asks until it is gone; a process that is started runs its program."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # who ends all of us ends the supervisor, too
-    set_process_name("rtron-forks")
-    while True:
-        question, files, _, _ = socket.recv_fds(connection, _MOST_BYTES, _MOST_FILES)
-        if not question:
-            os._exit(0)
-        kind, subject = json.loads(question)
-        answer = _fork(connection, subject, files) if kind == "start" else _reap(subject)
+class _Child(NamedTuple):
+    number: int
+    pid: int
+    entry_point: str
+
+
+class _Server:
+    """The fork server's side; a process that is started leaves it, and runs its program."""
+
+    def __init__(self, connection: socket.socket, beat: SharedBeat) -> None:
+        self._connection = connection
+        self._beat = beat
+        self._children: dict[int, _Child] = {}
+
+    def run(self) -> NoReturn:
+        """Do what the supervisor asks until it is gone; who ends all of us ends it, too."""
+        signal.pthread_sigmask(signal.SIG_BLOCK, _BLOCKED)
+        set_process_name("rtron-forks")
+        while True:
+            watched = [self._connection.fileno(), *self._children]
+            ready = select.select(watched, (), (), _BEAT_S)[0]
+            self._beat.at = time.monotonic_ns()
+            for descriptor in ready:
+                if descriptor in self._children:
+                    self._reap(descriptor)
+                else:
+                    self._serve()
+
+    def _serve(self) -> None:
+        try:
+            request, files, _, _ = socket.recv_fds(self._connection, _MOST_BYTES, _MOST_FILES)
+        except ConnectionResetError:  # it has not read all that it was told
+            request, files = b"", []
+        if not request:
+            self._end()
+        number, entry_point = json.loads(request)
+        self._start(number, entry_point, files)
+        for each in files:
+            os.close(each)
+
+    def _start(self, number: int, entry_point: str, files: list[int]) -> None:
+        pid, server = -1, os.getpid()
+        try:
+            pid = os.fork()
+            descriptor = os.pidfd_open(pid) if pid else -1
+        except OSError as failure:
+            if pid > 0:
+                os.kill(pid, signal.SIGKILL)
+                os.waitpid(pid, 0)
+            self._tell(number, _FAILED, failure.errno or 0)
+            return
+        if pid == 0:
+            self._leave()
+            _run(entry_point, files, server)
+        self._children[descriptor] = _Child(number, pid, entry_point)
+        self._tell(number, _STARTED, pid, [descriptor])
+
+    def _leave(self) -> None:
+        """Close what is the fork server's own."""
+        self._connection.close()
+        for descriptor in self._children:
+            os.close(descriptor)
+
+    def _reap(self, descriptor: int) -> None:
+        child = self._children.pop(descriptor)
+        _, status = os.waitpid(child.pid, 0)
+        os.close(descriptor)
+        self._tell(child.number, _ENDED, os.waitstatus_to_exitcode(status))
+
+    def _tell(self, number: int, what: str, value: int, files: Sequence[int] = ()) -> None:
         with suppress(OSError):  # the supervisor is gone
-            connection.send(json.dumps(answer).encode())
+            message = json.dumps([number, what, value]).encode()
+            socket.send_fds(self._connection, [message], files)
 
-
-def _fork(connection: socket.socket, entry_point: str, files: list[int]) -> tuple[int, int]:
-    """Return the process that runs a program, and the error if there is none."""
-    pid, error, server = 0, 0, os.getpid()
-    try:
-        pid = os.fork()
-    except OSError as failure:
-        error = failure.errno or _LOST
-    if pid == 0 and not error:
-        connection.close()
-        _run(entry_point, files, server)
-    for each in files:
-        os.close(each)
-    return pid, error
+    def _end(self) -> NoReturn:
+        """End the other processes in order; those that are left end with this one."""
+        left = [each for each, child in self._children.items() if child.entry_point != GUARD]
+        for descriptor in left:
+            with suppress(ProcessLookupError):
+                signal.pidfd_send_signal(descriptor, signal.SIGTERM)
+        until = time.monotonic() + _END_S
+        while left and time.monotonic() < until:
+            ended = select.select(left, (), (), max(0.0, until - time.monotonic()))[0]
+            left = [each for each in left if each not in ended]
+        os._exit(0)
 
 
 def _run(entry_point: str, files: list[int], server: int) -> NoReturn:
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    if entry_point != GUARD:  # it stops the robot first
-        end_with_parent(server, signal.SIGTERM)
+    end_with_parent(server)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
     module, _, function = entry_point.partition(":")
-    set_process_name(f"rtron-{module.removesuffix('_program')}")
+    set_process_name(process_name(entry_point))
     main = getattr(import_module(f"rtron.guard.supervision.{module}"), function)
     main(",".join(map(str, files)))
     sys.exit()
-
-
-def _reap(pid: int) -> tuple[int, int]:
-    """Return how a child has ended, and the error if it is none."""
-    try:
-        _, status = os.waitpid(pid, 0)
-    except ChildProcessError as error:
-        return 0, error.errno or _LOST
-    return os.waitstatus_to_exitcode(status), 0
-
-
-def set_process_name(name: str) -> None:
-    """Let `ps -o comm` and `top` tell the processes apart: 15 characters (proc(5))."""
-    with suppress(OSError):
-        Path("/proc/self/comm").write_text(name)

@@ -49,14 +49,15 @@ def answer_name(loop: EventLoop, name: socket.socket) -> None:
     loop.watch(name, answer, lambda error: loop.suspend(name, _PAUSE_S))
 
 
-def await_former_guard(master: str, ramp: int) -> None:
-    """Wait until a guard that has lost its supervisor has stopped the robot and ended.
+def await_former_guard(master: str, ramp: int) -> bool:
+    """Wait until a guard that has lost its supervisor has ended; return whether there was one.
 
-    One that takes `END_TIMEOUT` longer than its `ramp` (ns) is killed. SourceError if we do not see
-    its process.
+    It stops the robot first, if it can. One that takes `END_TIMEOUT` longer than its `ramp` (ns)
+    is killed. SourceError if we do not see its process.
     """
     pid, uid = _holder(GUARD, master) or (0, -1)
     until = EventLoop.now() + ramp + END_TIMEOUT
+    is_there = uid == os.getuid()
     while uid == os.getuid() and _is_held(GUARD, master):
         if EventLoop.now() > until and pid == 0:
             raise _guard_exists(master, pid)
@@ -64,6 +65,7 @@ def await_former_guard(master: str, ramp: int) -> None:
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
         time.sleep(_PAUSE_S)
+    return is_there
 
 
 def _guard_exists(master: str, pid: int) -> SourceError:

@@ -4,7 +4,8 @@ import signal
 import socket
 from contextlib import suppress
 
-from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
+from rtron.guard.supervision.fork_server import ForkServer
+from rtron.guard.supervision.forked_process import ForkedProcess
 from rtron.guard.supervision.programs import GUARD
 from rtron.guard.supervision.shared_memory import BEGIN, GuardMemory
 
@@ -24,7 +25,7 @@ class GuardProcess:
 
     @property
     def pid(self) -> int:
-        """Its process id."""
+        """Its process id, 0 until it is started."""
         return self._process.pid
 
     def begin(self, handover_state: bytes, failure_report: bytes) -> None:

@@ -1,6 +1,8 @@
 """The guard as a program that a supervisor starts."""
 
 import gc
+import logging
+import os
 import select
 import socket
 import sys
@@ -10,10 +12,13 @@ from rtron.guard.lanes.command.command_process import run_command_process
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config, stopped_streams
 from rtron.guard.supervision.preload import prepare_plan
-from rtron.guard.supervision.programs import leave_interrupts, open_descriptors, run_program
+from rtron.guard.supervision.programs import leave_terminal, open_descriptors, run_program
 from rtron.guard.supervision.shared_memory import BEGIN, GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import SupervisorClient
+from rtron.guard.system.process_attributes import outlive_parent
 from rtron.guard.transport.factory import prepare_session, share_memory
+
+log = logging.getLogger(__name__)
 
 _DISCOVERY_S = 4.0
 """How long it takes to know a domain: Fast DDS asks after what was lost every 3 s."""
@@ -24,7 +29,7 @@ def main(numbers: str) -> None:
 
     Not before the supervisor says so: a spare guard waits here, and ends with the supervisor.
     """
-    leave_interrupts()
+    leave_terminal()
     config_file, memory_file, number = open_descriptors(numbers)
     connection = socket.socket(fileno=number)
     config = read_config(config_file)
@@ -42,6 +47,8 @@ def main(numbers: str) -> None:
         if session:
             session.close()
         return
+    outlive_parent()  # without it, it stops the robot first
+    log.info("the guard begins, process %d", os.getpid())
 
     def guard() -> int:
         client = SupervisorClient(config, memory, connection, session)

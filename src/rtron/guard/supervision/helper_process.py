@@ -4,8 +4,10 @@ import logging
 import signal
 from collections.abc import Sequence
 
-from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
-from rtron.guard.supervision.watchdog import SchedulingDelay, Watchdog, adapt_bound
+from rtron.guard.supervision.fork_server import ForkServer
+from rtron.guard.supervision.forked_process import ForkedProcess
+from rtron.guard.supervision.programs import process_name
+from rtron.guard.supervision.watchdog import HangWatch
 from rtron.guard.system.shared_beat import SharedBeat
 from rtron.vocabulary import SECOND
 
@@ -14,11 +16,6 @@ log = logging.getLogger(__name__)
 MIN_RESTART_DELAY = SECOND
 """The time before the next start of one that ended soon, ns; it doubles while each does."""
 MAX_RESTART_DELAY = 4 * SECOND
-HANG_TIMEOUT = 2 * SECOND
-"""Silence after which one that beats is killed, ns; up to `LONGEST_HANG` where it is late often."""
-LONGEST_HANG = 10 * SECOND
-START_TIMEOUT = 20 * SECOND
-"""The same before its first beat."""
 _STOP_TIMEOUT_S = 10.0
 """The bulk process waits 8 s for the recorder of incidents."""
 
@@ -48,9 +45,10 @@ class HelperProcess:
         self.process: ForkedProcess | None = None
         self._server = server
         self._program = program
+        self._process_name = process_name(program)
         self._config_file = config_file
         self._started_at = 0
-        self._watchdog, self._delay = Watchdog(0), SchedulingDelay(0, SharedBeat.PERIOD)
+        self._hang_watch = HangWatch(0, SharedBeat.PERIOD)
         self._start_due: int | None = 0
         self._restart_delay = MIN_RESTART_DELAY
 
@@ -65,13 +63,8 @@ class HelperProcess:
             self._start(now)
 
     def _end_if_hung(self, now: int, process: ForkedProcess) -> None:
-        if self._beat is None:
-            return
-        limit, at = START_TIMEOUT, self._beat.at
-        if at:
-            limit = adapt_bound(HANG_TIMEOUT, self._delay.update(at), LONGEST_HANG)
-        if self._watchdog.update(now, at) > limit:
-            log.error("%s stands still: it is killed", self._program.partition(":")[0])
+        if self._beat and self._hang_watch.is_hung(now, self._beat.at):
+            log.error("%s stands still: it is killed", self._process_name)
             process.send_signal(signal.SIGKILL)
 
     def _wait(self, life: int) -> int:
@@ -87,7 +80,7 @@ class HelperProcess:
 
     def _start(self, now: int) -> None:
         self._started_at, self._start_due = now, None
-        self._watchdog, self._delay = Watchdog(now), SchedulingDelay(now, SharedBeat.PERIOD)
+        self._hang_watch = HangWatch(now, SharedBeat.PERIOD)
         if self._beat:
             self._beat.at = 0
         try:
@@ -95,7 +88,7 @@ class HelperProcess:
         except OSError as error:
             self.process = None
             text = "%s cannot be started, tried again soon: %s"
-            log.warning(text, self._program.partition(":")[0], error)
+            log.warning(text, self._process_name, error)
 
     def use(self, config_file: int) -> None:
         """Run with another configuration from now on: the process ends, and the next one has it."""

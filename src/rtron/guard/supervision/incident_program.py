@@ -3,11 +3,11 @@
 import socket
 
 from rtron.guard.incidents.recorder import run_recorder
-from rtron.guard.supervision.programs import leave_interrupts, open_descriptors
+from rtron.guard.supervision.programs import leave_terminal, open_descriptors
 
 
 def main(numbers: str) -> None:
     """Record what comes over the socket that is open."""
-    leave_interrupts()
+    leave_terminal()
     (descriptor,) = open_descriptors(numbers)
     run_recorder(socket.socket(fileno=descriptor))

@@ -34,6 +34,11 @@ SUPERVISOR = "supervisor_program:main"
 BULK = "bulk_program:main"
 LINK = "link_program:main"
 INCIDENTS = "incident_program:main"
+TERMINATION_SIGNALS = (signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
+"""What a terminal says to all of us when we are to end."""
+JOB_CONTROL_SIGNALS = (signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU)
+"""What would freeze all of us at once, while the robot drives on: nobody hears it."""
+TERMINAL_SIGNALS = frozenset(TERMINATION_SIGNALS + JOB_CONTROL_SIGNALS)
 
 
 def command(entry_point: str, descriptors: Sequence[int]) -> list[str]:
@@ -44,8 +49,13 @@ def command(entry_point: str, descriptors: Sequence[int]) -> list[str]:
     return [sys.executable, "-c", code, f"rtron-{module}", numbers, *filter(None, sys.path)]
 
 
+def process_name(entry_point: str) -> str:
+    """Return what `ps -o comm` calls the process of a program."""
+    return f"rtron-{entry_point.partition(':')[0].removesuffix('_program')}"
+
+
 def start_program(entry_point: str, files: Sequence[int]) -> subprocess.Popen[bytes]:
-    """Start a program that inherits open files, and does not hear Ctrl-C before `leave_interrupts`.
+    """Start a program that inherits open files, and does not hear Ctrl-C before `leave_terminal`.
 
     OSError if the system cannot start it.
     """
@@ -56,10 +66,11 @@ def start_program(entry_point: str, files: Sequence[int]) -> subprocess.Popen[by
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def leave_interrupts() -> None:
-    """Leave Ctrl-C, which a terminal says to all of us, to the supervisor."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+def leave_terminal() -> None:
+    """Leave to the supervisor what a terminal says to all of us, as Ctrl-C and its end."""
+    for number in TERMINAL_SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, TERMINAL_SIGNALS)
 
 
 def open_descriptors(numbers: str) -> list[int]:

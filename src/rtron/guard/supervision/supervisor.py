@@ -11,6 +11,7 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.fork_server import ForkServer
+from rtron.guard.supervision.forked_process import START_FAILED, UNKNOWN_END
 from rtron.guard.supervision.guard_config import GuardConfig, longest_ramp, stopped_streams
 from rtron.guard.supervision.guard_name import (
     SUPERVISOR,
@@ -22,7 +23,7 @@ from rtron.guard.supervision.guard_process import GuardProcess, spawn_guard
 from rtron.guard.supervision.helper_process import HelperProcess
 from rtron.guard.supervision.intrusion_file import intrusion_file
 from rtron.guard.supervision.plan_trial import PlanTrial, make_plan_slot
-from rtron.guard.supervision.programs import BULK, LINK
+from rtron.guard.supervision.programs import BULK, JOB_CONTROL_SIGNALS, LINK, TERMINATION_SIGNALS
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.stream_brakes import StreamBrakes
 from rtron.guard.supervision.supervisor_fsm import (
@@ -46,6 +47,11 @@ _SAVE_S = 1.0
 """How long an end waits for the disk."""
 _SPARE_RETRY = 5 * SECOND
 _FOR_PLAN = "made place for another plan"
+_FAILURES = {
+    OUT_OF_MEMORY: "ran out of memory",
+    START_FAILED: "cannot be started",
+    UNKNOWN_END: "has ended, and nobody knows how",
+}
 
 
 class Supervisor:
@@ -62,7 +68,7 @@ class Supervisor:
         self._stream_count = len(streams)
         self._server = server
         self._name = take_name(SUPERVISOR, config.master)
-        await_former_guard(config.master, longest_ramp(config.plan))
+        self._had_former_guard = await_former_guard(config.master, longest_ramp(config.plan))
         self._guard: GuardProcess | None = None
         self._plan_trial = _plan_trial(config, config_file)
         self._loop = loop
@@ -88,12 +94,14 @@ class Supervisor:
         self._is_leaving = self._is_end_requested = self._skips_final_stop = False
         if self._name:
             answer_name(loop, self._name)
-        loop.watch(server.connection, self._on_server_lost, lambda error: self._on_server_lost())
+        loop.watch(server.connection, self._on_server, lambda error: self._on_server_lost())
 
     def run(self) -> int:
         """Supervise until told to end, or until the guard ends in order; return the exit code."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: self._loop.post(self._end))
+        self._handle_signals()
+        if self._had_former_guard:  # nobody knows whether it has stopped the robot
+            log.warning("a guard was there without its supervisor: the robot is stopped")
+            self._brakes.brake("the former guard may not have stopped it", self._loop.now())
         self._tick()
         self._brakes.prepare()  # while the guard is starting
         self._loop.run()
@@ -107,10 +115,19 @@ class Supervisor:
         self._loop.close()
         return self._code or self._fsm.code
 
+    def _handle_signals(self) -> None:
+        """End with the terminal, unless its end was ignored before (nohup(1))."""
+        for number in JOB_CONTROL_SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
+        for number in (*TERMINATION_SIGNALS, signal.SIGTERM):
+            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, lambda *_: self._loop.post(self._end))
+
     def _tick(self) -> None:
         now = self._loop.now()
         self._loop.call_at(now + BEAT_PERIOD, self._tick)
         self._memory[StatusWord.SUPERVISOR_BEAT] = now
+        self._server.end_if_hung(now)
         try:
             self._watch_guard(now)
         finally:  # whatever fails there, the robot is stopped
@@ -183,7 +200,6 @@ class Supervisor:
         self._delivery.reset(now)
         self._guard = guard
         self._watch_connection(guard)
-        log.info("the guard begins, process %d", guard.pid)
 
     def _take_spare(self) -> GuardProcess | None:
         """Return the guard that waits, if it lives."""
@@ -224,7 +240,7 @@ class Supervisor:
             log.warning("the next guard has ended while it waited; another one is made ready")
             spare.discard()
             self._spare = None
-        elif not self._is_spare_ready and spare.memory[StatusWord.READY]:
+        elif not self._is_spare_ready and spare.pid and spare.memory[StatusWord.READY]:
             self._is_spare_ready = True
             log.info("the next guard is ready, process %d", spare.pid)
 
@@ -308,7 +324,8 @@ class Supervisor:
         elif self._fsm.phase is GuardPhase.WAITING:
             wait = max(0, self._fsm.restart_due - now) / SECOND
             log.error("the guard %s; the next one begins in %.2g s", failure, wait)
-            self._failure_report = f"the guard before {failure}"
+            if code != START_FAILED:
+                self._failure_report = f"the guard before {failure}"
 
     def _end(self) -> None:
         """End; who says so twice does not want to wait until the robot is at rest."""
@@ -318,12 +335,18 @@ class Supervisor:
         self._is_end_requested = True
         self._perform(self._fsm.shut_down(now), now)
 
+    def _on_server(self) -> None:
+        if not self._server.receive():
+            self._on_server_lost()
+
     def _on_server_lost(self) -> None:
         """End: no guard could take the place of this one."""
         self._loop.forget(self._server.connection)
         self._code = os.EX_OSERR
         log.error("what starts the guard's processes is gone: the guard ends, start it again")
         self._perform(self._fsm.shut_down(self._loop.now()), self._loop.now())
+        if self._guard and not self._guard.pid:  # nobody can tell it to end
+            self._on_connection_lost(self._guard, "nobody knows whether it was started")
 
     def _refuse_shutdown(self, node: str, reason: str) -> None:
         """Go on: what stops the robot is not ended over the network."""
@@ -352,4 +375,4 @@ def _exit_text(code: int) -> str:
     """Return what became of a process."""
     if code < 0:
         return f"was killed by {signal.Signals(-code).name}"
-    return "ran out of memory" if code == OUT_OF_MEMORY else f"ended with exit code {code}"
+    return _FAILURES.get(code, f"ended with exit code {code}")

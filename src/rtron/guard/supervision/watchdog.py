@@ -64,3 +64,25 @@ def adapt_bound(bound: int, delay: int, longest: int) -> int:
     That is `bound` at least, and at most `longest` unless `bound` is more.
     """
     return max(bound, min(3 * delay + 2 * BEAT_PERIOD, longest))
+
+
+HANG_TIMEOUT = 2 * SECOND
+"""Silence after which a process beside the guard is killed, ns."""
+LONGEST_HANG = 10 * SECOND
+"""The same where it is late often."""
+START_TIMEOUT = 20 * SECOND
+"""The same before its first beat."""
+
+
+class HangWatch:
+    """Tells whether a process that beats every `period` (ns) stands still."""
+
+    def __init__(self, now: int, period: int) -> None:
+        self._watchdog, self._delay = Watchdog(now), SchedulingDelay(now, period)
+
+    def is_hung(self, now: int, beat_at: int) -> bool:
+        """Return whether it does at `now`; its last beat was at `beat_at`, 0 before the first."""
+        limit = START_TIMEOUT
+        if beat_at:
+            limit = adapt_bound(HANG_TIMEOUT, self._delay.update(beat_at), LONGEST_HANG)
+        return self._watchdog.update(now, beat_at) > limit

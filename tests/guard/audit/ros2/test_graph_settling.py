@@ -17,11 +17,12 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.audit.ros2 import auditor as auditor_module
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.middleware import Ros2Middleware
-from rtron.vocabulary import SECOND, AlarmKind, Direction, Mode
+from rtron.vocabulary import GUARD_NODE, SECOND, SUPERVISOR_NODE, AlarmKind, Direction, Mode
 
 pytestmark = pytest.mark.ros2
 OWN = b"\x02" * 12
 """The bulk process's own participant; its form tells no process, so no process is looked for."""
+SUPERVISOR = b"\x03" * 12
 UNKNOWN = "the command process has not told its nodes"
 CHANGED = "the graph has changed"
 
@@ -43,8 +44,12 @@ class Domain:
         )
         self.graph = graph
         session = SimpleNamespace(node=lambda name: None)
+        self.supervisor = b""
         transport = SimpleNamespace(
-            graph=graph, processes=None, session=session, supervisor_participant=bytes
+            graph=graph,
+            processes=None,
+            session=session,
+            supervisor_participant=lambda: self.supervisor,
         )
         self.response = SimpleNamespace(
             raise_=lambda alarm, now, *streams: self.alarms.append(alarm),
@@ -179,6 +184,26 @@ def test_an_intruder_is_judged_at_once_when_the_command_process_has_told_its_nod
     domain.commands.on_change()
     assert [each.kind for each in domain.alarms] == [AlarmKind.FOREIGN_PUBLISHER]
     assert domain.missing == ""
+
+
+def test_the_supervisor_is_who_the_guard_says_it_is_also_when_the_guard_is_gone(domain):
+    domain.ends.append(publisher(OUT, SUPERVISOR_NODE, SUPERVISOR))
+    domain.supervisor = SUPERVISOR
+    domain.pass_time(8)
+    domain.supervisor = b""
+    domain.pass_time(8)
+    assert domain.alarms == []
+
+
+@pytest.mark.parametrize("name", ["", SUPERVISOR_NODE, GUARD_NODE])
+def test_nobody_else_is_it_whatever_name_and_process_it_claims(domain, name):
+    """Fast DDS makes a GID of a process id, which anybody can write there."""
+    domain.supervisor = SUPERVISOR
+    domain.pass_time(4)
+    twin = SUPERVISOR[:-1] + b"\7"
+    domain.ends.append(publisher(OUT, name, twin))
+    domain.pass_time(8)
+    assert domain.alarms
 
 
 def test_a_plan_that_enforces_nothing_has_nothing_to_look_at(domain):

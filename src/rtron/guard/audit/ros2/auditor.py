@@ -15,7 +15,6 @@ from rtron.guard.audit.ros2.graph_alarms import (
     foreign_endpoint_alarms,
 )
 from rtron.guard.audit.ros2.observed_graph import ROSOUT_TOPIC, GraphReader, ObservedGraph
-from rtron.guard.audit.ros2.supervisor_participants import SupervisorParticipants
 from rtron.guard.transport.ros2.participants import (
     MAX_LEASE,
     ParticipantLiveness,
@@ -75,7 +74,7 @@ class Ros2Auditor:
         self._other_participants = other_participants
         self._unknown_streams = unknown_streams
         self._liveness = ParticipantLiveness(self._graph.participant, transport.processes)
-        self._supervisors = SupervisorParticipants(self._liveness, transport)
+        self._supervisor = b""
         self._braking_alarms = BrakingAlarms(self._response)
         self._drift_alarms = DebouncedAlarms(self._response, _DRIFT_DELAY)
         self._dismissed: dict[bytes, int] = {}
@@ -127,7 +126,7 @@ class Ros2Auditor:
         listed = {endpoint.gid for endpoint in observed.endpoints}
         self._dismissed = {k: v for k, v in self._dismissed.items() if k in listed and now < v}
         observed = observed.without(self._dismissed.keys())
-        trusted = self._guard_participants(observed)
+        trusted = self._guard_participants()
         expected, liveness = self._expected, self._liveness
         foreign = foreign_endpoint_alarms(expected, observed, trusted, liveness, now)
         self._braking_alarms.update(
@@ -229,10 +228,14 @@ class Ros2Auditor:
                 endpoint for endpoint in output_endpoints if self._graph.is_own(endpoint.gid)
             )
 
-    def _guard_participants(self, observed: ObservedGraph) -> Participants:
-        """Return our participants and the supervisors'."""
-        own = {self._graph.participant, *self._other_participants()}
-        return self._supervisors.update(observed) | own
+    def _guard_participants(self) -> Participants:
+        """Return those of the guard's processes, as these tell: a name, or an id, is a claim.
+
+        The supervisor stays when the command process that has told it is gone.
+        """
+        self._supervisor = self._transport.supervisor_participant() or self._supervisor
+        own = {self._graph.participant, self._supervisor, *self._other_participants()}
+        return frozenset(own - {b""})
 
     def _repeat_stops(self, observed: ObservedGraph) -> None:
         """Tell a stop that has just been said to who begins to listen after it."""

@@ -6,8 +6,6 @@ of theirs delays a command.
 
 from __future__ import annotations
 
-import logging
-import os
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -35,7 +33,7 @@ from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce
-from rtron.guard.system.process_priority import lower_priority
+from rtron.guard.system.process_attributes import lower_priority
 from rtron.guard.system.state_folder import INCIDENTS, state_folder
 from rtron.vocabulary import BULK_NODE, Mode, OnForeign, Plan, build_streams
 
@@ -47,11 +45,8 @@ if TYPE_CHECKING:
     from rtron.guard.link.service_link import ServiceLink
     from rtron.guard.transport.common.protocol import LiveTransport
 
-log = logging.getLogger(__name__)
-
 _NICE = 5
 """Commands go before what is carried here (nice(2), SCHED_BATCH of sched(7))."""
-_CHECK_S = 1.0
 
 
 def run_bulk_process(
@@ -89,7 +84,7 @@ def run_bulk_process(
             recorder.on_saved = service_link.report_incident
         parts.append(recorder)
     parts += _audit_parts(plan, middleware, connection, loop)
-    parts += [connection, SupervisorEnd(loop)]
+    parts.append(connection)
     if plan.ros != 1:
         parts.append(StandStillEnd(loop))
     run_parts(loop, parts)
@@ -183,21 +178,3 @@ class HeldStreams:
         """Release a stream, also when only the list of those that are stopped lacks it."""
         self._held.discard(topic)
         self._brakes[topic].release()
-
-
-class SupervisorEnd:
-    """Ends the process when its supervisor has ended: the guard ends, too."""
-
-    def __init__(self, loop: EventLoop) -> None:
-        self._loop = loop
-        self._parent = os.getppid()
-
-    def open(self) -> None:
-        """Look from now on."""
-        self._loop.call_later(_CHECK_S, self.open)
-        if os.getppid() != self._parent:
-            log.warning("the supervisor is gone: the bulk process ends")
-            self._loop.stop()
-
-    def close(self) -> None:
-        """Look no more."""

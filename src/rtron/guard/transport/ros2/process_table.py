@@ -25,7 +25,7 @@ _CACHE_TIMEOUT = SECOND
 """No process id is used again within this time."""
 _ENDED_ERRORS = (FileNotFoundError, ProcessLookupError)
 _ENDED = frozenset("ZX")
-_STATE, _PARENT, _THREADS, _START_TIME = 0, 1, 17, 19
+_STATE, _THREADS, _START_TIME = 0, 17, 19
 _LIBRARIES = (b"libfastdds", b"libfastrtps")
 
 
@@ -46,7 +46,6 @@ class ProcessTable:
         self._pids_by_low_bits: dict[int, list[int]] = {}
         self._sees_all_processes = False
         self._updated_at = 0
-        self._parent = os.getppid()
 
     def update(self, now: int) -> None:
         """Read the processes that run at `now` (ns), except those known for less than a second."""
@@ -101,13 +100,6 @@ class ProcessTable:
             return None
         ended = stat[_STATE] in _ENDED and int(stat[_THREADS]) <= 1
         return None if ended else (pid, int(stat[_START_TIME]))
-
-    def is_related(self, pid: int) -> bool:
-        """Return whether a process has started our parent, the fork server, or is its child."""
-        with suppress(OSError):  # one of them has ended
-            supervisor = int(self._stat(self._parent)[_PARENT])
-            return pid == supervisor or int(self._stat(pid)[_PARENT]) == self._parent
-        return False
 
     def _running(self, known: dict[int, int | None]) -> Iterator[tuple[int, int | None]]:
         """Yield each process with the id in its own namespace, None where that cannot be read."""
