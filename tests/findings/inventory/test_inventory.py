@@ -770,3 +770,50 @@ def test_a_light_with_a_device_obeys_no_mode():
     text = "/battery p own\n    pub /low_voltage_mode std_msgs/msg/Bool\n"
     text += "/led_node p own\n    sub /low_voltage_mode std_msgs/msg/Bool\n"
     assert inventory(text, wiring=(fact("device", "/led_node", "serial port"),)) == ()
+
+
+SERVED_BY_OTHERS = {
+    "/torpedo_detector": "/torpedo/enable",
+    "/publisher": "/toggle_bin_trajectory",
+    "/status": "/advertise_shutdown",
+    "/frames": "/set_transform_torpedo_frame",
+    "/tools": "/purge_commands",
+}
+
+
+def set_bool(node, name):
+    return Service(node=node, name=name, type="std_srvs/srv/SetBool")
+
+
+@pytest.mark.parametrize("node", SERVED_BY_OTHERS)
+def test_services_of_what_only_sees_or_shows_move_nothing(node):
+    services = (set_bool(node, SERVED_BY_OTHERS[node]),)
+    assert inventory(f"{node} own own\n", services=services) == ()
+
+
+def test_a_vague_service_of_who_commands_or_was_not_read_moves_something():
+    services = (set_bool("/teleop", "/toggle_trajectory"),)
+    found = inventory(TWO_DRIVERS + BASE, services=services)
+    assert "/toggle_trajectory" in [name for m in found for name in names(m.commands)]
+    services = (set_bool("/firmware", "/toggle_trajectory"),)
+    assert inventory(FIRMWARE, services=services, unread=("/firmware",))
+
+
+def test_who_commands_takes_goals_whatever_their_name():
+    action = "    server /wiggle own_msgs/action/Wiggle\n"
+    found = inventory(TWO_DRIVERS + action + BASE)
+    assert "/wiggle" in [name for mover in found for name in names(mover.commands)]
+
+
+def test_an_action_that_executes_something_moves_something():
+    action = "    server /programs/execute_program own_msgs/action/ExecuteProgram\n"
+    assert names(the_mover("/programs programs own\n" + action).commands) == [
+        "/programs/execute_program"
+    ]
+
+
+@pytest.mark.parametrize("name", ["calibrate_motors", "factory_calibrate_joints"])
+def test_what_calibrates_motors_moves_them(name):
+    services = (Service(node="/hw", name=f"/hw/{name}", type="std_srvs/srv/Trigger"),)
+    facts = (fact("device", "/hw", "serial port"),)
+    assert inventory("/hw hw own\n", services=services, wiring=facts)
