@@ -817,3 +817,51 @@ def test_what_calibrates_motors_moves_them(name):
     services = (Service(node="/hw", name=f"/hw/{name}", type="std_srvs/srv/Trigger"),)
     facts = (fact("device", "/hw", "serial port"),)
     assert inventory("/hw hw own\n", services=services, wiring=facts)
+
+
+JOYSTICK = f"/joystick own own\n    sub /joy sensor_msgs/Joy\n    pub /cmd_vel {TWIST}\n"
+
+
+@pytest.mark.parametrize(
+    ("topic", "type"),
+    [
+        ("/ServoPose", "std_msgs/Int16MultiArray"),
+        ("/picker/gripper", "std_msgs/Bool"),
+        ("/picker/gripper_tilt", "std_msgs/Float32"),
+    ],
+)
+def test_what_a_commander_sends_to_nobody_here_leaves_the_app(topic, type):
+    found = inventory(JOYSTICK + f"    pub {topic} {type}\n" + BASE)
+    assert topic in [name for mover in found for name in names(mover.commands)]
+    sender = f"/driver driver own\n    pub {topic} {type}\n"
+    found = inventory(JOYSTICK + BASE + sender)
+    assert topic not in [name for mover in found for name in names(mover.commands)]
+
+
+@pytest.mark.parametrize("topic", ["/wheel_speed_error", "/gripper_closed", "/debug_servo"])
+def test_what_a_commander_only_tells_stays(topic):
+    type = "std_msgs/Bool" if "closed" in topic else "std_msgs/Float32"
+    found = inventory(JOYSTICK + f"    pub {topic} {type}\n" + BASE)
+    assert [name for mover in found for name in names(mover.commands)] == ["/cmd_vel", "/joy"]
+
+
+def test_a_debugged_twist_is_no_command():
+    assert inventory(f"/nav nav own\n    pub /debug_target_twist {TWIST}\n") == ()
+
+
+def test_a_driver_obeys_no_alarms_and_no_battery():
+    hears = "    sub /alarms/report own_msgs/Report\n    sub /battery own_msgs/Battery\n"
+    found = inventory(TWO_DRIVERS + BASE + hears, wiring=(fact("device", "/base", "CAN"),))
+    assert [name for mover in found for name in names(mover.commands)] == ["/cmd_vel"]
+
+
+def test_a_service_of_an_own_node_that_commands_may_move_something():
+    services = tuple(
+        Service(node="/teleop", name=f"/{name}", type="own_msgs/srv/Do")
+        for name in ("do_barrel_roll", "set_depth", "get_depth", "compute_depth", "log")
+    )
+    found = inventory(TWO_DRIVERS + BASE, services=services)
+    served = [c.name for m in found for c in m.commands if c.means is Means.SERVICE]
+    assert served == ["/do_barrel_roll", "/set_depth"]
+    others = inventory((TWO_DRIVERS + BASE).replace(" own", " third_party"), services=services)
+    assert not [c for m in others for c in m.commands if c.means is Means.SERVICE]

@@ -11,7 +11,7 @@ from rtron.findings.inventory.forwarding import Forwarding
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.requests import actions, services
 from rtron.findings.inventory.things import thing_of
-from rtron.vocabulary import ActionRole
+from rtron.vocabulary import ActionRole, Trust
 from rtron.vocabulary.inventory import NO_MOTION, SWITCHES, Command, Means, Thing
 
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
@@ -84,7 +84,8 @@ class AppCommands:
         drivers = self._drivers.union(filter(self.roles.is_controller, self.app.nodes))
         viewers = self.app.facts.viewers
         for thing, command in chain(
-            services(graph, drivers, devices, viewers), actions(graph, self._active, viewers)
+            services(graph, drivers | self._commanders, devices, viewers),
+            actions(graph, self._active, viewers),
         ):
             if not self._is_idle_service(thing, command):
                 yield self._as_driven(thing, command)
@@ -102,6 +103,15 @@ class AppCommands:
             return True
         is_doubtful = thing is Thing.DEVICE or all(map(self.roles.is_called_sensor, servers))
         return is_doubtful and self._active.isdisjoint(servers)
+
+    @cached_property
+    def _commanders(self) -> frozenset[str]:
+        """The app's own nodes that send commands: what they offer may change these."""
+        commands = map(self.topics.command, self._command_topics)
+        senders = set(chain.from_iterable(each.senders for each in commands))
+        nodes = (node for node in self.app.graph.nodes if node.name in senders)
+        own = (node.name for node in nodes if node.trust is Trust.OWN)
+        return frozenset(name for name in own if not self.roles.is_called_sensor(name))
 
     @cached_property
     def _active(self) -> frozenset[str]:
