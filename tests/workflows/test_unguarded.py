@@ -47,6 +47,25 @@ def test_the_last_command_is_guarded_whoever_sends_it(text, topics):
     assert enforced(propose(found).plan) == topics
 
 
+ECHO = NAV + f"    pub /desired_velocity {TWIST}\n"
+DVL = f"/dvl own own\n    pub /dvl/vel_raw {TWIST}\n    pub /imu sensor_msgs/Imu\n"
+TWO_DVLS = DVL + DVL.replace("/dvl own", "/second own")
+HEARS = f"    sub /dvl/vel_raw {TWIST}\n"
+HEARS_BOTH = HEARS + f"    sub /desired_velocity {TWIST}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "topics"),
+    [
+        (ECHO + DVL + f"/dvl_to_odom own own\n{HEARS_BOTH}", ["/cmd_vel"]),
+        (NAV + TWO_DVLS + f"/fusion own own\n{HEARS}", ["/cmd_vel"]),
+        (NAV + TWO_DVLS + f"/rudder driver own\n{HEARS}", ["/cmd_vel", "/dvl/vel_raw"]),
+    ],
+)
+def test_what_is_only_measured_or_listened_to_is_not_guarded(text, topics):
+    assert sorted(enforced(propose(scan(text + BASE)).plan)) == topics
+
+
 def told(found, plan):
     return [(each.location, each.message) for each in find_unguarded_commands(plan, found)]
 

@@ -13,12 +13,12 @@ MEASURED_TYPES = re.compile(r"sensor_msgs/(?!Joy)|nav_msgs/(?:Odometry|Occupancy
 _COMMANDED = re.compile(r"cmd|command|setpoint")
 """Words in the names of what is no measurement, whatever else they say."""
 _MEASURED = re.compile(
-    r"^(?:measured|estimated|actual|current|prev|previous|gps|odom|imu)_|_actual$"
+    r"^(?:measured|estimated|actual|current|prev|previous|gps|odom|imu|debug)_|_(?:actual|debug)$"
 )
 _MEASURED_BELOW = re.compile(
     r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?"
     r"|navsat|gnss|gps|imu|vicon|mocap)/"
-    r"|(?:^|[/_])(?:image|compressed|points|depth)(?:[/_]|$)"
+    r"|(?:^|[/_])(?:image|compressed|points)(?:[/_]|$)|(?:^|/)depth(?:[/_]|$)"
 )
 """Namespaces of what is measured, and words of what is seen."""
 _MAYBE_MEASURED = re.compile(

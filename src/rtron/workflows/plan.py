@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtron.findings.inventory.node_roles import measured_topics
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import PlanProblem
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
@@ -31,7 +32,13 @@ def propose(scan: ScanResult, *, every_risk: bool = False) -> ProposedPlan:
     With `every_risk` it has coordination nodes for the other risks, too, which only observe.
     """
     commands = last_commands(scan)
-    plan = propose_plan(scan.graph, scan.report, commands, only_motion=not every_risk)
+    plan = propose_plan(
+        scan.graph,
+        scan.report,
+        commands,
+        measured=measured_topics(scan.app),
+        only_motion=not every_risk,
+    )
     known = {each.name for mover in scan.inventory for each in mover.last_commands}
     unnamed = unguardable_topics(scan.graph, scan.report, only_motion=not every_risk)
     others = (each for each in unnamed if each.location not in known)

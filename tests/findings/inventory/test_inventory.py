@@ -779,3 +779,98 @@ def test_a_light_with_a_device_obeys_no_mode():
     text = "/battery p own\n    pub /low_voltage_mode std_msgs/msg/Bool\n"
     text += "/led_node p own\n    sub /low_voltage_mode std_msgs/msg/Bool\n"
     assert inventory(text, wiring=(fact("device", "/led_node", "serial port"),)) == ()
+
+
+SERVED_BY_OTHERS = {
+    "/torpedo_detector": "/torpedo/enable",
+    "/publisher": "/toggle_bin_trajectory",
+    "/status": "/advertise_shutdown",
+    "/frames": "/set_transform_torpedo_frame",
+    "/tools": "/purge_commands",
+}
+
+
+def set_bool(node, name):
+    return Service(node=node, name=name, type="std_srvs/srv/SetBool")
+
+
+@pytest.mark.parametrize("node", SERVED_BY_OTHERS)
+def test_services_of_what_only_sees_or_shows_move_nothing(node):
+    services = (set_bool(node, SERVED_BY_OTHERS[node]),)
+    assert inventory(f"{node} own own\n", services=services) == ()
+
+
+def test_a_vague_service_of_who_commands_or_was_not_read_moves_something():
+    services = (set_bool("/teleop", "/toggle_trajectory"),)
+    found = inventory(TWO_DRIVERS + BASE, services=services)
+    assert "/toggle_trajectory" in [name for m in found for name in names(m.commands)]
+    services = (set_bool("/firmware", "/toggle_trajectory"),)
+    assert inventory(FIRMWARE, services=services, unread=("/firmware",))
+
+
+def test_who_commands_takes_goals_whatever_their_name():
+    action = "    server /wiggle own_msgs/action/Wiggle\n"
+    found = inventory(TWO_DRIVERS + action + BASE)
+    assert "/wiggle" in [name for mover in found for name in names(mover.commands)]
+
+
+def test_an_action_that_executes_something_moves_something():
+    action = "    server /programs/execute_program own_msgs/action/ExecuteProgram\n"
+    assert names(the_mover("/programs programs own\n" + action).commands) == [
+        "/programs/execute_program"
+    ]
+
+
+@pytest.mark.parametrize("name", ["calibrate_motors", "factory_calibrate_joints"])
+def test_what_calibrates_motors_moves_them(name):
+    services = (Service(node="/hw", name=f"/hw/{name}", type="std_srvs/srv/Trigger"),)
+    facts = (fact("device", "/hw", "serial port"),)
+    assert inventory("/hw hw own\n", services=services, wiring=facts)
+
+
+JOYSTICK = f"/joystick own own\n    sub /joy sensor_msgs/Joy\n    pub /cmd_vel {TWIST}\n"
+
+
+@pytest.mark.parametrize(
+    ("topic", "type"),
+    [
+        ("/ServoPose", "std_msgs/Int16MultiArray"),
+        ("/picker/gripper", "std_msgs/Bool"),
+        ("/picker/gripper_tilt", "std_msgs/Float32"),
+    ],
+)
+def test_what_a_commander_sends_to_nobody_here_leaves_the_app(topic, type):
+    found = inventory(JOYSTICK + f"    pub {topic} {type}\n" + BASE)
+    assert topic in [name for mover in found for name in names(mover.commands)]
+    sender = f"/driver driver own\n    pub {topic} {type}\n"
+    found = inventory(JOYSTICK + BASE + sender)
+    assert topic not in [name for mover in found for name in names(mover.commands)]
+
+
+@pytest.mark.parametrize("topic", ["/wheel_speed_error", "/gripper_closed", "/debug_servo"])
+def test_what_a_commander_only_tells_stays(topic):
+    type = "std_msgs/Bool" if "closed" in topic else "std_msgs/Float32"
+    found = inventory(JOYSTICK + f"    pub {topic} {type}\n" + BASE)
+    assert [name for mover in found for name in names(mover.commands)] == ["/cmd_vel", "/joy"]
+
+
+def test_a_debugged_twist_is_no_command():
+    assert inventory(f"/nav nav own\n    pub /debug_target_twist {TWIST}\n") == ()
+
+
+def test_a_driver_obeys_no_alarms_and_no_battery():
+    hears = "    sub /alarms/report own_msgs/Report\n    sub /battery own_msgs/Battery\n"
+    found = inventory(TWO_DRIVERS + BASE + hears, wiring=(fact("device", "/base", "CAN"),))
+    assert [name for mover in found for name in names(mover.commands)] == ["/cmd_vel"]
+
+
+def test_a_service_of_an_own_node_that_commands_may_move_something():
+    services = tuple(
+        Service(node="/teleop", name=f"/{name}", type="own_msgs/srv/Do")
+        for name in ("do_barrel_roll", "set_depth", "get_depth", "compute_depth", "log")
+    )
+    found = inventory(TWO_DRIVERS + BASE, services=services)
+    served = [c.name for m in found for c in m.commands if c.means is Means.SERVICE]
+    assert served == ["/do_barrel_roll", "/set_depth"]
+    others = inventory((TWO_DRIVERS + BASE).replace(" own", " third_party"), services=services)
+    assert not [c for m in others for c in m.commands if c.means is Means.SERVICE]

@@ -7,13 +7,14 @@ from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.derived_commands import DerivedCommands
+from rtron.findings.inventory.derived_commands import REPORTS, DerivedCommands
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import may_be_command, thing_of, thing_of_node
 from rtron.findings.measurement_names import may_be_measured
 from rtron.findings.motion.arbiter import arbiters, priorities
 from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, normalise_type
-from rtron.vocabulary.inventory import SIGNALS, Command, Means, Thing
+from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Thing
+from rtron.vocabulary.names import snake_case
 
 COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
 """What in a name says that it is a command."""
@@ -149,11 +150,24 @@ class CommandTopics:
         return frozenset(client.node for client in modes)
 
     def _leaves(self, topic: str) -> bool:
-        """Return whether a number that sets a part of the robot goes to nobody here."""
-        facts = self.app.facts.topic(topic)
-        is_set = _SETS.search(topic.rpartition("/")[2]) and _NUMBER.fullmatch(facts.type)
-        is_open = bool(facts.publishers) and not self.app.readers(topic)
-        return bool(is_set) and is_open and self._things[topic] in _PARTS
+        """Return whether a number that moves something goes to nobody here.
+
+        Its name says that it sets a part of the robot, or they alone send it that command motion.
+        """
+        type, senders = self.app.facts.topic(topic).type, self.app.publishers(topic)
+        thing, last = self._things[topic], snake_case(topic.rpartition("/")[2])
+        is_open = bool(senders) and not self.app.readers(topic) and not REPORTS.search(last)
+        if not is_open or thing in {None, Thing.DEVICE, *NO_MOTION}:
+            return False
+        is_set = _SETS.search(last) and thing in _PARTS and _NUMBER.fullmatch(type)
+        is_plain = type in SIGNALS and thing in _PARTS and "_" not in last
+        is_number = _NUMBER.match(type) and not may_be_measured(topic)
+        return bool(is_set or ((is_number or is_plain) and all(map(self._only_commands, senders))))
+
+    def _only_commands(self, node: str) -> bool:
+        """Return whether a node commands motion and drives nothing itself."""
+        sends = any(self.app.is_motion(end.topic) for end in self.app.graph.published_by(node))
+        return sends and not self.roles.drives(node) and not self.roles.is_called_sensor(node)
 
     def is_unnamed(self, end: Endpoint) -> bool:
         """Return whether a driver may obey a topic though neither its name nor its type tells."""

@@ -10,6 +10,8 @@ from rtron.findings.inventory.command_topics import COMMAND_NAMES, CommandTopics
 from rtron.findings.inventory.forwarding import Forwarding
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.requests import actions, services
+from rtron.findings.inventory.things import thing_of
+from rtron.vocabulary import ActionRole, Trust
 from rtron.vocabulary.inventory import NO_MOTION, SWITCHES, Command, Means, Thing
 
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
@@ -82,11 +84,49 @@ class AppCommands:
         drivers = self._drivers.union(filter(self.roles.is_controller, self.app.nodes))
         viewers = self.app.facts.viewers
         for thing, command in chain(
-            services(graph, drivers, devices, viewers), actions(graph, drivers, viewers)
+            services(graph, drivers | self._commanders, devices, viewers),
+            actions(graph, self._active, viewers),
         ):
-            is_motor = thing is Thing.BASE and command.means is Means.SERVICE
-            if not (is_motor and any(map(self.roles.is_sensor, command.receivers))):
+            if not self._is_idle_service(thing, command):
                 yield self._as_driven(thing, command)
+
+    def _is_idle_service(self, thing: Thing, command: Command) -> bool:
+        """Return whether a service moves nothing, whatever its name says, by who offers it.
+
+        A sensor turns a motor of its own. What neither drives nor commands anything only senses, or
+        has a name that says little.
+        """
+        servers = command.receivers
+        if command.means is not Means.SERVICE or not servers:
+            return False
+        if thing is Thing.BASE and any(map(self.roles.is_sensor, servers)):
+            return True
+        is_doubtful = thing is Thing.DEVICE or all(map(self.roles.is_called_sensor, servers))
+        return is_doubtful and self._active.isdisjoint(servers)
+
+    @cached_property
+    def _commanders(self) -> frozenset[str]:
+        """The app's own nodes that send commands: what they offer may change these."""
+        commands = map(self.topics.command, self._command_topics)
+        senders = set(chain.from_iterable(each.senders for each in commands))
+        nodes = (node for node in self.app.graph.nodes if node.name in senders)
+        own = (node.name for node in nodes if node.trust is Trust.OWN)
+        return frozenset(name for name in own if not self.roles.is_called_sensor(name))
+
+    @cached_property
+    def _active(self) -> frozenset[str]:
+        """The nodes that drive something, and those that command what does."""
+        graph = self.app.graph
+        senders = (node for t in self._command_topics for node in self.topics.command(t).senders)
+        callers = (
+            each.node
+            for each in graph.clients
+            if thing_of(each.name, each.type, Means.SERVICE) not in {None, Thing.DEVICE}
+        )
+        clients = (each.node for each in graph.actions if each.role is ActionRole.CLIENT)
+        near = self.roles.beside_hardware.union(filter(self.roles.drives, self.app.nodes))
+        devices = (node for node in near if not self.roles.is_called_sensor(node))
+        return self._drivers.union(senders, callers, clients, devices, self.app.unread_nodes)
 
     def _any_drives(self, nodes: Iterable[str]) -> bool:
         return any(map(self.roles.may_drive, nodes))

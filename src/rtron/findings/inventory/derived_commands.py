@@ -18,7 +18,9 @@ from rtron.vocabulary.inventory import NO_MOTION, Means, Thing
 
 _NUMBER = re.compile(r"std_msgs/(?:U?Int|Float)\d+")
 _NUMBERS = re.compile(rf"{_NUMBER.pattern}MultiArray|geometry_msgs/Wrench(?:Stamped)?")
-_REPORTS = re.compile(r"error|debug|feedback|actual|measured|current|target|desired|reference")
+REPORTS = re.compile(
+    r"error|debug|state|status|feedback|actual|measured|current|target|desired|reference"
+)
 """Words in the names of what a controller tells of its work."""
 
 
@@ -64,7 +66,7 @@ class DerivedCommands:
 
     def _leaves(self, end: Endpoint) -> bool:
         """Return whether nobody here hears numbers whose name moves something."""
-        if self.app.readers(end.topic) or _REPORTS.search(end.topic.rpartition("/")[2]):
+        if self.app.readers(end.topic) or REPORTS.search(end.topic.rpartition("/")[2]):
             return False
         type = normalise_type(end.type)
         is_number = _NUMBER.fullmatch(type) and self.roles.is_called_driver(end.node)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.measurement_names import is_called_sensor
+from rtron.findings.measurement_names import is_called_sensor, is_measured, may_be_measured
 from rtron.findings.motion.network_bridge import carriers
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary import Node, WiringFact, WiringFactKind, normalise_type
@@ -87,6 +87,10 @@ class NodeRoles:
         obeyed = (end.topic for end in self.app.graph.subscribed_by(node))
         return not types.isdisjoint(_SCANS_AND_IMAGES) and not any(map(self.app.is_motion, obeyed))
 
+    def is_called_sensor(self, node: str) -> bool:
+        """Return whether the names of a node and its package say that it moves nothing."""
+        return node in self.app.nodes and is_called_sensor(self.app.nodes[node])
+
     def measures_motion(self, node: str, *, is_driver: bool) -> bool:
         """Return whether a node senses where it is or how it moves; a driver by odometry, too."""
         types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
@@ -105,6 +109,22 @@ class NodeRoles:
         commands = (n for n in named if any(self.app.is_motion(e.topic) for e in sends(n)))
         drivers = (n for n in named - showing if self.drives(n) or self.is_called_driver(n))
         return frozenset(named.difference(commands, drivers))
+
+    def only_measures(self, topic: str) -> bool:
+        """Return whether a topic of motion commands nothing.
+
+        Those alone hear it that obey nothing, or sensors send it, its name says that it was
+        measured, and no driver hears it.
+        """
+        readers, senders = self.app.readers(topic), self.app.publishers(topic)
+        if self.app.is_stop(topic) or any(map(self.may_obey, readers)):
+            return False
+        is_named = is_measured(topic) or may_be_measured(topic)
+        is_sensed = is_named and bool(senders) and all(map(self._measures, senders))
+        return is_sensed or (bool(readers) and not any(map(self.obeys, readers)))
+
+    def _measures(self, node: str) -> bool:
+        return self.is_called_sensor(node) or self.measures_motion(node, is_driver=False)
 
     def drives(self, node: str) -> bool:
         """Return whether a node stands next to hardware or a simulation."""
@@ -136,6 +156,11 @@ def unread_drivers(app: AppFacts) -> list[str]:
     others = carriers(app)
     nodes = (app.nodes[name] for name in app.unread_nodes if name not in others)
     return [n.name for n in nodes if moves(n.name, n.package) and not is_called_sensor(n)]
+
+
+def measured_topics(app: AppFacts) -> frozenset[str]:
+    """Return the topics that look like commands of motion and command nothing."""
+    return frozenset(filter(NodeRoles(app).only_measures, app.motion_topics))
 
 
 def _has_word(node: Node, pattern: re.Pattern[str]) -> bool:

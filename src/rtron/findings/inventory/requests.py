@@ -46,9 +46,9 @@ def services(
 
 
 def actions(
-    graph: InteractionGraph, drivers: Collection[str], viewers: Collection[str]
+    graph: InteractionGraph, active: Collection[str], viewers: Collection[str]
 ) -> Iterator[tuple[Thing, Command]]:
-    """Yield the actions that move something; whatever a driver serves may.
+    """Yield the actions that move something; whatever they serve that drive or command may.
 
     A viewer's button for what is not there moves nothing.
     """
@@ -57,7 +57,7 @@ def actions(
     for name, type in sorted({(each.name, each.type) for each in graph.actions}):
         servers, clients = serving[name], asking[name]
         thing = thing_of(name, type, Means.ACTION)
-        if thing is None and not servers.isdisjoint(drivers):
+        if thing is None and not servers.isdisjoint(active) and may_be_command(name, type):
             thing = Thing.DEVICE
         if _is_unnamed(name) or any(word in type for word in _COMPUTING):
             continue

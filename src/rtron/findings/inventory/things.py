@@ -60,7 +60,7 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     ),
     (Thing.MODE, "mode modes autonomous autonomy manual teleop mission authority"),
     (Thing.DEVICE, "cmd cmds command commands control setpoint setpoints trajectory desired"),
-    (Thing.DEVICE, "actuator actuators"),
+    (Thing.DEVICE, "actuator actuators execute"),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
 _STOP_PARTS = ("e_stop", "emergency", "run_stop")
@@ -71,15 +71,17 @@ _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _HARMLESS = re.compile(
-    r"_get_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect)(?:_|$)"
+    r"_get_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect"
+    r"|compute|create|delete|purge|scan|advertise|publish)(?:_|$)|^set_\w*(?:transform|frame)s?(?:_|$)"
     r"|^clear_\w*maps?$|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
-    r"|image|camera_info|calibrat\w+|parameters?|logger\w*|diagnostics|tf|pose_estimate|status"
+    r"|image|camera_info|calibrat(?!\w*(?:motor|joint|axis|axes|servo))\w+|parameters?|logger\w*|detections?|diagnostics|tf|pose_estimate|status"
     r"|(?<!component_)state|states|running|saved|log|feedback|info|marker\w*|initialpose|clicked_point|measured|estimated?|position_estimate)$"
 )
 """Last names of what reads, shows or estimates."""
-_SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps))")
+_SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps|transform|frame))")
 _ON_REQUEST = re.compile(
-    r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps"
+    r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps|alarms?"
+    r"|reports?|battery|voltage"
     r"|record\w*|snapshot|photo|video|camera|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
 )
 """Words in the names of what a driver hears that is no command."""
@@ -134,7 +136,7 @@ def is_harmless(name: str, type: str) -> bool:
 def may_be_command(name: str, type: str) -> bool:
     """Return whether what a driver hears may be a command, whatever neither name nor type says."""
     is_other = _ON_REQUEST.search(_last_part(name)) or _SHOWS.search(name.lower())
-    return not (is_other or is_harmless(name, type))
+    return not (is_other or is_harmless(name, type) or _is_of_nav2(_plain_type(type)))
 
 
 def may_be_derived(name: str, type: str) -> bool:

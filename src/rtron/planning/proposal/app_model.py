@@ -1,6 +1,6 @@
 """The app that a plan is made for: a graph and its risks, with the answers that planning needs."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -31,21 +31,23 @@ _MOVING = (Domain.PLANNING, Domain.CONTROL)
 class AppModel:
     """A graph and the report on it; the goals of ROS 2's actions are topics here, too.
 
-    `last_commands` are those of `propose_plan`.
+    `last_commands` and `measured` are those of `propose_plan`.
     """
 
     graph: InteractionGraph
     report: RiskReport
     last_commands: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    measured: Collection[str] = ()
 
     @staticmethod
     def from_graph(
         graph: InteractionGraph,
         report: RiskReport,
         last_commands: Mapping[str, tuple[str, ...]],
+        measured: Collection[str] = (),
     ) -> "AppModel":
         """Return the site of a graph as it was read."""
-        return AppModel(with_goal_topics(graph), report, last_commands)
+        return AppModel(with_goal_topics(graph), report, last_commands, measured)
 
     @cached_property
     def viewers(self) -> frozenset[str]:
@@ -116,7 +118,7 @@ class AppModel:
         """Tell whether a topic moves the robot, and more than parts of one process or stack."""
         nodes = {*self.publishers(topic), *self.successors(topic)}
         is_moving = self.classify(topic).domain in _MOVING and not self._sources.is_internal(nodes)
-        return topic in self.last_commands or is_moving
+        return topic in self.last_commands or (is_moving and topic not in self.measured)
 
     def type_of(self, topic: str) -> str:
         """Return the type that the publishers use, or else the subscribers."""
@@ -161,6 +163,7 @@ class AppModel:
             topic_class.domain not in _MOVING
             or topic_class.sharing is Sharing.MERGE
             or is_action_part
+            or (topic in self.measured and topic not in self.last_commands)
         ):
             return False
         endpoints = (e for name in self._client_topics(topic) for e in self.graph.publishers(name))

@@ -61,6 +61,7 @@ def propose_plan(
     report: RiskReport,
     last_commands: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
     *,
+    measured: Collection[str] = (),
     only_motion: bool = False,
 ) -> Plan:
     """Return a plan with a GRCN for each topic of a general risk, and the others as risks ask.
@@ -71,9 +72,10 @@ def propose_plan(
 
     `last_commands` are topics that nodes next to the hardware obey, or that leave the app, each
     with the nodes that may obey it and were not read. Each has a GRCN though only one node, or
-    none, is known to publish or to obey it, which keeps others out.
+    none, is known to publish or to obey it, which keeps others out. `measured` are topics that
+    look like commands of motion and command nothing: no plan guards them.
     """
-    app = AppModel.from_graph(graph, report, last_commands)
+    app = AppModel.from_graph(graph, report, last_commands, measured)
     guardable = filter(app.can_guard, _risky_topics(app))
     topics = filter(app.moves, guardable) if only_motion else guardable
     found = (_grcn(app, name) for name in topics)

@@ -160,6 +160,10 @@ class WorkspaceSources:
         """Return where a package lies."""
         return self.workspace.packages.get(package)
 
+    def package_names(self) -> tuple[str, ...]:
+        """Return the names of the packages of the workspace."""
+        return tuple(sorted(self.workspace.packages))
+
     def is_dependency(self, package: str, path: Path) -> bool:
         """Tell whether the package of a file says that it depends on another, or it is here."""
         own = self.workspace.package_of(path)

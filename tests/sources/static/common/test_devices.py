@@ -51,6 +51,7 @@ def cpp(text):
         ("import spidev", "SPI"),
         ("    import RPi.GPIO as GPIO", "GPIO"),
         ("import can", "CAN"),
+        ("import lcm", "LCM"),
         ("from dynamixel_sdk import PortHandler", "servo bus"),
         ("import odrive", "motor controller"),
         ("import pyvesc", "motor controller"),

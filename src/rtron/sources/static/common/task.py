@@ -157,6 +157,10 @@ class TrackedFiles:
         """Return where a package lies."""
         return self.files.package_path(package)
 
+    def package_names(self) -> tuple[str, ...]:
+        """Return the names of the packages of the workspace."""
+        return self.files.package_names()
+
     def is_dependency(self, package: str, path: Path) -> bool:
         """Tell whether the package of a file says that it depends on another."""
         return self.files.is_dependency(package, path)

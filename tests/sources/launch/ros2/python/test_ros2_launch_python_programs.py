@@ -177,6 +177,56 @@ def generate_launch_description():
     assert [(one.full_name, one.program) for one in app.starts] == [("/drivers/left", "driver")]
 
 
+HELPER = """
+import importlib.util
+def declared(path):
+    spec = importlib.util.spec_from_file_location('other', path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    found = module.generate_launch_description().get_launch_arguments()
+    return [(each.name, each.choices) for each in found]
+def include(config):
+    from ament_index_python import get_package_share_path, get_search_paths
+    installed = [path.split('/')[-1] for path in get_search_paths()]
+    actions = []
+    for name, given in config.items():
+        package = name if name in installed else f'my_{name}'
+        path = str(get_package_share_path(package) / 'launch' / f'{name}.launch.py')
+        if not os.path.exists(path):
+            raise ValueError(path)
+        for key in given:
+            if key not in [known for known, _ in declared(path)]:
+                raise ValueError(key)
+        source = PythonLaunchDescriptionSource(path)
+        actions.append(IncludeLaunchDescription(source, launch_arguments=list(given.items())))
+    return LaunchDescription(actions)
+"""
+
+
+def test_a_helper_includes_the_launch_files_of_packages_by_their_names(program, package):
+    (package / "launch" / "pkg.launch.py").write_text("""
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+def generate_launch_description():
+    name = LaunchConfiguration('name')
+    return LaunchDescription([DeclareLaunchArgument('name'),
+                              Node(package='p', executable='e', name=name)])
+""")
+    text = "def generate_launch_description():\n    return include({'pkg': {'name': 'a'}})\n"
+    app = program(HELPER + text)
+    assert names(app) == ["/a"]
+    assert app.unresolved == ()
+
+
+def test_a_helper_that_loads_what_is_not_here_is_noted_with_readable_names(program):
+    text = "def generate_launch_description():\n    return include({'other': {'name': 'a'}})\n"
+    assert "import of {find-pkg-share my_other}/launch/other.launch.py" in {
+        note.what for note in program(HELPER + text).unresolved
+    }
+
+
 def test_one_of_two_nodes(program):
     app = program(f"""
 def generate_launch_description():

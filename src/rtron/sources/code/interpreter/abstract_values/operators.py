@@ -64,6 +64,8 @@ _COMPARISONS: Mapping[str, Callable[[Any, Any], Any]] = {
 }
 
 
+ARRAY = "ndarray"
+"""The kind of a list that is an array of numpy."""
 _SETS: Mapping[str, Callable[[Any, Any], Any]] = {
     "|": operator.or_,
     "&": operator.and_,
@@ -74,6 +76,8 @@ _SETS: Mapping[str, Callable[[Any, Any], Any]] = {
 
 def binary(name: str, left: Value, right: Value) -> Value:
     """Return `left name right` over every option of both."""
+    if name not in {"in", "not in"} and (_is_array(left) or _is_array(right)):
+        return Unknown("array")
     if not isinstance(left, Choice) and not isinstance(right, Choice):
         return _binary(name, left, right)
     pairs = [(one, other) for one in options(left) for other in options(right)]
@@ -117,6 +121,11 @@ def _combine_containers(name: str, left: ListValue | MapValue, right: Value) -> 
     if name in _SETS and is_set(left) and isinstance(right, ListValue):
         return _combine_sets(name, left, right)
     return _arithmetic(name, left, right)
+
+
+def _is_array(value: Value) -> bool:
+    """Tell whether a value is an array of numpy, of which each item is computed by itself."""
+    return isinstance(value, ListValue) and value.kind == ARRAY
 
 
 def is_set(value: Value) -> TypeGuard[ListValue]:

@@ -39,6 +39,20 @@ def choose_overload(functions: tuple[Function, ...], arguments: Arguments) -> Fu
     return max(fitting, key=lambda function: _score(function, arguments))
 
 
+def hides(inner: tuple[Function, ...], outer: tuple[Function, ...]) -> bool:
+    """Tell whether methods of a class only hide those of its base, which its base's code calls.
+
+    A method overrides one of the same parameters; no other is visible in the base.
+    """
+    has_body = any(function.body is not None for function in outer)
+    return has_body and set(map(_type_names, inner)).isdisjoint(map(_type_names, outer))
+
+
+def _type_names(function: Function) -> tuple[str, ...]:
+    types = (param.type for param in function.params)
+    return tuple(type.name.rpartition("::")[2] if type else "" for type in types)
+
+
 def _of_types(functions: tuple[Function, ...], arguments: Arguments) -> tuple[Function, ...]:
     """Return the functions that are specialised for a call's types, else those for any."""
     fitting = [f for f in functions if f.specialised == arguments.types[: len(f.specialised)]]

@@ -23,6 +23,7 @@ from rtron.sources.code.interpreter.cpp.calls import copy_container
 from rtron.sources.code.interpreter.cpp.held_values import PLACE_TAGS, place_tag
 from rtron.sources.code.interpreter.cpp.iterators import dereference
 from rtron.sources.code.interpreter.cpp.objects import CppObjects
+from rtron.sources.code.interpreter.cpp.overload_resolution import hides
 from rtron.sources.code.interpreter.cpp.types import bound_overloads, unqualified_names
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -226,28 +227,25 @@ class CppRuntime(CppObjects):
             return None
         if "::" in name.id:
             return self._base_method(name.id, frame)
-        return self._instance_member(frame.this, name.id, name.types)
+        found = self._instance_member(frame.this, name.id, name.types)
+        if not isinstance(found, FunctionValue) or found.cls is frame.cls or frame.cls is None:
+            return found
+        own = self.overloads(f"{frame.cls.name}::{name.id}")
+        return bound_overloads(own, frame.this, frame.cls) if hides(found.overloads, own) else found
 
     def _base_method(self, name: str, frame: StackFrame) -> Value | None:
         """`Base::run` inside a class: that base's own method, bound to this."""
         owner, _, method = name.rpartition("::")
-        definition = self.symbols.class_named(owner, frame.scope)
-        if definition is None or not isinstance(frame.this, Instance):
-            return self._library_base_method(owner, method, frame)
-        if definition.name not in self.ancestor_names(frame.this):
-            return None
-        functions = self.overloads(f"{definition.name}::{method}")
-        if not functions:
-            return None
-        return bound_overloads(functions, frame.this, self._class_value(definition))
-
-    def _library_base_method(self, owner: str, method: str, frame: StackFrame) -> Value | None:
-        """`rclcpp::Node::shared_from_this` inside a class that extends it."""
         base = self.class_of(TypeRef(owner), frame)
-        if not isinstance(base, LibraryClass) or not isinstance(frame.this, Instance):
+        if base is None or not isinstance(frame.this, Instance):
             return None
-        call = base.methods.get(method) if base in self.lineage(frame.this.type) else None
-        return LibraryFunction(method, call, frame.this) if call is not None else None
+        if base not in self.lineage(frame.this.type):
+            return None
+        if isinstance(base, LibraryClass):
+            call = base.methods.get(method)
+            return LibraryFunction(method, call, frame.this) if call is not None else None
+        functions = self.overloads(f"{base.name}::{method}")
+        return bound_overloads(functions, frame.this, base) if functions else None
 
     def _outer_name(self, name: Name, frame: StackFrame) -> Value:
         found = self._template_parameter(name, frame) or _copy_constant(

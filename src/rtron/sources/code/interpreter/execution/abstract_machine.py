@@ -20,6 +20,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     ClassValue,
     FunctionValue,
     Instance,
+    LibraryClass,
     LibraryFunction,
     ListValue,
     MapValue,
@@ -260,10 +261,11 @@ class AbstractMachine:
         return True
 
     def forget_references(self, function: Function, arguments: Arguments) -> None:
-        """Forget what a function gets by reference that is not run, or not to its end."""
+        """Forget what a function gets by reference that is not run to its end, but node handles."""
         for param, slot in zip(function.params, arguments.slots, strict=False):
-            if param.reference and slot is not None:
-                before = slot.holder.get(slot.key)
+            before = slot.holder.get(slot.key) if slot is not None else None
+            is_handle = isinstance(before, Instance) and isinstance(before.type, LibraryClass)
+            if param.reference and slot is not None and not is_handle:
                 after = Unknown(slot.label, is_tainted(before) if before else False)
                 self.undo_log.set(*slot, after)
 

@@ -18,7 +18,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import (
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.assignment import assign
 from rtron.sources.code.interpreter.execution.calls import callee_name, dispatch, truth_of
-from rtron.sources.code.interpreter.execution.exceptions import catches
+from rtron.sources.code.interpreter.execution.exceptions import catches, is_caught
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import With
 
@@ -52,7 +52,7 @@ def _run_leaving(
     left = _call_method(machine, manager, ("__exit__", "__aexit__"), at)
     goes_on = left is not None and truth_of(machine, left) is not False
     if error is not None and not goes_on:
-        if any(catches(names, error) for names in machine.active_handlers):
+        if is_caught(machine.active_handlers, error):
             raise error
         return "raise"
     return None if goes_on and outcome == "raise" else outcome

@@ -7,6 +7,7 @@ reference fails.
 """
 
 import re
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -134,6 +135,11 @@ def call_may_throw(called: Value, arguments: Arguments, returned: Value) -> bool
 
 def _is_scalar_of(value: Value, kind: type | None) -> bool:
     return isinstance(value, Scalar) and (kind is None or type(value.value) is kind)
+
+
+def is_caught(handlers: Iterable[tuple[str, ...]], thrown: "ThrownError") -> bool:
+    """Tell whether one of the handlers around what runs takes an exception."""
+    return any(catches(names, thrown) for names in handlers)
 
 
 def catches(names: tuple[str, ...], thrown: "ThrownError") -> bool:

@@ -31,6 +31,9 @@ class SourceProvider(Protocol):
     def package_path(self, package: str) -> Path | None:
         """Return where a package lies."""
 
+    def package_names(self) -> tuple[str, ...]:
+        """Return the names of the packages of the workspace."""
+
     def is_dependency(self, package: str, path: Path) -> bool:
         """Tell whether the package of a file says that it depends on another."""
 

@@ -23,7 +23,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import (
 from rtron.sources.code.interpreter.execution.assignment import assign, remove_element, slot_of
 from rtron.sources.code.interpreter.execution.calls import truth_of
 from rtron.sources.code.interpreter.execution.context_managers import run_with
-from rtron.sources.code.interpreter.execution.exceptions import catches
+from rtron.sources.code.interpreter.execution.exceptions import catches, is_caught
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime, python_runtime
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.interpreter.execution.undo_log import Write
@@ -161,7 +161,7 @@ def _raise(machine: AbstractMachine, node: Raise, frame: StackFrame) -> Outcome:
     """Leave for the handler that catches it; without one, only this function ends."""
     value = machine.evaluate(node.value, frame) if node.value is not None else None
     thrown = _thrown_error(machine, node.value, value)
-    if not any(catches(names, thrown) for names in machine.active_handlers):
+    if not is_caught(machine.active_handlers, thrown):
         machine.possible_throws += 1
         return "raise"
     raise thrown

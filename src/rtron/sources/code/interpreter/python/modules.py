@@ -78,6 +78,10 @@ class PythonModules:
         self.machine.execute(unit.body, frame)
         return module
 
+    def load_module(self, path: Path, name: str) -> ModuleValue:
+        """Return the module of a file, which runs once."""
+        return self._modules.get(path) or self.run_module(path, name)
+
     def version(self) -> int:
         """Return a number that changes when the program's functions do."""
         return len(self._modules)
@@ -204,7 +208,7 @@ class PythonModules:
             self.is_library(dotted) and not self._is_in_script_folder(path, dotted)
         ):
             return ExternalSymbol(dotted)
-        return self._modules.get(path) or self.run_module(path, dotted)
+        return self.load_module(path, dotted)
 
     def _note_missing(self, node: Import, importer: Path) -> None:
         """Note a module of the workspace that is not there; what a build makes is none."""
@@ -236,7 +240,7 @@ class PythonModules:
         dotted = f".{name}" if beside else f"{owner.name}.{name}"
         path = self.files.python_module(dotted, file)
         if path is not None:
-            return self._modules.get(path) or self.run_module(path, f"{owner.name}.{name}")
+            return self.load_module(path, f"{owner.name}.{name}")
         return python_message_type(f"{owner.name}.{name}")
 
     def _library_members(self, prefix: str) -> dict[str, Value]:

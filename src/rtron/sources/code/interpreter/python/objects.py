@@ -76,6 +76,7 @@ class PythonObjects(PythonModules):
     _method_orders: MethodResolutionOrders = field(default_factory=MethodResolutionOrders)
     _library_bases: dict[str, Value] = field(default_factory=dict)
     _handed_classes: list[ClassValue] = field(default_factory=list)
+    _classes: list[ClassValue] = field(default_factory=list)
 
     def method_names(self, definition: Class) -> list[str]:
         """Return the names of the methods that a class defines itself."""
@@ -190,6 +191,9 @@ class PythonObjects(PythonModules):
             return Scalar(owner.name)
         if name == "__dict__" and isinstance(owner, ClassValue):
             return members_of(owner)
+        if name == "__subclasses__":
+            heirs = list_of([cls for cls in self._classes if owner in cls.bases])
+            return LibraryFunction(name, lambda *_: heirs)
         return _first_member(self.lineage(owner), name)
 
     def _create_class(self, definition: Class, frame: StackFrame) -> ClassValue:
@@ -201,9 +205,9 @@ class PythonObjects(PythonModules):
         bases = [each for base in found for each in self._with_node(base, definition)]
         body = StackFrame(file=frame.file, closure=frame, body="class")
         self.machine.execute(definition.body, body)
-        return self.finish_class(
-            ClassValue(definition, self.base_classes(bases), body.variables, closure=frame), frame
-        )
+        made = ClassValue(definition, self.base_classes(bases), body.variables, closure=frame)
+        self._classes.append(made)
+        return self.finish_class(made, frame)
 
     def finish_class(self, made: ClassValue, frame: StackFrame) -> ClassValue:
         """Do what Python does once a class's body has run."""

@@ -7,7 +7,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.exceptions import catches
+from rtron.sources.code.interpreter.execution.exceptions import is_caught
 
 _THROWN = ("CreateClassException", "PluginlibException", "runtime_error", "exception")
 
@@ -16,7 +16,7 @@ def throw_for_another_base(machine: AbstractMachine, name: Value) -> None:
     """Throw what pluginlib throws for a class of another base, if that is caught."""
     thrown, files = ThrownError(*_THROWN), machine.runtime.files
     is_here = isinstance(name, Scalar) and files.is_plugin(str(name.value))
-    if is_here and any(catches(names, thrown) for names in machine.active_handlers):
+    if is_here and is_caught(machine.active_handlers, thrown):
         raise thrown
 
 

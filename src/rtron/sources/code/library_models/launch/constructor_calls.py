@@ -30,7 +30,7 @@ from rtron.sources.code.library_models.launch.signatures import (
     CLASSES_BY_MODULE,
     POSITIONAL_PARAMETERS,
 )
-from rtron.sources.code.library_models.python_std.paths import PathString
+from rtron.sources.code.library_models.python_std.package_paths import as_path
 from rtron.sources.launch.ros2.substitutions.template import placeholder
 
 
@@ -52,8 +52,7 @@ def find_package_share(machine: AbstractMachine, _: object, arguments: Arguments
 
 
 def _share_path(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    found = find_package_share(machine, None, arguments)
-    return Scalar(PathString(found.value)) if isinstance(found, Scalar) else found
+    return as_path(find_package_share(machine, None, arguments))
 
 
 def _package_prefix(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
@@ -128,6 +127,22 @@ def _add_entity(machine: AbstractMachine, owner: Instance, arguments: Arguments)
     return LIST_METHODS["append"](machine, owner.fields[ENTITIES_FIELD], added)
 
 
+def _launch_arguments(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+    """`description.get_launch_arguments()`; what it includes may declare more."""
+    entities, certain = items_of(owner.fields.get(ENTITIES_FIELD, NONE))
+    declared = [
+        Instance(each.type, {**_OPTIONAL_OF_ARGUMENTS, **each.fields})
+        for each in entities
+        if isinstance(each, Instance) and launch_class_name(each) == "DeclareLaunchArgument"
+    ]
+    return list_of(declared, certain=certain and len(declared) == len(entities))
+
+
+_OPTIONAL_OF_ARGUMENTS: Mapping[str, Value] = dict.fromkeys(
+    ("default_value", "description", "choices"), NONE
+)
+
+
 def _join_path(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`path / part`, as substitutions that make paths have it."""
     parts = list_of((owner, arguments.get(0) or NONE))
@@ -159,6 +174,7 @@ def _perform_substitutions(_: AbstractMachine, __: object, arguments: Arguments)
 _METHODS: dict[str, Callable[..., Value]] = {
     "add_action": _add_entity,
     "add_entity": _add_entity,
+    "get_launch_arguments": _launch_arguments,
     "perform": _perform_self,
     "evaluate": _perform_self,
     "find": find_package_share,

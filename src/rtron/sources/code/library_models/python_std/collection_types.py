@@ -8,6 +8,7 @@ from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
+from rtron.sources.code.interpreter.abstract_values.operators import ARRAY
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     OPEN,
@@ -225,7 +226,16 @@ def _wraps(_: AbstractMachine, __: object, ___: Arguments) -> Value:
     return LibraryFunction("wraps", lambda machine, owner, arguments: arguments.get(0) or NONE)
 
 
+def _array(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+    """`numpy.array(values)`."""
+    given = arguments.get(0, "object") or NONE
+    if not isinstance(given, ListValue):
+        return Unknown("array")
+    return list_of(given.items, ARRAY, certain=not given.open)
+
+
 _CALLS: Mapping[str, Callable[..., Value]] = {
+    **dict.fromkeys(("numpy.array", "numpy.asarray"), _array),
     "collections.defaultdict": _default_dict,
     "collections.namedtuple": _named_tuple,
     **dict.fromkeys(("functools.partial", "functools.partialmethod"), _partial),

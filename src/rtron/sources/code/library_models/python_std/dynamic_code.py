@@ -211,8 +211,8 @@ _ROSPY_INTERNALS = (
 )
 _CODE_RUNNERS = (
     *("builtins.exec", "code.InteractiveInterpreter", "ctypes.CDLL", "ctypes.PyDLL"),
-    *("ctypes.cdll.LoadLibrary", "imp.load_source", "imp.load_module"),
-    *("importlib.util.spec_from_file_location", "runpy.run_module", "runpy.run_path"),
+    *("ctypes.cdll.LoadLibrary", "imp.load_module"),
+    *("runpy.run_module", "runpy.run_path"),
 )
 _CALLS: Mapping[str, Callable[..., Value]] = {
     "builtins.eval": _eval,

@@ -16,6 +16,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.exceptions import is_caught
 from rtron.sources.code.library_models.common.containers import LIST_METHODS, LibraryMethods
 from rtron.sources.code.library_models.common.trivial_functions import return_owner
 
@@ -32,8 +33,10 @@ def next_item(machine: AbstractMachine, owner: Value, default: Value | None) -> 
         if owner.kind in ITERATORS:
             machine.undo_log.set(owner.fields, "items", tuple(rest))
         return first
-    if default is None and machine.active_handlers:
-        raise ThrownError("StopIteration")
+    if default is None and is_caught(
+        machine.active_handlers, ended := ThrownError("StopIteration")
+    ):
+        raise ended
     return default or Unknown("next")
 
 

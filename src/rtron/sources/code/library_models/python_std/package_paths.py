@@ -5,6 +5,7 @@ In a workspace a package's share folder is the package itself.
 
 from collections.abc import Callable, Mapping
 
+from rtron.sources.code.interpreter.abstract_values.items import list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
     NONE,
@@ -34,8 +35,20 @@ def _package_folder(machine: AbstractMachine, _: object, arguments: Arguments) -
 
 def _package_path(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     """`get_package_share_path(name)`: a `pathlib.Path`."""
-    found = _package_folder(machine, None, arguments)
-    return Scalar(PathString(found.value)) if isinstance(found, Scalar) else found
+    return as_path(_package_folder(machine, None, arguments))
+
+
+def as_path(text: Value) -> Value:
+    """Return the path that a text says, where it is known."""
+    return map_options(
+        text, lambda one: Scalar(PathString(one.value)) if isinstance(one, Scalar) else one
+    )
+
+
+def _search_paths(machine: AbstractMachine, _: object, __: Arguments) -> Value:
+    """`get_search_paths()`: colcon installs each package of a workspace below its own name."""
+    names = machine.runtime.files.package_names()
+    return list_of([Scalar(f"/install/{name}") for name in names])
 
 
 def _resource_file(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
@@ -72,6 +85,7 @@ PACKAGE_PATHS: Mapping[str, Callable[..., Value]] = {
         for name, call in (
             ("get_package_share_directory", _package_folder),
             ("get_package_share_path", _package_path),
+            ("get_search_paths", _search_paths),
         )
     },
 }

@@ -24,6 +24,7 @@ from rtron.sources.code.library_models.python_std.data_classes import DATACLASSE
 from rtron.sources.code.library_models.python_std.data_files import DATA_FILE_FUNCTIONS
 from rtron.sources.code.library_models.python_std.dynamic_code import DYNAMIC_CODE_FUNCTIONS
 from rtron.sources.code.library_models.python_std.environment import environment_value, getenv
+from rtron.sources.code.library_models.python_std.module_files import MODULE_FILES
 from rtron.sources.code.library_models.python_std.package_paths import PACKAGE_PATHS
 from rtron.sources.code.library_models.python_std.paths import PYTHON_PATHS
 from rtron.sources.code.library_models.python_std.processes import PROCESSES
@@ -93,6 +94,7 @@ PYTHON_LIBRARY: Mapping[str, Value] = {
     **PYTHON_COLLECTIONS,
     **DATA_FILE_FUNCTIONS,
     **DYNAMIC_CODE_FUNCTIONS,
+    **MODULE_FILES,
     **PYTHON_PATHS,
     **PROCESSES,
     **ROSLAUNCH_API,

@@ -14,7 +14,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.exceptions import catches
+from rtron.sources.code.interpreter.execution.exceptions import is_caught
 from rtron.sources.code.library_models.ros2_common.nodes import node_name
 from rtron.sources.code.library_models.ros2_common.parameter_types import type_name
 from rtron.sources.code.library_models.ros2_common.parameters import (
@@ -45,7 +45,11 @@ def record_mistyped(
     if not (declared and isinstance(name, Scalar) and isinstance(owner, Scalar)):
         return
     given = _given_type(machine, node, name)
-    if given in {"", declared} or not _is_typed(arguments) or _is_caught(machine):
+    if (
+        given in {"", declared}
+        or not _is_typed(arguments)
+        or is_caught(machine.active_handlers, _THROWN)
+    ):
         return
     machine.recorder.add_mistyped(
         MistypedParameter(
@@ -73,7 +77,3 @@ def _given_type(machine: AbstractMachine, node: Value, name: Scalar) -> str:
 def _is_typed(arguments: Arguments) -> bool:
     """Tell whether a declaration has no descriptor that may ask for any type, and no flags."""
     return len(arguments.values) <= 2 and not arguments.keywords.keys() - {"name", "value"}  # noqa: PLR2004 - a name and a default
-
-
-def _is_caught(machine: AbstractMachine) -> bool:
-    return any(catches(names, _THROWN) for names in machine.active_handlers)

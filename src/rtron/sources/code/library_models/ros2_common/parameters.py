@@ -24,7 +24,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.exceptions import is_fully_known
+from rtron.sources.code.interpreter.execution.exceptions import is_caught, is_fully_known
 from rtron.sources.code.library_models.ros1_common.names import abstract_value
 from rtron.sources.code.library_models.ros2_common.nodes import (
     NAME_FIELD,
@@ -77,8 +77,9 @@ def read_node_parameter(machine: AbstractMachine, node: Value, name: Value) -> V
     found = node_parameter_value(machine, node, name)
     if found is None or not (is_fully_known(found) and is_declared(machine, node, name)):
         machine.possible_throws += 1
-    if is_unset(found) and machine.active_handlers:
-        raise ThrownError("ParameterUninitializedException", has_unknown_bases=True)
+    thrown = ThrownError("ParameterUninitializedException", has_unknown_bases=True)
+    if is_unset(found) and is_caught(machine.active_handlers, thrown):
+        raise thrown
     return Unknown("parameter", tainted=True) if found is None else found
 
 

@@ -24,6 +24,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.exceptions import is_caught
 from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_none,
@@ -91,8 +92,8 @@ def _get_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Val
     name = resolve_name(machine, arguments.value(0, "param_name"))
     default, found = arguments.get(1, "default"), parameter_value(machine, name)
     if found is None and default is None:
-        if machine.active_handlers:
-            raise ThrownError("KeyError")
+        if is_caught(machine.active_handlers, missing := ThrownError("KeyError")):
+            raise missing
         return Unknown(text_with_holes(arguments.get(0, "param_name") or NONE), tainted=True)
     if found is None:
         return _tainted_value(default)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -53,6 +53,7 @@ from rtron.sources.launch.ros2.python.callbacks import LaunchCallbacks
 from rtron.sources.launch.ros2.python.nav2_common import FILE_SUBSTITUTIONS
 from rtron.sources.launch.ros2.python.substitutions import SubstitutionTranslator, value_of
 from rtron.sources.launch.ros2.python.xacro_module import XacroModule
+from rtron.sources.launch.ros2.substitutions.template import display_text
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.vocabulary import Evidence, UnresolvedItem
 
@@ -211,7 +212,8 @@ class _PythonLaunchFile:
             self.front_end.evaluator.limits.count_steps(
                 self.path, self.machine.steps_taken - before
             )
-            notes = self.machine.recorder.result().unresolved
+            found = self.machine.recorder.result().unresolved
+            notes = (replace(note, what=display_text(note.what)) for note in found)
             self.front_end.unresolved.extend(
                 note for note in notes if note not in self.front_end.unresolved
             )
