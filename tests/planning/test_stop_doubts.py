@@ -2,8 +2,7 @@
 
 import pytest
 
-from rtron.planning.plan_doubts import void_value_warnings
-from rtron.planning.stop_doubts import stop_doubts
+from rtron.planning.plan_doubts import stop_doubts, void_value_warnings
 from rtron.vocabulary import RSRCN, SECOND, Mode, Plan, PolicyName, StopProfile
 
 MS = SECOND // 1000

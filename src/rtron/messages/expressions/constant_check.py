@@ -140,8 +140,8 @@ def _outer(words: _Words) -> Iterator[tuple[int, str]]:
 
 def _split(words: _Words, separator: str) -> list[_Words]:
     places = [index for index, word in _outer(words) if word == separator]
-    starts, ends = [0, *(place + 1 for place in places)], [*places, len(words)]
-    return [words[start:end] for start, end in zip(starts, ends, strict=True)]
+    starts, stops = [0, *(place + 1 for place in places)], [*places, len(words)]
+    return [words[start:stop] for start, stop in zip(starts, stops, strict=True)]
 
 
 def _is_bracketed(words: _Words, bracket: str) -> bool:
