@@ -10,6 +10,8 @@ from websockets.protocol import State
 
 LIMIT_S = 120
 _LOOK_S = 0.01
+_TURNS = 4
+"""In so many the loop makes a connection of what it has accepted; one left out stays open."""
 
 
 class PromptServer(uvicorn.Server):
@@ -33,14 +35,15 @@ class PromptServer(uvicorn.Server):
 
     async def shutdown(self, sockets=None):
         """End; where somebody is connected, as uvicorn does, which waits for them."""
-        await asyncio.sleep(0)  # the loop sees who has just gone
+        for each in (*self.servers, *sockets):
+            each.close()
+        for _ in range(_TURNS):  # the loop sees who has just come or gone
+            await asyncio.sleep(0)
         while any(map(_is_closing, self.server_state.connections)):  # noqa: ASYNC110 - no event
             await asyncio.sleep(_LOOK_S)
         if self.server_state.connections or self.server_state.tasks:
             await super().shutdown(sockets)
             return
-        for each in (*self.servers, *sockets):
-            each.close()
         await self.lifespan.shutdown()
 
     def wait_until_listening(self):
