@@ -506,11 +506,9 @@ def test_a_parameter_file_without_ros__parameters_reaches_no_node():
 
 
 class TestMissingProgram:
-    def graph(self, *places, what="node /slam", missing="slam/slam", why="it is not there"):
-        notes = (
-            UnresolvedItem(what=what, why=why, missing=missing, evidence=(place,))
-            for place in places
-        )
+    def graph(self, *places, what="node /slam", missing="slam/slam", nearest=""):
+        note = UnresolvedItem(what=what, why="gone", missing=missing, nearest=nearest)
+        notes = (replace(note, evidence=(place,)) for place in places)
         nodes = (Node(name="/slam", package="slam", executable="slam"),)
         return replace(small_graph("", unresolved=tuple(notes)), nodes=nodes)
 
@@ -523,7 +521,7 @@ class TestMissingProgram:
         assert finding.evidence == places
 
     def test_tells_the_nearest_program(self):
-        graph = self.graph(Evidence(file="a"), why="no program: did you mean slam_node?")
+        graph = self.graph(Evidence(file="a"), nearest="did you mean slam_node?")
         remedy = the_finding("missing_program", graph).remedy
         assert remedy.endswith("build and install the program; did you mean slam_node?")
 

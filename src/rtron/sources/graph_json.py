@@ -52,7 +52,7 @@ _OPTIONAL_KEYS = {
     "endpoints": ("gid",),
     "services": ("implicit",),
     "clients": ("implicit",),
-    "unresolved": ("missing",),
+    "unresolved": ("missing", "nearest"),
 }
 _OPTIONAL_LISTS = ("clients", "parameters", "wiring")
 """What not every graph has, and is written only where it is something."""

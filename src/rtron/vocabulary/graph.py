@@ -135,12 +135,14 @@ class Action:
 class UnresolvedItem:
     """Something that could not be read, and why: never silently left out.
 
-    `missing` is what was looked for and is not there: a file, or PACKAGE/PROGRAM.
+    `missing` is what was looked for and is not there: a file, or PACKAGE/PROGRAM; `nearest` says
+    what may be meant instead, for people. `hides` is what of the app may be behind it.
     """
 
     what: str
     why: str
     missing: str = ""
+    nearest: str = ""
     hides: HiddenPart | None = None
     evidence: tuple[Evidence, ...] = ()
 

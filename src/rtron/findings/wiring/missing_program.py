@@ -76,7 +76,7 @@ def _file(name: str, notes: list[UnresolvedItem]) -> Finding:
 
 
 def _program(program: str, nodes: list[str], notes: list[UnresolvedItem], ros: int) -> Finding:
-    nearest = next(filter(None, (note.why.partition(": ")[2] for note in notes)), "")
+    nearest = next(filter(None, (note.nearest for note in notes)), "")
     return make_finding(
         RULE.name,
         nodes[0],

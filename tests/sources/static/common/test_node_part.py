@@ -78,6 +78,8 @@ def test_a_program_that_is_not_read_has_a_reason(packages, package, program, ros
     why, missing = WHYS[package, program]
     assert item.why.endswith(why)
     assert item.missing == missing
+    assert bool(item.nearest) is bool(missing)
+    assert item.why.endswith(item.nearest)
     is_own = item.why.startswith(("its package is here, and", "the build files of its package"))
     assert is_own is (package == "own")
 

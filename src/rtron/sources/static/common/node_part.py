@@ -90,9 +90,13 @@ class NodePart:
         is_open = interface.unresolved or interface.plugins or interface.runtime_starts
         return is_source and not is_open and not any("{" in d.name for d in interface.declarations)
 
-    def with_missing_note(self, what: str, why: str, missing: str = "") -> "NodePart":
+    def with_missing_note(
+        self, what: str, why: str, missing: str = "", nearest: str = ""
+    ) -> "NodePart":
         """Return the part with a note instead of an interface; its nodes keep their names."""
-        note = UnresolvedItem(what=what, why=why, missing=missing, evidence=(self.node.evidence,))
+        note = UnresolvedItem(
+            what=what, why=why, missing=missing, nearest=nearest, evidence=(self.node.evidence,)
+        )
         return replace(
             self, interface=NodeInterface(nodes=self.interface.nodes, unresolved=(note,))
         )
@@ -127,7 +131,8 @@ def _without_program(part: NodePart, workspace: Workspace) -> NodePart:
     why, names = MISSING_PROGRAM, workspace.program_names(node.package)
     if node.container:
         why, names = MISSING_CLASS, workspace.component_names(node.package)
-    return part.with_missing_note(what, _with_nearest(why, node.type, names), program)
+    nearest = _nearest(node.type, names)
+    return part.with_missing_note(what, f"{why}: {nearest}", program, nearest)
 
 
 def _why_not_read(node: AppNode, workspace: Workspace) -> str:
@@ -147,8 +152,8 @@ def _why_not_read(node: AppNode, workspace: Workspace) -> str:
     return _NOT_UNDERSTOOD if is_named else _NOT_FOLLOWED if is_open else ""
 
 
-def _with_nearest(why: str, name: str, names: Collection[str]) -> str:
-    return f"{why}: {suggestion(name, names) if names else 'it has none'}"
+def _nearest(name: str, names: Collection[str]) -> str:
+    return suggestion(name, names) if names else "it has none"
 
 
 def _with_source_or_model(part: NodePart, program: Program | None, model: Model | None) -> NodePart:
@@ -213,7 +218,7 @@ def _missing_nodelet(name: str, plugin: Plugin | None, workspace: Workspace) -> 
         return f"its package is here, and {library} is built by none that is, or without sources"
     if workspace.trust(name.partition("/")[0]) is not Trust.OWN:
         return _NO_SOURCE
-    return _with_nearest(MISSING_CLASS, name, [p.name for p in workspace.plugins(NODELET)])
+    return f"{MISSING_CLASS}: {_nearest(name, [p.name for p in workspace.plugins(NODELET)])}"
 
 
 def _task(kind: TaskKind, program: Program, part: NodePart) -> InterpretationTask:
