@@ -32,6 +32,7 @@ _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _NUMBER = re.compile(r"-?\d+(\.\d*)?([eE][-+]?\d+)?")
 _PLAIN_TEXT = re.compile(r"""'[^'\\\n]*'|"[^"\\\n]*\"""")
 _TRUTHS = {"true": True, "false": False}
+_NOT_NEGATIVE = ("distance", "size")
 _LARGEST = 2**53  # beyond it a float leaves out whole numbers
 _INTEGERS = {
     **{f"uint{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
@@ -48,7 +49,7 @@ def constant_value(text: str, definition: Definition, subject: str) -> bool | No
     reader = _ConditionReader()
     test = reader.condition(words)
     samples = [
-        _samples(values, _integer_bounds(term, definition, subject))
+        _samples(values, _integer_bounds(term, definition, subject) or _real_bounds(term))
         for term, values in reader.values.items()
     ]
     if not 0 < math.prod(map(len, samples)) <= MAX_CASES:
@@ -65,8 +66,10 @@ class _ConditionReader:
 
     def condition(self, words: _Words) -> _Test:
         """Return a test of a condition."""
-        if any(word == "?" for _, word in _outer(words)):
-            return self._truth(words)
+        choice = _split_choice(words)
+        if choice:
+            chosen, one, other = map(self.condition, choice)
+            return lambda values: one(values) if chosen(values) else other(values)
         alternatives = _split(words, "||")
         if len(alternatives) > 1:
             tests = [self.condition(part) for part in alternatives]
@@ -89,6 +92,9 @@ class _ConditionReader:
         if _literal(left) is not None:
             left, sign, right = right, _MIRRORED.get(sign, sign), left
         value, compare = _literal(right), _COMPARISONS[sign]
+        if list(left) == list(right) or (value is not None and _is_like(_literal(left), value)):
+            is_true = compare(0, 0) if list(left) == list(right) else compare(_literal(left), value)
+            return lambda _: is_true
         if value is None or _literal(left) is not None:
             return self._truth(whole)
         term = self._compared(left, {value})
@@ -128,6 +134,24 @@ def _literal(words: _Words) -> _Value | None:
     return text[1:-1] if _PLAIN_TEXT.fullmatch(text) else None
 
 
+def _is_like(one: _Value | None, other: _Value) -> bool:
+    """Return whether two values are both texts, both truths or both numbers."""
+    kinds = [next((k for k in (bool, str) if isinstance(each, k)), float) for each in (one, other)]
+    return one is not None and kinds[0] is kinds[1]
+
+
+def _split_choice(words: _Words) -> tuple[_Words, _Words, _Words] | None:
+    """Return the parts of `condition ? one : other`; None if it is no such choice."""
+    marks = [(index, word) for index, word in _outer(words) if word in ("?", ":")]
+    depth = 0
+    for index, word in marks:
+        depth += 1 if word == "?" else -1
+        if not depth:
+            first = marks[0][0]
+            return words[:first], words[first + 1 : index], words[index + 1 :]
+    return None
+
+
 def _outer(words: _Words) -> Iterator[tuple[int, str]]:
     """Yield the words outside of brackets, each with its place."""
     depth = 0
@@ -140,8 +164,8 @@ def _outer(words: _Words) -> Iterator[tuple[int, str]]:
 
 def _split(words: _Words, separator: str) -> list[_Words]:
     places = [index for index, word in _outer(words) if word == separator]
-    starts, stops = [0, *(place + 1 for place in places)], [*places, len(words)]
-    return [words[start:stop] for start, stop in zip(starts, stops, strict=True)]
+    begins = [0, *(place + 1 for place in places)]
+    return [words[a:b] for a, b in zip(begins, (*places, len(words)), strict=True)]
 
 
 def _is_bracketed(words: _Words, bracket: str) -> bool:
@@ -149,7 +173,7 @@ def _is_bracketed(words: _Words, bracket: str) -> bool:
     return words[:1] == [bracket] and [index for index, _ in _outer(words)] == [0]
 
 
-def _samples(values: set[_Value], bounds: tuple[int, int] | None) -> Sequence[_Value]:
+def _samples(values: set[_Value], bounds: tuple[float, float]) -> Sequence[_Value]:
     """Return values of each kind that comparisons with `values` tell apart; none if they differ."""
     if all(isinstance(value, bool) for value in values):
         return (True, False)
@@ -159,9 +183,10 @@ def _samples(values: set[_Value], bounds: tuple[int, int] | None) -> Sequence[_V
     numbers = sorted(float(v) for v in values if not isinstance(v, (bool, str)))
     if len(numbers) < len(values) or any(abs(number) > _LARGEST for number in numbers):
         return ()
-    if bounds is None:
-        between = (a + (b - a) / 2 for a, b in pairwise(numbers))
-        return (-math.inf, *numbers, *between, math.inf)
+    if math.isinf(bounds[1]):
+        inside = sorted({bounds[0], *(number for number in numbers if bounds[0] <= number)})
+        between = (a + (b - a) / 2 for a, b in pairwise(inside))
+        return (*inside, *(n for n in between if math.isfinite(n)), math.inf)
     near = {math.floor(n) + step for n in numbers for step in (-1, 0, 1, 2)}
     return [n for n in near.union(bounds) if bounds[0] <= n <= bounds[1]]
 
@@ -175,3 +200,13 @@ def _integer_bounds(term: str, definition: Definition, subject: str) -> tuple[in
         found = found.nested.get(field.type) if found and field and not field.array else None
     last = found.find(names[-1]) if found and names else None
     return _INTEGERS.get(last.type) if last and not last.array else None
+
+
+def _real_bounds(term: str) -> tuple[float, float]:
+    """Return the least and greatest value of a term that is no field of whole numbers."""
+    words = term.split(" ")
+    is_size = words[-3:] == ["size", "(", ")"] and all(
+        w.isidentifier() or w == "." for w in words[:-3]
+    )
+    is_call = words[0] in _NOT_NEGATIVE and _is_bracketed(words[1:], "(")
+    return (0 if is_size or is_call else -math.inf, math.inf)
