@@ -189,5 +189,5 @@ def test_it_is_told_to_end(helper):
 def test_a_program_that_cannot_be_started_is_tried_again(order, caplog):
     helper = HelperProcess(Starter("/no/such/program"), order, "link_program:main")
     helper.tick(0)
-    assert "cannot be started" in caplog.text
+    assert "rtron-link cannot be started" in caplog.text, "it is called as ps shows it"
     helper.stop()

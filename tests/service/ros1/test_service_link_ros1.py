@@ -69,7 +69,7 @@ def test_an_emergency_stop_arrives_although_the_link_process_stands_still(app):
     answer = app.service.request(f"/api/v1/robots/{ROBOT}/stop", "POST", {"reason": "smoke"})
     assert answer["outcome"] == "pending"
     wait_for(app.rests, what="the stop")
-    assert "link_program stands still: it is killed" in app.guard.log
+    assert "rtron-link stands still: it is killed" in app.guard.log
 
 
 @pytest.mark.long
