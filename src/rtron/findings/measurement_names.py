@@ -11,7 +11,8 @@ from rtron.vocabulary.names import snake_case
 _COMMANDED = re.compile(r"cmd|command|setpoint")
 """Words in the names of what is no measurement, whatever else they say."""
 _MEASURED = re.compile(
-    r"^(?:measured|estimated|actual|current|prev|previous|gps|odom|imu|debug)_|_(?:actual|debug)$"
+    r"^(?:measured|estimated|actual|current|prev|previous|debug)_|_(?:actual|debug)$"
+    r"|^(?:gps|odom|imu)_(?!\w*(?:goal|waypoint|target|search))"
 )
 _MEASURED_BELOW = re.compile(
     r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?"
