@@ -66,7 +66,8 @@ class Forwarding:
     def _is_reporting(self, node: str, topic: str) -> bool:
         """Return whether a driver obeys something, so that what it sends tells how it moves."""
         roles, inputs = self.topics.roles, self.topics.inputs.get(node, ())
-        is_obeying = bool(set(inputs) - {topic}) or node in self._servers
+        serves = node in self._servers and not self.topics.app.is_motion(topic)
+        is_obeying = bool(set(inputs) - {topic}) or serves
         return roles.is_controller(node) or (roles.drives(node) and is_obeying)
 
     @cached_property
