@@ -13,7 +13,8 @@ MEASURED_TYPES = re.compile(r"sensor_msgs/(?!Joy)|nav_msgs/(?:Odometry|Occupancy
 _COMMANDED = re.compile(r"cmd|command|setpoint")
 """Words in the names of what is no measurement, whatever else they say."""
 _MEASURED = re.compile(
-    r"^(?:measured|estimated|actual|current|prev|previous|gps|odom|imu|debug)_|_(?:actual|debug)$"
+    r"^(?:measured|estimated|actual|current|prev|previous|debug)_|_(?:actual|debug)$"
+    r"|^(?:gps|odom|imu)_(?!\w*(?:goal|waypoint|target|search))"
 )
 _MEASURED_BELOW = re.compile(
     r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?"

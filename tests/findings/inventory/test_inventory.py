@@ -874,3 +874,51 @@ def test_a_service_of_an_own_node_that_commands_may_move_something():
     assert served == ["/do_barrel_roll", "/set_depth"]
     others = inventory((TWO_DRIVERS + BASE).replace(" own", " third_party"), services=services)
     assert not [c for m in others for c in m.commands if c.means is Means.SERVICE]
+
+
+@pytest.mark.parametrize(
+    ("topic", "thing"),
+    [
+        ("/enable", Thing.ARMING),
+        ("/stop_navigation", Thing.STOP),
+        ("/cancel_navigation", Thing.STOP),
+    ],
+)
+def test_a_signal_that_lets_a_commander_begin_or_end(topic, thing):
+    hears = f"    sub {topic} std_msgs/Bool\n"
+    found = inventory(JOYSTICK + hears + BASE)
+    assert (thing, [topic]) in [(mover.thing, names(mover.commands)) for mover in found]
+    viewer = f"/viewer own own\n{hears}"
+    assert thing not in [mover.thing for mover in inventory(JOYSTICK + BASE + viewer)]
+
+
+def test_what_a_driver_of_services_tells_is_no_command_behind_others():
+    tells = "/arm arm own\n    pub /tools/motor own_msgs/Motor\n"
+    pilot = f"/pilot own own\n    sub /tools/motor own_msgs/Motor\n    pub /cmd_vel {TWIST}\n"
+    services = (Service(node="/arm", name="/arm/open_gripper", type="own_msgs/srv/Open"),)
+    facts = (fact("device", "/arm", "servo bus"),)
+    found = inventory(tells + pilot + BASE, services=services, wiring=facts)
+    assert "/tools/motor" not in [name for mover in found for name in names(mover.commands)]
+
+
+def test_a_wrench_beside_the_numbers_for_firmware_only_shows_them():
+    manager = f"/manager own own\n    sub /cmd_vel {TWIST}\n"
+    manager += "    pub /thrusters/0/wrench geometry_msgs/WrenchStamped\n"
+    pilot = f"/pilot own own\n    pub /cmd_vel {TWIST}\n"
+    pulses = "    pub /thrusters/pulse std_msgs/UInt16MultiArray\n"
+    for more, sent in (("", "/thrusters/0/wrench"), (pulses, "/thrusters/pulse")):
+        found = inventory(manager + more + pilot, ros=1)
+        last = [each.name for mover in found for each in mover.last_commands]
+        assert last == [sent]
+
+
+@pytest.mark.parametrize("name", ["set_color", "set_effect", "purge_logs_on_startup"])
+def test_a_service_of_lights_or_logs_moves_nothing(name):
+    services = (Service(node="/base", name=f"/{name}", type="own_msgs/srv/Set"),)
+    assert names(the_mover(TWO_DRIVERS + BASE, services=services).commands) == ["/cmd_vel"]
+
+
+def test_a_goal_by_gps_was_not_measured():
+    action = "    server /gps_goal own_msgs/action/GpsGoal\n"
+    found = inventory(TWO_DRIVERS + action + BASE)
+    assert "/gps_goal" in [name for mover in found for name in names(mover.commands)]

@@ -24,6 +24,8 @@ _ORDERS = SIGNALS | {"std_msgs/String"}
 _SETS = re.compile(r"^set_|_cmd$|_command$|^cmd_|^command_")
 """How the names of commands begin or end; `set` alone is vague."""
 _NUMBER = re.compile(r"std_msgs/(?:U?Int|Float)\d+")
+_RELEASES = re.compile(r"^(?:control_)?(?:en|dis)able$|^(?:stop|cancel|abort)_")
+"""How the names of signals begin that stop what moves, or let it begin."""
 _PARTS = frozenset({Thing.GRIPPER, Thing.TOOL, Thing.HEAD, Thing.THRUSTERS})
 _OF_BASE = re.compile(
     "drive|steer|wheel|base|chassis|omni|mecanum|ackermann|tricycle|bicycle", re.IGNORECASE
@@ -58,7 +60,9 @@ class CommandTopics:
         """Return what a topic moves; where it only says that it commands, what its nodes move."""
         if topic in self.locks or self.app.is_stop(topic):
             return Thing.STOP
-        thing = self._things.get(topic) or self._derived.get(topic, Thing.DEVICE)
+        if topic in self.releases:
+            return Thing.ARMING if "enable" in topic.rpartition("/")[2] else Thing.STOP
+        thing = self._things.get(topic) or self.derived.get(topic, Thing.DEVICE)
         if thing is Thing.BASE and self._has_arm and self._moves_tool(topic):
             return Thing.ARM
         nodes = (*self.app.publishers(topic), *self.app.readers(topic))
@@ -115,14 +119,25 @@ class CommandTopics:
         """The topics that command motion, and what nodes with a device obey."""
         motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
         motion |= set(filter(self._is_joy_command, self._things))
-        found = (motion | self.locks | self._derived.keys()) - self._action_topics
+        found = (motion | self.locks | self.derived.keys()) - self._action_topics
         found |= set(filter(self._leaves, self._things))
         for node in filter(self.roles.obeys, filter(self.roles.is_called_driver, self.app.nodes)):
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
-        return frozenset(found | set(filter(self._switches, self._things)))
+        return frozenset(found | self.releases | set(filter(self._switches, self._things)))
 
     @cached_property
-    def _derived(self) -> dict[str, Thing]:
+    def releases(self) -> frozenset[str]:
+        """The signals by which those who command motion stop it, or begin."""
+        return frozenset(filter(self._is_release, self.app.explicit_topics))
+
+    def _is_release(self, topic: str) -> bool:
+        is_named = _RELEASES.search(snake_case(topic.rpartition("/")[2]))
+        if not is_named or self.app.facts.topic(topic).type not in SIGNALS:
+            return False
+        return any(map(self._only_commands, self.app.readers(topic)))
+
+    @cached_property
+    def derived(self) -> dict[str, Thing]:
         """What nodes make of the commands that their types and names tell, with what it moves."""
         known = {t: self._things[t] for t in self.app.motion_topics if not self.app.is_stop(t)}
         moving = {topic: thing for topic, thing in known.items() if thing}
@@ -194,7 +209,7 @@ class CommandTopics:
         facts = self.app.facts
         if end.implicit or end.topic in self._action_topics:
             return False
-        if end.topic in self._derived:
+        if end.topic in self.derived:
             return True
         if facts.lists.ignores_topic(end.topic) or facts.lists.ignores_type(end.type):
             return False

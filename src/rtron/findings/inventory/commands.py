@@ -52,7 +52,7 @@ class AppCommands:
             is_report = self._is_reading(command) or self._is_echo(command)
             is_command = not (is_report or self.forwarding.is_feedback(topic))
             has_sides = bool(receivers or is_sent) and is_command
-            if topic in self.topics.locks or (
+            if topic in self.topics.locks | self.topics.releases or (
                 has_sides and not (is_vague or self._is_forwarded(command))
             ):
                 yield self._as_driven(thing, command)

@@ -56,7 +56,9 @@ class DerivedCommands:
                 driving = [end for end in outputs if self._is_driven(end, {node, *senders})]
                 is_last = not driving and not any(end.topic in known for end in outputs)
                 yield from (end for end in driving if end.topic not in known)
-                yield from filter(self._leaves, outputs) if is_last else ()
+                leaving = list(filter(self._leaves, outputs)) if is_last else []
+                numbers = [end for end in leaving if not _is_wrench(end)]
+                yield from numbers or leaving
 
     def _is_driven(self, end: Endpoint, others: set[str]) -> bool:
         readers = set(self.app.readers(end.topic)) - others
@@ -80,6 +82,11 @@ class DerivedCommands:
 
     def _named(self, end: Endpoint) -> Thing | None:
         return thing_of(end.topic, end.type, Means.TOPIC)
+
+
+def _is_wrench(end: Endpoint) -> bool:
+    """Return whether a message is a wrench: beside raw numbers it only shows them."""
+    return normalise_type(end.type).startswith("geometry_msgs/Wrench")
 
 
 def _is_free(end: Endpoint) -> bool:

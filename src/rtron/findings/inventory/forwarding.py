@@ -7,8 +7,9 @@ from functools import cached_property
 from itertools import chain
 
 from rtron.findings.inventory.command_topics import COMMAND_NAMES, CommandTopics
+from rtron.findings.inventory.things import thing_of
 from rtron.vocabulary import Endpoint, normalise_type
-from rtron.vocabulary.inventory import Command
+from rtron.vocabulary.inventory import Command, Means
 
 _MOST_HOPS = 6
 
@@ -65,8 +66,15 @@ class Forwarding:
     def _is_reporting(self, node: str, topic: str) -> bool:
         """Return whether a driver obeys something, so that what it sends tells how it moves."""
         roles, inputs = self.topics.roles, self.topics.inputs.get(node, ())
-        is_obeying = bool(set(inputs) - {topic})
+        serves = node in self._servers and not self.topics.app.is_motion(topic)
+        is_obeying = bool(set(inputs) - {topic}) or serves
         return roles.is_controller(node) or (roles.drives(node) and is_obeying)
+
+    @cached_property
+    def _servers(self) -> frozenset[str]:
+        """The nodes that offer what moves something."""
+        services = self.topics.app.graph.services
+        return frozenset(s.node for s in services if thing_of(s.name, s.type, Means.SERVICE))
 
     def forwards(self, node: str, command: Command) -> bool:
         """Return whether a node makes another command of one, not only tells how it moves.
@@ -86,13 +94,14 @@ class Forwarding:
     def _is_another(self, end: Endpoint, command: Command) -> bool:
         """Return whether what nobody here obeys is a command made of one.
 
-        Its type or name says so, or that an arbiter sends it.
+        Its type or name says so, or that an arbiter sends it, or that it is made of commands.
         """
         if end.topic == command.name:
             return False
         is_same = normalise_type(end.type) == command.type
         is_named = COMMAND_NAMES.search("/".join(end.topic.split("/")[-2:])) is not None
-        return is_same or is_named or end.node in self.topics.ranks
+        is_made = end.topic in self.topics.derived or end.node in self.topics.ranks
+        return is_same or is_named or is_made
 
     @cached_property
     def _behind_nodes(self) -> dict[str, Counter[str]]:

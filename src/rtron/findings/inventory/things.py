@@ -81,7 +81,7 @@ _HARMLESS = re.compile(
 _SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps|transform|frame))")
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps|alarms?"
-    r"|reports?|battery|voltage"
+    r"|reports?|battery|voltage|colou?rs?|effects?|logs?|purge"
     r"|record\w*|snapshot|photo|video|camera|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
 )
 """Words in the names of what a driver hears that is no command."""
