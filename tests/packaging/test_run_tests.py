@@ -104,7 +104,7 @@ def test_files_are_in_memory_where_there_is_room_and_gone_afterwards(
     monkeypatch.setattr(run_tests, "MEMORY_BYTES", most_free)
     told = results / "told"
     write = "import tempfile, pathlib, sys; "
-    write += "pathlib.Path(sys.argv[1]).write_text(tempfile.gettempdir())"
+    write += "pathlib.Path(sys.argv[1]).write_text(tempfile.mkdtemp())"
     run_all([Group(name, (sys.executable, "-c", write, str(told)))])
     assert told.read_text().startswith(str(memory)) is is_in_memory
     assert [*memory.iterdir()] == []
