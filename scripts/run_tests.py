@@ -7,16 +7,13 @@ If one of the first three fails, the groups behind it do not run.
 """
 
 import argparse
-import os
 import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from junit_report import read_report
 
@@ -32,16 +29,12 @@ COVERAGE = (
 )
 STARTS_PROGRAMS = ("tests/service", "tests/survey", "tests/executors", "tests/packaging")
 """Where the tests start servers, browsers and commands, and take longest."""
-ON_DISK = ("lint", "ros2", "ros1")
 PROCESSES = 3
 LONGEST_GROUP = 3600
 """After so many seconds a group is killed: pytest's own limit of a test did not end it."""
 NO_TESTS = 5
 """Pytest's exit code where nothing was selected."""
 SLOWEST = 30
-MEMORY = Path("/dev/shm")  # noqa: S108 - the folder itself has a name that nobody knows
-MEMORY_BYTES = 4 << 30
-"""So much must be free there for the files of a group."""
 LONG_TEST = 20
 """Seconds; a test that takes more says why in its docstring."""
 OUTCOMES = ("passed", "failed", "skipped")
@@ -167,10 +160,9 @@ def run(group: Group) -> Result:
     report.unlink(missing_ok=True)
     started = time.monotonic()
     try:
-        with _environment(group) as environment:
-            code = subprocess.run(  # noqa: S603 - see all_groups
-                group.command, cwd=ROOT, env=environment, check=False, timeout=LONGEST_GROUP
-            ).returncode
+        code = subprocess.run(  # noqa: S603 - see all_groups
+            group.command, cwd=ROOT, check=False, timeout=LONGEST_GROUP
+        ).returncode
     except subprocess.TimeoutExpired:
         code = -1
     result = Result(group.name, 0 if code == NO_TESTS else code, time.monotonic() - started)
@@ -180,21 +172,6 @@ def run(group: Group) -> Result:
         why = f"not done within {LONGEST_GROUP} s" if code == -1 else f"exit code {code}, see above"
         result.failures.append(f"{group.name}: {why}")
     return result
-
-
-@contextmanager
-def _environment(group: Group) -> Iterator[dict[str, str]]:
-    """Yield the environment of a group whose temporary files are in memory, where there is room.
-
-    A disk may take 2 ms to remove one (ext4 with `discard`), and the tests leave 50,000. Those of a
-    ROS stay on it: their sockets have long paths, and other users enter their folders.
-    """
-    is_roomy = MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > MEMORY_BYTES
-    if group.name in ON_DISK or not is_roomy:
-        yield {**os.environ}
-        return
-    with TemporaryDirectory(prefix="rt-", dir=MEMORY, ignore_cleanup_errors=True) as folder:
-        yield {**os.environ, "TMPDIR": folder}
 
 
 def _count(result: Result, report: Path) -> None:

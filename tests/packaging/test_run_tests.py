@@ -92,25 +92,6 @@ def test_a_group_that_does_not_end_has_failed(results, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("name", "most_free", "is_in_memory"),
-    [("pure", 1, True), ("ros1", 1, False), ("pure", 1 << 60, False)],
-)
-def test_files_are_in_memory_where_there_is_room_and_gone_afterwards(
-    results, monkeypatch, name, most_free, is_in_memory
-):
-    memory = results / "memory"
-    memory.mkdir()
-    monkeypatch.setattr(run_tests, "MEMORY", memory)
-    monkeypatch.setattr(run_tests, "MEMORY_BYTES", most_free)
-    told = results / "told"
-    write = "import tempfile, pathlib, sys; "
-    write += "pathlib.Path(sys.argv[1]).write_text(tempfile.mkdtemp())"
-    run_all([Group(name, (sys.executable, "-c", write, str(told)))])
-    assert told.read_text().startswith(str(memory)) is is_in_memory
-    assert [*memory.iterdir()] == []
-
-
-@pytest.mark.parametrize(
     ("changed", "tests"),
     [
         ("src/rtron/policies/queues/fifo.py", "tests/policies/queues"),
