@@ -505,6 +505,12 @@ def test_a_parameter_file_without_ros__parameters_reaches_no_node():
     assert (finding.level, finding.nodes) == (FindingLevel.REGULAR, ("/base",))
 
 
+def test_an_unread_parameter_with_no_near_name_is_only_possible():
+    finding = the_finding("unread_parameter", with_fact("unread_parameter", "/base", "gain"))
+    assert finding.level is FindingLevel.PEDANTIC
+    assert finding.remedy == "remove them, or declare them in the node"
+
+
 class TestMissingProgram:
     def graph(self, *places, what="node /slam", missing="slam/slam", nearest=""):
         note = UnresolvedItem(what=what, why="gone", missing=missing, nearest=nearest)

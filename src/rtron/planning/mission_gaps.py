@@ -5,7 +5,7 @@ from itertools import product
 
 from rtron.messages.expressions.python_terms import MAX_ROUNDS, macro_depth
 from rtron.planning.protection_gaps import is_everybody
-from rtron.planning.rule_contradictions import MAX_EVENTS, BitCondition
+from rtron.planning.rule_contradictions import BitCondition
 from rtron.vocabulary import (
     EventFlow,
     MissionRule,
@@ -17,6 +17,8 @@ from rtron.vocabulary import (
 from rtron.wording import join_names
 
 _COUNTED = {WhenUnknown.SET: True, WhenUnknown.CLEAR: False}
+_MOST_EVENTS = 6
+"""Of so many it is tried what their bits do; of more it may be missed."""
 _UNUSUAL_DEPTH = 3
 Gap = tuple[str, str]
 """The rule or the eflow, and what is odd about it."""
@@ -75,7 +77,7 @@ def _blocked_publishers(plan: Plan, rule: MissionRule) -> Iterator[str]:
 
 
 def _can_lift(condition: BitCondition, own: list[EventFlow]) -> bool:
-    names = [flow.name for flow in own[:MAX_EVENTS]]
+    names = [flow.name for flow in own[:_MOST_EVENTS]]
     cases = product((False, True), repeat=len(names))
     return any(condition.holds(dict(zip(names, case, strict=True))) is False for case in cases)
 

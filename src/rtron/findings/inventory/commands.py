@@ -124,7 +124,7 @@ class AppCommands:
             if thing_of(each.name, each.type, Means.SERVICE) not in {None, Thing.DEVICE}
         )
         clients = (each.node for each in graph.actions if each.role is ActionRole.CLIENT)
-        near = self.roles.beside_hardware.union(filter(self.roles.drives, self.app.nodes))
+        near = self.roles.beside_hardware.union(filter(self.roles.may_obey, self.app.nodes))
         devices = (node for node in near if not self.roles.is_called_sensor(node))
         return self._drivers.union(senders, callers, clients, devices, self.app.unread_nodes)
 

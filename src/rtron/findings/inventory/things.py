@@ -70,9 +70,15 @@ _VAGUE = (None, Thing.DEVICE, Thing.MODE)
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
+_ACTS = (
+    r"(?:\w*_)?(?:cmd|vel|velocity|move|execute|pick|place|go|goal|drive|arm|joints?|area|field"
+    r"|room)(?:_|$)"
+)
+"""Words by which a name moves something all the same: `scan_arm`, `compute_and_move`."""
 _HARMLESS = re.compile(
     r"_get_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect"
-    r"|compute|create|delete|purge|scan|advertise|publish)(?:_|$)|^set_\w*(?:transform|frame)s?(?:_|$)"
+    r")(?:_|$)|^(?:compute|create|delete|scan|advertise|publish)(?:_|$)(?!" + _ACTS + r")"
+    r"|^set_\w*(?:transform|frame)s?$"
     r"|^clear_\w*maps?$|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
     r"|image|camera_info|calibrat(?!\w*(?:motor|joint|axis|axes|servo))\w+|parameters?|logger\w*|detections?|diagnostics|tf|pose_estimate|status"
     r"|(?<!component_)state|states|running|saved|log|feedback|info|marker\w*|initialpose|clicked_point|measured|estimated?|position_estimate)$"
@@ -81,7 +87,7 @@ _HARMLESS = re.compile(
 _SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps|transform|frame))")
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps|alarms?"
-    r"|reports?|battery|voltage|colou?rs?|effects?|logs?|purge"
+    r"|reports?|battery|colou?rs?|effects?|logs?"
     r"|record\w*|snapshot|photo|video|camera|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
 )
 """Words in the names of what a driver hears that is no command."""

@@ -80,7 +80,7 @@ def _malformed(group: WiringGroup) -> Finding:
 
 
 def _ignored(group: WiringGroup, reads: str) -> Finding:
-    node, near = group.subject, join_names(group.others)
+    node, near = group.subject, join_names(group.others, "")
     near_cause = f"it does not {reads} them; it {reads}s {near}"
     return fact_finding(
         RULE.name,

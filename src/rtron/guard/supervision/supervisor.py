@@ -5,6 +5,7 @@ import logging
 import os
 import signal
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
@@ -121,7 +122,7 @@ class Supervisor:
             signal.signal(number, signal.SIG_IGN)
         for number in (*TERMINATION_SIGNALS, signal.SIGTERM):
             if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
-                signal.signal(number, lambda *_: self._loop.post(self._end))
+                signal.signal(number, lambda number, _: self._loop.post(partial(self._end, number)))
 
     def _tick(self) -> None:
         now = self._loop.now()
@@ -327,12 +328,16 @@ class Supervisor:
             if code != START_FAILED:
                 self._failure_report = f"the guard before {failure}"
 
-    def _end(self) -> None:
-        """End; who says so twice does not want to wait until the robot is at rest."""
+    def _end(self, number: int) -> None:
+        """End; who says so twice does not want to wait until the robot is at rest.
+
+        A terminal's end is told twice, by the shell and the kernel, or beside a SIGTERM.
+        """
         now = self._loop.now()
         self._systemd.stopping()
-        self._skips_final_stop = self._is_end_requested
-        self._is_end_requested = True
+        if number != signal.SIGHUP:
+            self._skips_final_stop = self._is_end_requested
+            self._is_end_requested = True
         self._perform(self._fsm.shut_down(now), now)
 
     def _on_server(self) -> None:

@@ -14,8 +14,8 @@ from itertools import pairwise, product
 from rtron.messages.common.definition import Definition
 from rtron.messages.expressions.functions import BRACKETS, CLOSING, TOKEN
 
-MAX_CASES = 20_000
-"""How many combinations are tried; of an expression with more nothing is told."""
+MAX_STEPS = 200_000
+"""How many combinations, times words, are tried; of an expression with more nothing is told."""
 _Value = bool | float | str
 _Test = Callable[[Mapping[str, _Value]], bool]
 _Words = Sequence[str]
@@ -52,10 +52,11 @@ def constant_value(text: str, definition: Definition, subject: str) -> bool | No
         _samples(values, _integer_bounds(term, definition, subject) or _real_bounds(term))
         for term, values in reader.values.items()
     ]
-    if not 0 < math.prod(map(len, samples)) <= MAX_CASES:
+    if not 0 < math.prod(map(len, samples)) * len(words) <= MAX_STEPS:
         return None
-    found = {test(dict(zip(reader.values, case, strict=True))) for case in product(*samples)}
-    return found.pop() if len(found) == 1 else None
+    results = (test(dict(zip(reader.values, case, strict=True))) for case in product(*samples))
+    first = next(results)
+    return first if all(each == first for each in results) else None
 
 
 class _ConditionReader:
@@ -78,6 +79,8 @@ class _ConditionReader:
         return lambda values: all(test(values) for test in tests)
 
     def _relation(self, words: _Words) -> _Test:
+        while list(words[:2]) == ["!", "!"]:
+            words = words[2:]
         for index, word in _outer(words):
             if word in _COMPARISONS:
                 return self._comparison(words[:index], word, words[index + 1 :], words)

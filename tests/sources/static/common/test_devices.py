@@ -52,6 +52,7 @@ def cpp(text):
         ("    import RPi.GPIO as GPIO", "GPIO"),
         ("import can", "CAN"),
         ("import lcm", "LCM"),
+        ("from lcm import LCM", "LCM"),
         ("from dynamixel_sdk import PortHandler", "servo bus"),
         ("import odrive", "motor controller"),
         ("import pyvesc", "motor controller"),

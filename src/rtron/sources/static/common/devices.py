@@ -24,7 +24,7 @@ _LIBRARIES = {
     "servo bus": r"dynamixel_sdk|lx16a|scservo|SCServo|feetech|herkulex",
     "motor controller": r"roboclaw|odrive|vesc_(?:interface|packet)|pyvesc|[Rr]oboteq|phidget22"
     r"|sabertooth|tmc\d{4}|moteus",
-    "LCM": r"\blcm/lcm|(?<=import )lcm\b|(?<=from )lcm\b",
+    "LCM": r"\blcm/lcm|^[ \t]*(?:import|from) lcm\b",
     "vehicle link": r"pymavlink|mavsdk|dronekit|mavlink/v2\.0|djitellopy|olympe|dji_vehicle\.hpp",
     "vendor SDK": r"unitree_(?:legged_)?sdk|bosdyn|xarm\.wrapper|ugv_sdk|franka/robot|ur_rtde"
     r"|ur_client_library|kortex|\bpyniryo|pymycobot|aubo_sdk",

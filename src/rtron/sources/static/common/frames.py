@@ -2,8 +2,10 @@
 
 from collections import defaultdict
 from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from graphlib import CycleError, TopologicalSorter
 from itertools import chain
 from typing import TypeAlias
 
@@ -87,8 +89,12 @@ class FrameBroadcasters:
             frame: {each.frame.parent: each for each in known.values() if self._is_certain(each)}
             for frame, known in sorted(self._nodes.items())
         }
-        above = {frame: _frames_above(frame, parents) for frame in parents}
-        for (topic, child), nodes in parents.items():
+        looped = _below_loops(parents)
+        if len(looped) > _MOST_COMPARED:
+            return
+        above = {frame: _frames_above(frame, parents) for frame in looped}
+        for topic, child in sorted(looped):
+            nodes = parents[topic, child]
             loop = {e for e in above[topic, child] if child in above.get((topic, e), ())}
             if len(loop) > 1:
                 within = [node for parent, node in nodes.items() if parent in loop]
@@ -131,6 +137,20 @@ class FrameBroadcasters:
 
     def _is_certain(self, node: _Broadcaster) -> bool:
         return node.frame.is_certain and (not node.is_managed or node.node in self.activated)
+
+
+def _below_loops(parents: Mapping[_Frame, Collection[str]]) -> set[_Frame]:
+    """Return the frames of loops, and those between and below them."""
+    sorter = TopologicalSorter(
+        {f: [(f[0], each) for each in above] for f, above in parents.items()}
+    )
+    with suppress(CycleError):
+        sorter.prepare()
+    rest = set(parents)
+    while ready := sorter.get_ready():
+        rest.difference_update(ready)
+        sorter.done(*ready)
+    return rest
 
 
 def _frames_above(frame: _Frame, parents: Mapping[_Frame, Collection[str]]) -> set[str]:
