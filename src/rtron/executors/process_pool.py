@@ -63,8 +63,6 @@ class _ProcessPool:
     def _running_executor(self) -> ProcessPoolExecutor:
         if self._executor is None:
             self._executor = ProcessPoolExecutor(
-                max_workers=self.count,
-                mp_context=get_context("spawn"),
-                initializer=follow_parent,
+                max_workers=self.count, mp_context=get_context("spawn"), initializer=follow_parent
             )
         return self._executor

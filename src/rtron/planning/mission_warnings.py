@@ -12,14 +12,7 @@ from rtron.planning.expressions import check_expressions
 from rtron.planning.problem import ProblemLevel
 from rtron.planning.protection_gaps import Gap, is_everybody
 from rtron.planning.rule_contradictions import BitCondition
-from rtron.vocabulary import (
-    EventFlow,
-    MissionRule,
-    Mode,
-    Plan,
-    WhenUnknown,
-    patterns_overlap,
-)
+from rtron.vocabulary import EventFlow, MissionRule, Mode, Plan, WhenUnknown, patterns_overlap
 from rtron.wording import join_names
 
 _COUNTED = {WhenUnknown.SET: True, WhenUnknown.CLEAR: False}

@@ -159,13 +159,7 @@ from rtron.vocabulary.plan import (
     WatchedFlow,
 )
 from rtron.vocabulary.reason import visible_text
-from rtron.vocabulary.risk import (
-    RISKS_SCHEMA,
-    CoordinationCount,
-    Risk,
-    RiskReport,
-    TopicClass,
-)
+from rtron.vocabulary.risk import RISKS_SCHEMA, CoordinationCount, Risk, RiskReport, TopicClass
 from rtron.vocabulary.run_report import (
     PROPOSALS_SCHEMA,
     REPLAY_SCHEMA,

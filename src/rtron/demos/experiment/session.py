@@ -12,12 +12,7 @@ from rtron.demos.metrics.case_run import CaseRun, Variant
 from rtron.demos.metrics.message_journal import attack_messages, read_journal
 from rtron.demos.metrics.trajectory import SceneDocument, relative_to_start
 from rtron.demos.runtime.app_launch import LaunchedApp
-from rtron.demos.runtime.commanders import (
-    PersonDriving,
-    give_base_to_person,
-    person_at,
-    run_agent,
-)
+from rtron.demos.runtime.commanders import PersonDriving, give_base_to_person, person_at, run_agent
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.world.ground_truth import GroundTruth
 from rtron.errors import SourceError

@@ -58,11 +58,7 @@ class DemoService:
         self.processes.run_command(_rtron_command("upload-graph", graph), environ, name="upload")
 
     def _environ(self, token: Path) -> dict[str, str]:
-        return {
-            "RTRON_ROBOT": ROBOT,
-            "RTRON_SERVICE": self.url,
-            "RTRON_TOKEN_FILE": str(token),
-        }
+        return {"RTRON_ROBOT": ROBOT, "RTRON_SERVICE": self.url, "RTRON_TOKEN_FILE": str(token)}
 
     def _answers(self) -> bool:
         self.started.check()

@@ -20,8 +20,7 @@ class PriorityLease:
     def __init__(self, settings: PolicySettings) -> None:
         default = settings.release_after
         self._active_flows = ActiveFlows(
-            settings.flows,
-            lambda flow: default if flow.timeout is None else flow.timeout,
+            settings.flows, lambda flow: default if flow.timeout is None else flow.timeout
         )
         self._highest_active: FlowActivity | None = None
         self._owner: FlowActivity | None = None

@@ -7,10 +7,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.cells import Cell
-from rtron.planning.instrument.common.guard_files import (
-    GUARD_SCRIPT,
-    GuardFiles,
-)
+from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT, GuardFiles
 from rtron.planning.instrument.common.guarded_launch import (
     EnforcementGap,
     GuardedLaunch,
