@@ -4,7 +4,7 @@ import pytest
 
 from rtron.errors import InputError
 from rtron.executors import DaskExecutor, ProcessExecutor, SerialExecutor
-from rtron.workflows.parallel_map import choose_executor
+from rtron.workflows.classification import choose_executor
 
 
 @pytest.fixture(autouse=True)
