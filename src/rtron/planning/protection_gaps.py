@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from rtron.coherence.flows import duplicates
 from rtron.coherence.rsrcn import FRAME_RATE_POLICIES, VELOCITY_LIMIT_POLICIES
+from rtron.messages.common.velocity import MOTION_TYPES
 from rtron.planning.app_topics import is_large
 from rtron.planning.plan_file.fields import NODE_NAME
 from rtron.vocabulary import (
@@ -18,18 +19,11 @@ from rtron.vocabulary import (
     Stream,
     StreamKind,
     build_streams,
-    matches_node,
     normalise_type,
+    patterns_overlap,
 )
 from rtron.wording import join_names
 
-MOTION_TYPES = (
-    "geometry_msgs/Twist",
-    "geometry_msgs/TwistStamped",
-    "ackermann_msgs/AckermannDrive",
-    "ackermann_msgs/AckermannDriveStamped",
-)
-"""The velocities, as ROS 1 spells them, that the guard can make the robot stop with."""
 _LIMITING = (*FRAME_RATE_POLICIES, *VELOCITY_LIMIT_POLICIES)
 _FASTEST = {
     "max_vel_limit": (50, "m/s"),
@@ -140,7 +134,9 @@ def _unlimited_commands(rsrcn: RSRCN, enforced: Iterable[GRCN]) -> Iterator[str]
     limited = {topic.topic for topic in rsrcn.vflows}
     sources = [flow.publisher for topic in rsrcn.vflows for flow in topic.flows]
     for grcn in enforced:
-        leads_there = any(_overlap(one, other) for one in grcn.successors for other in sources)
+        leads_there = any(
+            patterns_overlap(one, other) for one in grcn.successors for other in sources
+        )
         if is_motion(grcn.type) and grcn.topic not in limited and not leads_there:
             yield f"no limit holds on {grcn.topic}, a {grcn.type}: add it to `vflows`"
 
@@ -156,7 +152,9 @@ def _unlimited_turns(rsrcn: RSRCN) -> Iterator[str]:
 def _own_frames(plan: Plan, rsrcn: RSRCN) -> Iterator[str]:
     drivers = [(flow.publisher, topic) for topic in rsrcn.vflows for flow in topic.flows]
     for monitor in plan.fps_monitor:
-        topics = [topic.topic for publisher, topic in drivers if _overlap(publisher, monitor.node)]
+        topics = [
+            topic.topic for publisher, topic in drivers if patterns_overlap(publisher, monitor.node)
+        ]
         if topics and monitor.camera is None:
             why = f"the more frames it publishes, the faster it may drive on {join_names(topics)}"
             yield f"{monitor.node} counts for its own limit: {why}; give {monitor.id} a `camera`"
@@ -173,7 +171,3 @@ def _accepted_in_vain(plan: Plan) -> Iterator[str]:
 def _node_names(stream: Stream) -> Iterator[str]:
     yield from stream.successors
     yield from (flow.publisher for flow in stream.flows)
-
-
-def _overlap(one: str, other: str) -> bool:
-    return matches_node(one, other) or matches_node(other, one)

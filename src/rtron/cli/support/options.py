@@ -117,10 +117,7 @@ LiveTimeout = Annotated[
 ]
 NameLists = Annotated[
     Path | None,
-    typer.Option(
-        metavar="FILE",
-        help="Your own message types and topic names for the rules.",
-    ),
+    typer.Option(metavar="FILE", help="Your own message types and topic names for the rules."),
 ]
 Output = Annotated[
     Path, typer.Option("--output", "-o", metavar="FILE", help="The file to write; - prints.")

@@ -22,10 +22,7 @@ def facts(tmp_path):
         graph = InteractionGraph(app="a", nodes=(node, Node(name="/other", package="other")))
         workspace = Workspace({"robot": folder}, [tmp_path])
         return {
-            (fact.kind.value, fact.value): (
-                place.file.removeprefix(f"{folder}/"),
-                place.line,
-            )
+            (fact.kind.value, fact.value): (place.file.removeprefix(f"{folder}/"), place.line)
             for fact in with_devices(graph, workspace).wiring
             for place in fact.evidence
         }

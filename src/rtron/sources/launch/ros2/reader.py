@@ -256,10 +256,7 @@ class LaunchReader:
             return
         source = self._evaluator.files.locate_source(absolute_path(path))
         level = self._evaluator.limits.level
-        with (
-            self._evaluator.collect_errors(site),
-            self._contexts.within_include(site, source),
-        ):
+        with self._evaluator.collect_errors(site), self._contexts.within_include(site, source):
             included = self._file(source, site.context, site.file.depth + 1)
             site.file.includes.append((site.element, path, included))
         self._evaluator.limits.level = level

@@ -56,7 +56,7 @@ from rtron.vocabulary import Evidence
 
 _PYTHON_2 = {"BaseHTTPServer", "ConfigParser", "HTMLParser", "Queue", "SocketServer", "UserDict"}
 _GUI_MODULES = {
-    *("PyQt4", "PyQt5", "PyQt6", "PySide", "PySide2", "PySide6", "Tkinter", "tkinter", "wx"),
+    *("PyQt4", "PyQt5", "PyQt6", "PySide", "PySide2", "PySide6", "Tkinter", "tkinter", "wx")
 }
 _MODULES_WITHOUT_ROS = (
     sys.stdlib_module_names | _PYTHON_2 | _GUI_MODULES | {"python_qt_binding", "smach"}

@@ -38,10 +38,7 @@ from rtron.sources.code.interpreter.execution.language_runtime import python_run
 from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIONS
 from rtron.sources.code.interpreter.python.method_resolution_order import super_object
 from rtron.sources.code.ir import Class
-from rtron.sources.code.library_models.common.maps import (
-    dict_of,
-    keyword_fields,
-)
+from rtron.sources.code.library_models.common.maps import dict_of, keyword_fields
 from rtron.sources.code.library_models.common.strings import apply_format_spec
 from rtron.sources.code.library_models.python_std.dynamic_code import (
     DYNAMIC_CODE_BUILTINS,

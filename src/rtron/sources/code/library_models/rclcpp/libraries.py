@@ -27,9 +27,7 @@ from rtron.sources.code.library_models.rclcpp.endpoints import split_node_argume
 from rtron.sources.code.library_models.rclcpp.node import controller_options, make_node
 from rtron.sources.code.library_models.rclcpp.parameters import declare_parameter
 from rtron.sources.code.library_models.ros2_common import endpoints, libraries
-from rtron.sources.code.library_models.ros2_common.nodes import (
-    first_node,
-)
+from rtron.sources.code.library_models.ros2_common.nodes import first_node
 from rtron.sources.code.library_models.ros2_common.parameters import note_parameter_callbacks
 from rtron.sources.code.library_models.ros2_common.qos import QOS_PROFILES, is_qos, read_qos
 from rtron.sources.declaration import DeclarationKind
