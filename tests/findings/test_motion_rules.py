@@ -361,6 +361,7 @@ class TestLostCommand:
         graph = small_graph(self.LOST + FIRMWARE, unread=("/firmware",))
         finding = the_finding("lost_command", graph)
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+        assert finding.remedy.startswith("find out who should obey /cmd_vel; /")
 
     @pytest.mark.parametrize(
         "other",

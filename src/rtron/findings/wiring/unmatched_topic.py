@@ -9,7 +9,8 @@ reads that. It is likely if nobody else subscribes the other topic and all nodes
 is possible, and shown from the level `pedantic` on. No other topic is named that is made of this
 one, that another node forwards as a command, or where a publisher's name that is known in part may
 be this topic. What a lost command likely means is left to `lost_command`, and a topic without a
-near name to `incomplete_launch`.
+near name to `incomplete_launch`. What a node from elsewhere may be told (a pose to start from) is
+an option, and no name that says more or less (`set_pose`, `pose`) stands for it.
 
 ## Why it matters
 
@@ -17,7 +18,8 @@ The subscriber waits for ever, and no node fails. What it does with the messages
 
 ## Remedy
 
-Remap one of the names to the other.
+Find out who should publish the topic. Where the finding is likely, the types fit and the names say
+the same, remap one to the other; never a command or a stop, which may be meant for another robot.
 
 ## Example
 
@@ -27,8 +29,9 @@ Remap one of the names to the other.
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
-from rtron.findings.app_facts import AppFacts
+from rtron.findings.app_facts import AppFacts, says_more
 from rtron.findings.lost_commands import lost_commands
+from rtron.findings.measurement_names import MEASURED_TYPES
 from rtron.findings.motion.arbiter import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (
@@ -66,7 +69,18 @@ def _near(app: AppFacts, topic: str) -> list[str]:
         other
         for other in app.near_topics(topic, app.types(topic, Direction.SUBSCRIBE))
         if not is_one_stack(app, (*app.readers(topic), *app.publishers(other)))
+        and not (is_option(app, topic) and _says_more(topic, other))
     ]
+
+
+def is_option(app: AppFacts, topic: str) -> bool:
+    """Return whether a topic is no measurement, and only nodes from elsewhere subscribe it."""
+    is_own = any(app.facts.are_own([reader]) for reader in app.readers(topic))
+    return not (is_own or MEASURED_TYPES.match(app.facts.topic(topic).type))
+
+
+def _says_more(topic: str, other: str) -> bool:
+    return says_more(*(name.rpartition("/")[2] for name in (topic, other)))
 
 
 def _action_topics(graph: InteractionGraph) -> Iterator[str]:
@@ -89,6 +103,7 @@ def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
     unread_near = [other for other in near if not app.readers(other)]
     is_likely = bool(unread_near) and not maybe_elsewhere
     publishers = app.publishers(near[0])
+    is_doubtful = app.is_motion(topic) or app.is_stop(topic) or _says_more(topic, near[0])
     return make_finding(
         RULE.name,
         topic,
@@ -96,7 +111,9 @@ def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
         "which nobody publishes",
         cause=f"no node of this launch publishes it{app.unread_publisher_hint([topic])}; "
         f"{join_names(publishers)} {conjugate(publishers, 'send')} {near[0]}",
-        remedy=f"did you mean {near[0]}? Remap one to the other",
+        remedy=f"did you mean {near[0]}? Remap one to the other"
+        if is_likely and not is_doubtful
+        else f"find out who should publish {topic}; {near[0]} may be another thing",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if is_likely else Certainty.POSSIBLE,
         level=FindingLevel.REGULAR if is_likely else FindingLevel.PEDANTIC,
