@@ -691,6 +691,16 @@ def test_the_panel_of_nav2_is_a_node_that_sends_goals(tmp_path):
         assert not [d for d in one.declarations if str(d.kind) == "action_client"]
 
 
+def test_the_panel_of_moveit_sends_goals(tmp_path):
+    display = "{Class: moveit_rviz_plugin/MotionPlanning, Move Group Namespace: arm}"
+    (tmp_path / "app.rviz").write_text(f"Visualization Manager: {{Displays: [{display}]}}")
+    found = modelled("rviz2/rviz2", args=f"-d {tmp_path}/app.rviz")
+    assert {t[1:] for t in told(found) if t[0] == "action_client"} == {
+        ("/robot/arm/move_group", "moveit_msgs/action/MoveGroup"),
+        ("/robot/arm/execute_trajectory", "moveit_msgs/action/ExecuteTrajectory"),
+    }
+
+
 def test_arguments_that_the_client_library_takes_are_not_the_nodes():
     found = modelled("topic_tools/relay", args="/in /out --ros-args -r a:=b -p x:=1")
     ends = {(d.kind.value, d.name) for d in found.declarations}

@@ -14,6 +14,7 @@ from rtron.sources.static.common.endpoints import (
 from rtron.sources.static.common.frames import FrameBroadcasters
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.common.task import TaskKind
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
 from rtron.sources.static.ros1.node_parameters import node_parameters
@@ -82,7 +83,8 @@ class Assembly(GraphBuilder):
             self.nodes[part.owner] = replace(self.nodes[part.owner], unread=True)
         process_remaps = dict(owner.site.remaps) if owner else {}
         remaps = {**process_remaps, **dict(part.node.site.remaps)}
-        self._declare(part, ProcessRemaps(remaps))
+        is_python = part.task is not None and part.task.kind is TaskKind.PYTHON
+        self._declare(part, ProcessRemaps(remaps, is_roscpp=not is_python))
         self.frames.add(part, remaps.get(TRANSFORMS, TRANSFORMS))
         self.remap_uses.add(part, part.owner, remaps, _declared_names(part))
 
@@ -128,7 +130,7 @@ class Assembly(GraphBuilder):
 
 
 def _declared_names(part: NodePart) -> frozenset[str]:
-    """Return the names that remaps can change: those of topics and services, not of actions."""
+    """Return the names that remaps can change: of topics, services, and actions of roscpp."""
     remap = ProcessRemaps({})
     declared = part.interface.declarations
     topics = (end for each in declared for end in declared_endpoints("", each, remap))
