@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from rtron.sources.static.common.app_node import AppNode, may_both_start
+from rtron.sources.static.common.devices import last_messages
 from rtron.sources.static.common.endpoints import (
     ProcessRemaps,
     clock_subscription,
@@ -83,6 +84,7 @@ class Assembly(GraphBuilder):
         process_remaps = dict(owner.site.remaps) if owner else {}
         remaps = {**process_remaps, **dict(part.node.site.remaps)}
         self._declare(part, ProcessRemaps(remaps))
+        self.add_wiring(*last_messages(part))
         self.frames.add(part, remaps.get(TRANSFORMS, TRANSFORMS))
         self.remap_uses.add(part, part.owner, remaps, _declared_names(part))
 
