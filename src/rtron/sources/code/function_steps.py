@@ -24,7 +24,7 @@ from rtron.sources.code.ir import (
     SequenceExpr,
     While,
 )
-from rtron.sources.code.ir.references import ir_nodes
+from rtron.sources.code.ir.references import cache_by_identity, ir_nodes
 
 _COMPARISONS = frozenset({"<", ">", "<=", ">="})
 _STOPPING = re.compile(r"stop|zero|halt|brake|neutral|idle|coast|disable|shut_?down", re.IGNORECASE)
@@ -105,6 +105,7 @@ def last_name(part: Expr) -> str:
     return part.id.rpartition("::")[2] if isinstance(part, Name) else ""
 
 
+@cache_by_identity
 def mentioned_names(part: Any) -> frozenset[str]:  # noqa: ANN401 - any part of the IR
     """Return the last names of all variables, members and functions in a part."""
     return frozenset(last_name(n) for n in ir_nodes(part) if isinstance(n, (Attr, Name)))
