@@ -214,6 +214,31 @@ class FrameStamp:
     evidence: Evidence
 
 
+class LastMessageFate(StringEnum):
+    """What a node does with the last message of a topic when no more come."""
+
+    STOPPED = "stopped"
+    """It compares the time of the message with now, and stops something."""
+    CHECKED = "checked"
+    """It may notice: it compares that time, restarts a timer, or sets a mark that is tested."""
+    REPEATED = "repeated"
+    """It publishes what it kept of the message again and again."""
+    UNNOTICED = "unnoticed"
+    """Nothing in its source notices."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LastMessageUse:
+    """What becomes of a subscription's last message, after so many seconds if they are known.
+
+    `evidence` is where the subscription is made, then where its age is looked at.
+    """
+
+    fate: LastMessageFate
+    seconds: float | None = None
+    evidence: tuple[Evidence, ...]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MistypedParameter:
     """A parameter of ROS 2 that is given another type than its node declares: that throws."""
@@ -244,6 +269,7 @@ class NodeInterface:
     stamps: tuple[FrameStamp, ...] = ()
     plugins: tuple[LoadedPlugin, ...] = ()
     mistyped: tuple[MistypedParameter, ...] = ()
+    last_messages: tuple[LastMessageUse, ...] = ()
 
     def with_location(self, location: Evidence) -> "NodeInterface":
         """Return the interface with a plugin's place in its file before its model's evidence."""

@@ -54,7 +54,10 @@ class WiringFactKind(StringEnum):
     SOCKET = "socket"
     """A node whose source joins a network beside ROS; the value says how: MQTT, a web server."""
     COMMAND_AGE = "command_age"
-    """A node whose source looks at how old a command is."""
+    """A node whose source has a name that tells of how old a command is."""
+    LAST_MESSAGE = "last_message"
+    """A node with a subscription at the first place; the value is what becomes of its last message
+    when no more come, others the seconds after which, and the second place where."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -38,7 +38,9 @@ PLACE = (Evidence(file="driver.py", line=7),)
 
 
 def inventory(text, ros=2, **changes):
-    return take_inventory(app_facts(small_graph(text, ros=ros, **changes)))
+    graph = small_graph(text, ros=ros, **changes)
+    endpoints = tuple(replace(each, evidence=PLACE) for each in graph.endpoints)
+    return take_inventory(app_facts(replace(graph, endpoints=endpoints)))
 
 
 def the_mover(text, ros=2, **changes):
@@ -48,6 +50,14 @@ def the_mover(text, ros=2, **changes):
 
 def fact(kind, node, value):
     return WiringFact(kind=WiringFactKind(kind), subject=node, value=value, evidence=PLACE)
+
+
+def last(fate, *seconds):
+    """Return what becomes of the last messages of a node's topics."""
+    return replace(fact("last_message", "/base", fate), others=seconds)
+
+
+DRIVER, KEPT = fact("device", "/base", "CAN"), last("unnoticed")
 
 
 def names(commands):
@@ -215,7 +225,7 @@ def test_a_lock_of_an_arbiter_is_a_stop():
 def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
     assert inventory(SERVO) == ()
     mover = the_mover(SERVO, wiring=(fact("device", "/tools", "I2C"),))
-    assert (mover.thing, mover.hardware, mover.evidence) == (Thing.TOOL, ("I2C",), PLACE)
+    assert (mover.thing, mover.hardware, mover.evidence) == (Thing.TOOL, ("I2C",), PLACE * 2)
     assert names(mover.commands) == ["/brush"]
 
 
@@ -223,11 +233,21 @@ def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
     ("wiring", "values", "stops", "why"),
     [
         ((), (), Stops.UNKNOWN, "/base does not tell"),
-        ((fact("device", "/base", "CAN"),), (), Stops.NO, "nothing in the source of /base looks"),
+        ((DRIVER, KEPT), (), Stops.NO, "nothing in the source of /base looks"),
+        ((DRIVER,), (), Stops.UNKNOWN, "/base does not tell"),
+        (
+            (DRIVER, last("stopped", "0.5 s")),
+            (),
+            Stops.YES,
+            "/base looks at the age of commands, after 0.5 s, driver.py:7",
+        ),
+        ((DRIVER, last("checked")), (), Stops.UNKNOWN, "/base may look at the age of commands, d"),
+        ((last("repeated"),), (), Stops.NO, "/base sends its last command for ever"),
+        ((KEPT,), (), Stops.UNKNOWN, "/base does not tell"),
         ((fact("command_age", "/base", "age"),), (), Stops.UNKNOWN, "/base may look at the age"),
         ((), parameters("cmd_vel_timeout", base=0.5), Stops.YES, "/base: cmd_vel_timeout is 0.5"),
         (
-            (fact("device", "/base", "CAN"),),
+            (DRIVER, KEPT),
             parameters("cmd_vel_timeout", base=0.5),
             Stops.NO,
             "nothing in the source of /base looks",
@@ -243,10 +263,26 @@ def test_whether_it_stops(wiring, values, stops, why):
 
 def test_the_worst_of_two_drivers_counts():
     second = BASE.replace("/base", "/second")
-    facts = (fact("device", "/base", "CAN"), fact("command_age", "/base", "age"))
+    facts = (DRIVER, KEPT, fact("command_age", "/base", "age"))
     assert the_mover(BASE + second, wiring=facts).stops is Stops.UNKNOWN
     worse = (*facts, fact("device", "/second", "CAN"))
     assert the_mover(BASE + second, wiring=worse).stops is Stops.NO
+
+
+def test_who_forwards_the_last_command_for_ever_counts_for_the_driver():
+    relay = f"/relay relay own\n    sub /nav_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
+    wiring = (DRIVER, last("stopped", "0.5 s"))
+    graph = small_graph(f"/nav nav own\n    pub /nav_vel {TWIST}\n" + relay + BASE)
+    elsewhere = (Evidence(file="relay.py", line=3),)
+    endpoints = tuple(
+        replace(each, evidence=elsewhere if each.node == "/relay" else PLACE)
+        for each in graph.endpoints
+    )
+    for fate, stops in (("repeated", Stops.NO), ("stopped", Stops.YES), ("unnoticed", Stops.YES)):
+        facts = (*wiring, replace(last(fate), evidence=elsewhere))
+        (mover,) = take_inventory(app_facts(replace(graph, endpoints=endpoints, wiring=facts)))
+        assert mover.stops is stops
+    assert (mover.stop).startswith("/base looks")
 
 
 def test_what_is_documented_of_a_driver():
@@ -376,7 +412,7 @@ def test_topics_that_end_the_robot_are_a_line():
 
 @pytest.mark.parametrize(("link", "stops"), [("vehicle link", Stops.UNKNOWN), ("CAN", Stops.NO)])
 def test_an_autopilot_may_stop_by_itself(link, stops):
-    mover = the_mover(BASE, wiring=(fact("device", "/base", link),))
+    mover = the_mover(BASE, wiring=(fact("device", "/base", link), KEPT))
     assert mover.stops is stops
     assert (mover.thing is Thing.VEHICLE) == (link == "vehicle link")
 

@@ -129,11 +129,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     everything = _distinct([*last, *(command for _, command in behind), *goals])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
-    end = (
-        stopping(app, drivers, [c.name for c in topics])
-        if streamed and thing not in _HOLDING
-        else None
-    )
+    end = stopping(app, drivers, topics, behind) if streamed and thing not in _HOLDING else None
     senders = _nodes(each.senders for each in everything)
     endpoints = [end for each in topics for end in app.graph.subscribers(each.name)]
     return Mover(

@@ -34,6 +34,7 @@ from rtron.sources.code.interpreter.execution.statements import EXECUTORS
 from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 from rtron.sources.code.ir import SourceProblem
+from rtron.sources.code.last_message import last_messages
 from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
 from rtron.sources.code.library_models.common.other_ros import (
     OTHER_CPP_CLASSES,
@@ -269,8 +270,9 @@ def _run_to_fixpoint(
     own = ((n, f) for n, f in functions if f.name.rpartition("::")[0] not in other_components)
     note_unreached(machine, own)
     interface = machine.recorder.result()
+    last = tuple(last_messages(machine))
     run_stamping(machine)
-    return replace(interface, stamps=machine.recorder.result().stamps)
+    return replace(interface, stamps=machine.recorder.result().stamps, last_messages=last)
 
 
 def _create_cpp_machine(

@@ -70,7 +70,7 @@ ROS2_PYTHON_API = _ROS2_API | {
     "create_lifecycle_publisher",
     *("Buffer", "Popen", "check_call", "create_sub_node", "ParameterEventHandler"),
 }
-_CONTAINER_METHODS = frozenset(
+CONTAINER_METHODS = frozenset(
     [
         *("get", "size", "begin", "end", "empty", "push_back", "emplace_back", "emplace", "clear"),
         *("front", "back", "at", "find", "insert", "erase", "c_str", "str", "reset", "lock"),
@@ -290,7 +290,7 @@ def _reachable_functions(
     Without `include_unrelated`, those that are known to join no nodes are left out.
     """
     seen: set[tuple[str, int, str]] = set()
-    left_out = frozenset[str]() if machine.recorder.site.ros == 1 else _CONTAINER_METHODS
+    left_out = frozenset[str]() if machine.recorder.site.ros == 1 else CONTAINER_METHODS
     while queue:
         current = queue.pop()
         if current.key in seen:
@@ -390,4 +390,4 @@ def _wrappers(functions: Iterable[Function]) -> frozenset[str]:
         is_constructor = owner.rpartition("::")[2] == plain
         joins = bool(called_names(function) & ENDPOINT_CALLS) and not is_constructor
         joining[plain] = joining.get(plain, True) and joins
-    return frozenset(name for name, joins in joining.items() if joins) - _CONTAINER_METHODS
+    return frozenset(name for name, joins in joining.items() if joins) - CONTAINER_METHODS

@@ -71,5 +71,6 @@ def with_plugin(part: NodePart, task: InterpretationTask, result: TaskResult) ->
         frames=(*before.frames, *its.frames),
         stamps=(*before.stamps, *its.stamps),
         mistyped=(*before.mistyped, *its.mistyped),
+        last_messages=(*before.last_messages, *its.last_messages),
     )
     return replace(part, interface=interface)

@@ -214,6 +214,10 @@ class DeclarationRecorder:
         location = Evidence(file=str(path), line=problem.line)
         self.add_unresolved(path.name, problem.why, location)
 
+    def declared(self, kind: DeclarationKind) -> list[Declaration]:
+        """Return what was recorded of a kind."""
+        return [each for each in self._declarations.values() if each.kind is kind]
+
     def include(self, other: NodeInterface) -> None:
         """Record what another part of the program declares."""
         for declared in other.declarations:

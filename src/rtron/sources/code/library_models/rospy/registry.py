@@ -69,7 +69,7 @@ def _declare_subscriber(machine: AbstractMachine, _: object, arguments: Argument
     given = arguments.get(3, "callback_args")
     if given is not None:
         for callback in options(arguments.get(2, "callback")):
-            machine.escape(_with_callback_args(callback, given))
+            machine.escape(_with_callback_args(callback, given), arguments.evidence)
     return made
 
 
