@@ -70,21 +70,25 @@ _VAGUE = (None, Thing.DEVICE, Thing.MODE)
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
-_ACTS = (
-    r"(?:\w*_)?(?:cmd|vel|velocity|move|execute|pick|place|go|goal|drive|arm|joints?|area|field"
-    r"|room)(?:_|$)"
+_ASKING = "get|list|query|is|has|check|read"
+_PREPARING = "save|describe|download|generate|connect|reconnect|compute|create|delete|advertise"
+"""Verbs that move nothing, whatever their object is; nobody prepares a command."""
+_INSPECTING, _PLACES = re.compile(r"^scan_|calibrat"), re.compile(r"_(?:area|field|room)")
+"""Verbs that move what they inspect, if it can move, or the robot about a place."""
+_READINGS = (
+    "map|costmap|odom|odometry|imu|gps|image|scan|parameters?|detections?|diagnostics|tf|status"
+    "|states?|running|saved|log|feedback|info|markers?|initialpose|clicked_point|measured"
+    "|estimated?"
 )
-"""Words by which a name moves something all the same: `scan_arm`, `compute_and_move`."""
-_HARMLESS = re.compile(
-    r"_get_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect"
-    r")(?:_|$)|^(?:compute|create|delete|scan|advertise|publish)(?:_|$)(?!" + _ACTS + r")"
-    r"|^set_\w*(?:transform|frame)s?$"
-    r"|^clear_\w*maps?$|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
-    r"|image|camera_info|calibrat(?!\w*(?:motor|joint|axis|axes|servo))\w+|parameters?|logger\w*|detections?|diagnostics|tf|pose_estimate|status"
-    r"|(?<!component_)state|states|running|saved|log|feedback|info|marker\w*|initialpose|clicked_point|measured|estimated?|position_estimate)$"
+"""Last words of what is read, shown or estimated."""
+_READS = re.compile(
+    rf"^(?:{_ASKING})(?:_|$)|^(?:{_PREPARING})(?:_|$)(?!cmd)"
+    rf"|(?:^|_)(?:{_READINGS})$|_get_"
+    r"|^clear_\w*maps?$|^set_\w*(?:transform|frame)s?$"
 )
-"""Last names of what reads, shows or estimates."""
 _SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps|transform|frame))")
+_MANNER = re.compile(r"_(?:in|from|to|at|by|with|for)_\w+$")
+"""What follows a preposition: in `set_velocity_in_frame` no frame is set."""
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps|alarms?"
     r"|reports?|battery|colou?rs?|effects?|logs?"
@@ -95,16 +99,19 @@ _SHOWS = re.compile(
     r"(?:^|[/_])(?:led|leds|light|lights|lcd|oled|display|screen|sound|audio|map)(?:[/_]|$)"
 )
 """Words, anywhere in a name, of what only shows or sounds."""
+_HARMLESS_PACKAGES = (
+    "audio_common|bond|cartographer_ros|composition|composition_interfaces|diagnostic"
+    "|dynamic_reconfigure|gazebo|lifecycle|map|nav|nodelet|octomap|rcl_interfaces"
+    "|robot_localization|rosapi|rosbag2_interfaces|roscpp|rosgraph|rtabmap|rtcm|slam_toolbox"
+    "|sound_play|tf|tf2|topic_tools|tts|type_description_interfaces|visualization"
+)
 _HARMLESS_TYPES = re.compile(
-    r"(?:nodelet|lifecycle|rcl_interfaces|tf2|tf|diagnostic|map|slam_toolbox|nav|composition"
-    r"_interfaces|composition|sensor_msgs/(?!(?:JointState|Joy)\b)\w+|rosapi|roscpp|dynamic_reconfigure|topic_tools|bond|gazebo"
-    r"|visualization|rosgraph|robot_localization|cartographer_ros|rtabmap|octomap|audio_common"
-    r"|sound_play|tts|rtcm|mavros_msgs/Param(?!Set)|mavros_msgs/(?:RCIn|\w*State)\b|mavros_msgs/File|mavros_msgs/RTCM|rosbag2_interfaces"
-    r"|type_description_interfaces|rtcm_msgs|nav2_msgs/(?:Clear|Get|Is|Load|Save|Dump|Reload)"
-    r"|mavros_msgs/(?:StreamRate|MessageInterval|VehicleInfo|Waypoint(?:Pull|Clear)|Log\w+))"
-    r"(?:_msgs)?(?:/|\w*$)"
-    r"|\w+/(?:Get|Query|List|Check|Compute|Describe)[A-Z]|geometry_msgs/\w+WithCovariance"
-    r"|moveit_msgs/(?:Apply|Change|Set|Save|Load|Rename|Delete|Display|\w*PlanningScene|\w*CollisionObj)"
+    rf"(?:{_HARMLESS_PACKAGES})(?:_msgs)?/|sensor_msgs/(?!(?:JointState|Joy)$)"
+    r"|geometry_msgs/\w+WithCovariance|\w+/(?:Get|Query|List|Check|Compute|Describe)[A-Z]"
+    r"|mavros_msgs/(?:RCIn$|\w*State$|Param(?!Set)|File|RTCM|StreamRate$|MessageInterval$"
+    r"|VehicleInfo|Waypoint(?:Pull|Clear)|Log)"
+    r"|moveit_msgs/(?:Apply|Change|Set|Save|Load|Rename|Delete|Display"
+    r"|\w*(?:PlanningScene|CollisionObj))|nav2_msgs/(?:Clear|Get|Is|Load|Save|Dump|Reload)"
 )
 
 
@@ -134,9 +141,15 @@ def thing_of_node(name: str) -> Thing | None:
 
 def is_harmless(name: str, type: str) -> bool:
     """Return whether a name or a type says that something is read, shown or estimated."""
-    last = _last_part(name)
-    is_named = _HARMLESS.search(last) and not _SETS.match(last)
-    return bool(is_named or is_measured(name) or _HARMLESS_TYPES.match(_plain_type(type)))
+    only_reads = all(map(_reads, _last_part(name).split("_and_")))
+    return bool(only_reads or is_measured(name) or _HARMLESS_TYPES.match(_plain_type(type)))
+
+
+def _reads(clause: str) -> bool:
+    """Return whether a name, or the part of it before or behind an `and`, moves nothing."""
+    if _INSPECTING.search(clause):
+        return _by_words(clause) is None and not _PLACES.search(clause)
+    return bool(_READS.search(_MANNER.sub("", clause))) and not _SETS.match(clause)
 
 
 def may_be_command(name: str, type: str) -> bool:
