@@ -51,7 +51,7 @@ class CommandTopics:
             means=Means.TOPIC,
             name=topic,
             type=facts.type,
-            receivers=tuple(node for node in facts.successors if self.roles.obeys(node)),
+            receivers=self._deriving.receivers(topic),
             senders=facts.publishers,
             hops=hops,
         )
@@ -141,7 +141,11 @@ class CommandTopics:
         """What nodes make of the commands that their types and names tell, with what it moves."""
         known = {t: self._things[t] for t in self.app.motion_topics if not self.app.is_stop(t)}
         moving = {topic: thing for topic, thing in known.items() if thing}
-        return DerivedCommands(self.app, self.roles).find(moving)
+        return self._deriving.find(moving)
+
+    @cached_property
+    def _deriving(self) -> DerivedCommands:
+        return DerivedCommands(self.app, self.roles)
 
     def _is_joy_command(self, topic: str) -> bool:
         """Return whether a message of a joystick's type is a command by its name, as DJI's are."""

@@ -131,6 +131,11 @@ class NodeRoles:
         is_driver = self.package(node) in _DRIVER_PACKAGES or node in self.with_device
         return is_driver or node in self._controller_hosts or self.is_controller(node)
 
+    def moves_hardware(self, node: str) -> bool:
+        """Return whether a node opens hardware and measures nothing with it."""
+        is_other = self.is_sensor(node) or self.measures_motion(node, is_driver=False)
+        return node in self.with_device and self.obeys(node) and not is_other
+
     def is_controller(self, node: str) -> bool:
         """Return whether a node is a controller of ros2_control, whose program is a plugin."""
         return node in self.app.nodes and "/" in self.app.nodes[node].executable

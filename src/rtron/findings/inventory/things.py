@@ -4,7 +4,7 @@ import re
 
 from rtron.findings.measurement_names import is_measured
 from rtron.vocabulary import normalise_type
-from rtron.vocabulary.inventory import SIGNALS, Means, Thing
+from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Means, Thing
 from rtron.vocabulary.names import snake_case
 
 _TYPES: tuple[tuple[str, Thing], ...] = (
@@ -86,6 +86,7 @@ _READS = re.compile(
     rf"|(?:^|_)(?:{_READINGS})$|_get_"
     r"|^clear_\w*maps?$|^set_\w*(?:transform|frame)s?$"
 )
+_STATES = re.compile(r"_?states?$")
 _SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps|transform|frame))")
 _MANNER = re.compile(r"_(?:in|from|to|at|by|with|for)_\w+$")
 """What follows a preposition: in `set_velocity_in_frame` no frame is set."""
@@ -139,6 +140,15 @@ def thing_of_node(name: str) -> Thing | None:
     return found if found in _PARTS else None
 
 
+def part_of_states(name: str, type: str) -> Thing | None:
+    """Return what is moved whose state a name or its type tells; None of types that only tell."""
+    names = [_last_part(name), _last_part(type)]
+    if _HARMLESS_TYPES.match(_plain_type(type)) or not any(map(_STATES.search, names)):
+        return None
+    named = filter(None, map(_by_words, names))
+    return next((each for each in named if each not in {Thing.DEVICE, *NO_MOTION}), None)
+
+
 def is_harmless(name: str, type: str) -> bool:
     """Return whether a name or a type says that something is read, shown or estimated."""
     only_reads = all(map(_reads, _last_part(name).split("_and_")))
@@ -160,7 +170,7 @@ def may_be_command(name: str, type: str) -> bool:
 
 def may_be_derived(name: str, type: str) -> bool:
     """Return whether what is made of a command may be one: states may be those that wheels get."""
-    return may_be_command(re.sub(r"_?states?$", "", name.rstrip("/")) or name, type)
+    return may_be_command(_STATES.sub("", name.rstrip("/")) or name, type)
 
 
 def _is_of_nav2(type: str) -> bool:
