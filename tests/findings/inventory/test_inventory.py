@@ -922,3 +922,39 @@ def test_a_goal_by_gps_was_not_measured():
     action = "    server /gps_goal own_msgs/action/GpsGoal\n"
     found = inventory(TWO_DRIVERS + action + BASE)
     assert "/gps_goal" in [name for mover in found for name in names(mover.commands)]
+
+
+TWO_PARTS = BASE + "    sub /arm/goal own/msg/Arm\n    sub /flaps own/msg/Flaps\n"
+
+
+def test_what_a_driver_of_several_things_hears_has_a_line_of_its_own_where_no_word_tells():
+    movers = inventory(TWO_PARTS, wiring=(fact("device", "/base", "CAN"),))
+    assert {mover.thing: names(mover.commands) for mover in movers} == {
+        Thing.BASE: ["/cmd_vel"],
+        Thing.ARM: ["/arm/goal"],
+        Thing.DEVICE: ["/flaps"],
+    }
+
+
+def test_a_joystick_moves_nothing_where_what_is_made_of_it_reaches_nobody():
+    text = "/demux own own\n    pub /arm/joy own/Joy\n/teleop own own\n    sub /arm/joy own/Joy\n"
+    assert inventory(text) == ()
+    facts = (fact("device", "/teleop", "CAN"),)
+    assert names(the_mover(text, wiring=facts).commands) == ["/arm/joy"]
+
+
+def test_who_draws_the_joints_that_firmware_moves_does_not_obey():
+    text = "/arm own own\n    pub /elbow_cmd own/Servo\n"
+    text += "/servo_states own own\n    sub /elbow_cmd own/Servo\n"
+    text += "    pub /joints sensor_msgs/JointState\n"
+    assert the_mover(text).drivers == ("/servo_states",)
+    board = "/board rosserial_python third_party\n"
+    (arm, firmware) = inventory(text + board, unread=("/board",))
+    assert (arm.drivers, arm.unread) == ((), ("/board",))
+    assert firmware.drivers == ("/board",)
+    sends = "    pub /elbow own/Servo\n"
+    assert inventory(text + sends + board, unread=("/board",))[0].drivers == ("/servo_states",)
+
+
+def test_a_goal_to_wait_moves_nothing():
+    assert inventory("/nav nav own\n    server /wait nav2_msgs/action/Wait\n") == ()

@@ -14,7 +14,7 @@ _TYPES: tuple[tuple[str, Thing], ...] = (
     (r"moveit_msgs/", Thing.ARM),
     (r"mavros_msgs/|px4_msgs/|geographic_msgs/GeoPose", Thing.VEHICLE),
     (
-        r"controller_manager_msgs/(?:Switch|Load|Unload|Reload|Configure|SetHardware)",
+        r"controller_manager_msgs/(?:Switch|Load|Unload|Reload|Configure|Cleanup|SetHardware)",
         Thing.CONTROLLERS,
     ),
     (r"control_msgs/(?:Parallel)?GripperCommand", Thing.GRIPPER),
@@ -40,15 +40,16 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     ),
     (Thing.ARMING, "arming disarm unarm motors_on enable_motors"),
     (Thing.POWER, "power breaker charger poweroff shutdown reboot relay relays battery_switch"),
+    (Thing.ARM, "shoulder elbow wrist forearm pick pickup"),
     (Thing.TOOL, "blade mow mower cutter torpedo torpedoes dropper launcher shooter valve pump"),
     (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet"),
     (Thing.HORN, "horn buzzer siren beep"),
     (Thing.GRIPPER, "gripper grippers claw finger fingers hands grasp"),
-    (Thing.HEAD, "head pan tilt ptz gimbal neck mast camera_control camera_cmd"),
+    (Thing.HEAD, "head pan pano tilt ptz gimbal neck mast camera_control camera_cmd"),
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
     (Thing.CONTROLLERS, "switch_controller"),
-    (Thing.ARM, "arm moveit cartesian manipulator joint joints elbow wrist leg legs"),
+    (Thing.ARM, "arm moveit cartesian manipulator joint joints leg legs"),
     (
         Thing.BASE,
         "vel velocity drive chassis wheel wheels motor motors steer steering throttle brake",
@@ -65,6 +66,10 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
 """Words in names, the first that is there; the last parts of a name count before the others."""
 _STOP_PARTS = ("e_stop", "emergency", "run_stop")
 _PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
+_GENERIC = frozenset(
+    ("goal", "go", "goto", "move", "path", "speed", "motor", "motors", "servo", "servos", "pwm")
+)
+"""What any part of a robot may have: in `/arm/goal` the part before it is what moves."""
 _VAGUE = (None, Thing.DEVICE, Thing.MODE)
 """What a name may say that a type says better."""
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
@@ -92,8 +97,8 @@ _MANNER = re.compile(r"_(?:in|from|to|at|by|with|for)_\w+$")
 """What follows a preposition: in `set_velocity_in_frame` no frame is set."""
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps|alarms?"
-    r"|reports?|battery|colou?rs?|effects?|logs?"
-    r"|record\w*|snapshot|photo|video|camera|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
+    r"|reports?|battery|encoders?|ticks|colou?rs?|effects?|logs?"
+    r"|record\w*|snapshot|photo|video|camera(?!_(?:pan|tilt|angle|servo))|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
 )
 """Words in the names of what a driver hears that is no command."""
 _SHOWS = re.compile(
@@ -197,12 +202,15 @@ def _by_words(name: str) -> Thing | None:
         return Thing.ARM
     if parts[-1:] == ["stop"]:
         return Thing.STOP
-    found = None
+    found: Thing | None = None
     for part in reversed(parts):
         words = {part, *re.split(r"[_\d-]+", part)}
         if any(word in part for word in _STOP_PARTS):
             return Thing.STOP
-        found = next((t for t, known in _WORDS if not words.isdisjoint(known.split())), found)
-        if found not in {None, Thing.DEVICE}:
-            return found
+        thing = next((t for t, known in _WORDS if not words.isdisjoint(known.split())), None)
+        if thing not in {None, Thing.DEVICE} and (found is not Thing.BASE or thing in _PARTS):
+            found = thing
+            if words.isdisjoint(_GENERIC):
+                break
+        found = found or thing
     return found
