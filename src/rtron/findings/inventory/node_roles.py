@@ -10,7 +10,10 @@ from rtron.findings.motion.network_bridge import carriers
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary import Endpoint, Node, WiringFact, WiringFactKind, normalise_type
 
-FIRMWARE_PACKAGES = ("rosserial_python", "rosserial_server", "micro_ros_agent")
+FIRMWARE_PACKAGES = (
+    *("rosserial_arduino", "rosserial_python", "rosserial_server", "rosserial_xbee"),
+    "micro_ros_agent",
+)
 """Packages whose nodes speak for firmware, which no scan reads."""
 _DRIVER_PACKAGES = (
     *("diff_drive_controller", "ackermann_steering_controller", "mecanum_drive_controller"),
