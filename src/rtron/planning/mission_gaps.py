@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
 from rtron.messages.expressions.python_terms import MAX_ROUNDS, macro_depth
-from rtron.planning.protection_gaps import is_everybody
+from rtron.planning.protection_gaps import matches_every_node
 from rtron.planning.rule_contradictions import BitCondition
 from rtron.vocabulary import (
     EventFlow,
@@ -34,11 +34,11 @@ def mission_gaps(plan: Plan, conditions: Mapping[str, BitCondition]) -> Iterator
         if condition is not None and condition.names:
             events = [flow for flow in msrcn.eflows if flow.name in condition.names]
             yield from ((f"rule {rule.name}", each) for each in _lapses(condition, events))
-            own = _own_events(plan, rule, events)
+            own = _events_of_blocked(plan, rule, events)
             if own and _can_lift(condition, own):
                 yield f"rule {rule.name}", _lifted_by(own)
     for flow in msrcn.eflows:
-        if is_everybody(flow.publisher):
+        if matches_every_node(flow.publisher):
             yield flow.name, f"every node can publish {flow.topic} as {flow.publisher}: name one"
     texts = [(flow.name, "when", flow.when) for flow in msrcn.eflows]
     texts += [(f"rule {rule.name}", "action", rule.action) for rule in msrcn.rules]
@@ -59,7 +59,9 @@ def _lapses(condition: BitCondition, events: Iterable[EventFlow]) -> Iterator[st
             yield f"while {who} {cause}, this blocks nothing: leave `{key}` out, then it blocks"
 
 
-def _own_events(plan: Plan, rule: MissionRule, events: Iterable[EventFlow]) -> list[EventFlow]:
+def _events_of_blocked(
+    plan: Plan, rule: MissionRule, events: Iterable[EventFlow]
+) -> list[EventFlow]:
     """Return the events that come from a node which the rule blocks."""
     blocked = set(_blocked_publishers(plan, rule))
     return [
