@@ -958,3 +958,79 @@ def test_a_goal_by_gps_was_not_measured():
     action = "    server /gps_goal own_msgs/action/GpsGoal\n"
     found = inventory(TWO_DRIVERS + action + BASE)
     assert "/gps_goal" in [name for mover in found for name in names(mover.commands)]
+
+
+TWO_PARTS = BASE + "    sub /arm/goal own/msg/Arm\n    sub /flaps own/msg/Flaps\n"
+
+
+def test_what_a_driver_of_several_things_hears_has_a_line_of_its_own_where_no_word_tells():
+    movers = inventory(TWO_PARTS, wiring=(fact("device", "/base", "CAN"),))
+    assert {mover.thing: names(mover.commands) for mover in movers} == {
+        Thing.BASE: ["/cmd_vel"],
+        Thing.ARM: ["/arm/goal"],
+        Thing.DEVICE: ["/flaps"],
+    }
+
+
+def test_a_joystick_moves_nothing_where_what_is_made_of_it_reaches_nobody():
+    text = "/demux own own\n    pub /arm/joy own/Joy\n/teleop own own\n    sub /arm/joy own/Joy\n"
+    assert inventory(text) == ()
+    facts = (fact("device", "/teleop", "CAN"),)
+    assert names(the_mover(text, wiring=facts).commands) == ["/arm/joy"]
+
+
+def test_who_draws_the_joints_that_firmware_moves_does_not_obey():
+    text = "/arm own own\n    pub /elbow_cmd own/Servo\n"
+    text += "/servo_states own own\n    sub /elbow_cmd own/Servo\n"
+    text += "    pub /joints sensor_msgs/JointState\n"
+    assert the_mover(text).drivers == ("/servo_states",)
+    board = "/board rosserial_python third_party\n"
+    (arm, firmware) = inventory(text + board, unread=("/board",))
+    assert (arm.drivers, arm.unread) == ((), ("/board",))
+    assert firmware.drivers == ("/board",)
+    sends = "    pub /told std_msgs/String\n"
+    assert inventory(text + sends + board, unread=("/board",))[0].drivers == ("/servo_states",)
+
+
+def test_a_goal_to_wait_moves_nothing():
+    assert inventory("/nav nav own\n    server /wait nav2_msgs/action/Wait\n") == ()
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "thing"),
+    [
+        ("/arduino/pwm", "own/PWM", Thing.BASE),
+        ("/lift", "std_msgs/Float32", Thing.TOOL),
+        ("/controller", "std_msgs/Int16", Thing.DEVICE),
+        ("/plan", "own/Plan", None),
+        ("/distance", "std_msgs/Float32", None),
+        ("/goal_pose", "geometry_msgs/Pose", None),
+        ("/motor_status", "own/Status", None),
+        ("/wheel_speed_debug", "std_msgs/Float32", None),
+    ],
+)
+@pytest.mark.parametrize("package", ["rosserial_arduino", "micro_ros_agent"])
+def test_what_nobody_that_was_read_hears_goes_to_firmware(topic, type, thing, package):
+    text = f"{JOYSTICK}    pub {topic} {type}\n/board {package} third_party\n"
+    movers = {
+        tuple(names(each.last_commands)): each for each in inventory(text, unread=("/board",))
+    }
+    others = {topic: mover for topics, mover in movers.items() for topic in topics}
+    assert (others[topic].thing if topic in others else None) is thing
+    assert thing is None or others[topic].unread == ("/board",)
+    plain = inventory(text.replace(package, "own"), unread=("/board",))
+    told = {name for mover in plain for name in names(mover.last_commands)}
+    assert topic not in told or topic == "/lift"
+
+
+def test_who_obeys_a_velocity_makes_what_firmware_gets_of_it():
+    text = TWO_DRIVERS + BASE + "    pub /board/pwm own/PWM\n/board rosserial_python third_party\n"
+    (base, _) = inventory(text, unread=("/board",))
+    assert {each.name: each.hops for each in base.commands} == {"/board/pwm": 0, "/cmd_vel": 1}
+
+
+def test_what_the_launch_publishes_once_goes_to_firmware():
+    text = "/gains rostopic third_party\n    pub /left_motor/pid geometry_msgs/Vector3\n"
+    (base, _) = inventory(text + "/b rosserial_python third_party\n", unread=("/b",))
+    assert names(base.commands) == ["/left_motor/pid"]
+    assert inventory(text) == ()

@@ -93,7 +93,7 @@ def _merged(
         ]
         if thing in NO_MOTION:
             lines[thing, ()] += found
-        elif thing is Thing.DEVICE and beside:
+        elif thing is Thing.DEVICE and len(beside) == 1:
             lines[beside[0]] += found
         elif (thing, receivers) in moved:
             lines[thing, receivers] += found

@@ -36,7 +36,7 @@ from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 from rtron.wording import both_or_all, conjugate, join_names
 
-_ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
+ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
 _MOVERS = frozenset(
     {"base", "driver", "motor", "motors", "wheel", "wheels", "chassis", "controller", "drive"}
     | {"serial", "rosserial", "firmware", "mcu", "vesc", "roboclaw", "arduino", "teensy"}
@@ -72,7 +72,7 @@ def senders(app: AppFacts, topic: str) -> tuple[str, ...]:
 
 def _speaks_once(app: AppFacts, node: str) -> bool:
     """Return whether a node is a `topic pub` of the launch, which sets something at the start."""
-    return node in app.nodes and app.nodes[node].package in _ONE_SHOT_PACKAGES
+    return node in app.nodes and app.nodes[node].package in ONE_SHOT_PACKAGES
 
 
 def arbiters_of(publishers: tuple[str, ...], known: Mapping[str, object]) -> list[str]:
