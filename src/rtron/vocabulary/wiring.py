@@ -43,6 +43,8 @@ class WiringFactKind(StringEnum):
     """A TF frame in a loop; the value is a frame of the loop, too, which others broadcast."""
     STRAY_FRAME = "stray_frame"
     """A frame of messages of others that is in no transform; the value is a near one that is."""
+    MISSING_FRAME = "missing_frame"
+    """A frame that others look up and that is in no transform; the value is a near one, or none."""
     UNREAD_PUBLISHER = "unread_publisher"
     """A topic that code which was not understood may publish."""
     STATE_PUBLISHER = "state_publisher"

@@ -65,8 +65,8 @@ from rtron.sources.code.reachability import (
     joins_nodes,
     names_written_by_callbacks,
     note_unreached,
+    run_frame_users,
     run_pending,
-    run_stamping,
     run_transitions,
 )
 from rtron.sources.declaration import NodeInterface, NodeSite
@@ -269,8 +269,8 @@ def _run_to_fixpoint(
     own = ((n, f) for n, f in functions if f.name.rpartition("::")[0] not in other_components)
     note_unreached(machine, own)
     interface = machine.recorder.result()
-    run_stamping(machine)
-    return replace(interface, stamps=machine.recorder.result().stamps)
+    run_frame_users(machine)
+    return replace(interface, frame_uses=machine.recorder.result().frame_uses)
 
 
 def _create_cpp_machine(

@@ -14,7 +14,7 @@ from rtron.vocabulary import Durability, QoS, Reliability, StringEnum
 
 ENTRY_VERBS = (
     *(kind.value for kind in DeclarationKind),
-    *("uses", "unresolved", "declares", "broadcast"),
+    *("uses", "unresolved", "declares", "broadcast", "look_up"),
 )
 MODEL_KINDS = (
     "node",
@@ -65,6 +65,7 @@ class ModelEntry(BaseModel):
     unresolved: Text | None = None
     declares: tuple["ModelEntry", ...] | None = None
     broadcast: Text | None = None
+    look_up: Text | None = None
     parent: Text = ""
     fixed: bool = False
     type: Text = ""

@@ -34,7 +34,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import Attr, Expr, Index, Name, SequenceExpr, Star
-from rtron.sources.declaration import FrameStamp
+from rtron.sources.declaration import FrameUse
 from rtron.vocabulary import Evidence
 
 STAMPED = "frame_id"
@@ -117,7 +117,7 @@ def _note_stamp(
     """Note the frame of a message, if it is known; what names a child frame too is a transform."""
     is_transform = any(isinstance(each, Instance) for each in headers)
     if isinstance(value, Scalar) and isinstance(value.value, str) and not is_transform:
-        machine.recorder.add_stamp(FrameStamp(frame=str(value.value), evidence=place))
+        machine.recorder.add_frame_use(FrameUse(frame=str(value.value), evidence=place))
 
 
 def assign_member(

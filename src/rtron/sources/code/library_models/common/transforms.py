@@ -1,4 +1,4 @@
-"""Broadcasters of tf and tf2_ros: the frames that they send (docs.ros.org: tf2_ros; wiki: tf)."""
+"""tf and tf2_ros: the frames that nodes send and look up (docs.ros.org: tf2_ros; wiki: tf)."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -14,8 +14,38 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.ir import Attr, Name
 from rtron.sources.code.library_models.common.message_types import HEADER, MESSAGES_WITH_CHILD
-from rtron.sources.declaration import FrameBroadcast
+from rtron.sources.declaration import FrameBroadcast, FrameUse
+
+_TRANSFORM = "transform"
+"""`buffer.transform(message, frame)`: a name that methods of others have too."""
+LOOK_UPS = frozenset(
+    {
+        _TRANSFORM,
+        *("lookupTransform", "lookup_transform", "lookup_transform_full", "lookup_transform_async"),
+        *("lookup_transform_core", "lookup_transform_full_async", "waitForTransform"),
+        *("wait_for_transform_async", "wait_for_transform_full_async", "canTransform"),
+        *("can_transform", "can_transform_full", "transformPose", "transformPoint"),
+        *("transformVector", "transformQuaternion", "transformPointCloud"),
+    }
+)
+"""The methods that look transforms up, each text of theirs a frame."""
+
+
+def note_look_up(machine: AbstractMachine, method: Attr, arguments: Arguments) -> None:
+    """Note the frames that a call looks up, if it is one that does."""
+    is_tf = method.name != _TRANSFORM or "buffer" in _owner_name(method)
+    if method.name in LOOK_UPS and is_tf:
+        for frame in filter(None, map(_known_text, arguments.all_values)):
+            use = FrameUse(frame=frame, evidence=arguments.evidence, is_look_up=True)
+            machine.recorder.add_frame_use(use)
+
+
+def _owner_name(method: Attr) -> str:
+    owner = method.owner
+    name = owner.name if isinstance(owner, Attr) else owner.id if isinstance(owner, Name) else ""
+    return name.lower()
 
 
 def _send_transform(

@@ -1,4 +1,4 @@
-"""Which frames a program writes into the headers of its messages, in both languages."""
+"""Which frames a program writes into the headers of its messages or looks up."""
 
 import pytest
 import ros1_runs
@@ -7,7 +7,11 @@ from model_cases import parameters
 
 
 def stamps(interface):
-    return [stamp.frame for stamp in interface.stamps]
+    return [use.frame for use in interface.frame_uses if not use.is_look_up]
+
+
+def look_ups(interface):
+    return [use.frame for use in interface.frame_uses if use.is_look_up]
 
 
 def python1(body, **site):
@@ -96,3 +100,74 @@ def test_what_such_a_callback_declares_does_not_count():
     found = ros2_runs.cpp("", members=members)
     assert stamps(found) == ["laser"]
     assert not [each for each in found.declarations if not each.implicit]
+
+
+PYTHON = """
+import tf, tf2_ros
+buffer = tf2_ros.Buffer()
+listener = tf2_ros.TransformListener(buffer, None)
+"""
+
+
+@pytest.mark.parametrize("run", [ros1_runs.python, ros2_runs.python])
+@pytest.mark.parametrize(
+    ("call", "expected"),
+    [
+        ("buffer.lookup_transform('map', 'base', time)", ["map", "base"]),
+        ("buffer.lookup_transform(target_frame='map', source_frame=f(), time=t)", ["map"]),
+        ("buffer.can_transform('map', unknown(), time)", ["map"]),
+        ("buffer.transform(pose, 'map')", ["map"]),
+        ("unknown().lookupTransform('map', 'base', time)", ["map", "base"]),
+        ("listener.transformPose('map', pose)", ["map"]),
+        ("model.transform(pose, 'map')", []),
+        ("buffer.frames('map')", []),
+    ],
+)
+def test_python_looks_frames_up(run, call, expected):
+    assert look_ups(run(PYTHON + call)) == expected
+
+
+def test_a_method_of_the_program_is_none_of_tf():
+    body = """
+class A:
+    def lookup_transform(self, text):
+        pass
+A().lookup_transform('map')
+"""
+    assert look_ups(ros1_runs.python(body)) == []
+
+
+CPP = """
+geometry_msgs::msg::TransformStamped look() {{ return {}; }}
+std::string base_; std::unique_ptr<tf2_ros::Buffer> buffer_;
+"""
+GIVEN = """
+base_ = declare_parameter<std::string>("base", "base_link");
+buffer_ = std::make_unique<tf2_ros::Buffer>(get_clock());
+"""
+
+
+@pytest.mark.parametrize(
+    ("call", "expected"),
+    [
+        ('buffer_->lookupTransform("map", base_, tf2::TimePointZero)', ["map", "base_link"]),
+        ('buffer_->transform(pose, "map", tf2::durationFromSec(1))', ["map"]),
+        ('buffer_->setUsingDedicatedThread("map")', []),
+    ],
+)
+def test_cpp_looks_frames_up_in_callbacks(call, expected):
+    assert look_ups(ros2_runs.cpp(GIVEN, members=CPP.format(call))) == expected
+
+
+def test_the_caller_may_name_the_frame():
+    members = CPP.format('find("base_link")')
+    members += """
+geometry_msgs::msg::TransformStamped find(std::string frame) {
+  return buffer_->lookupTransform("map", frame, tf2::TimePointZero); }
+"""
+    assert sorted(look_ups(ros2_runs.cpp(GIVEN, members=members))) == ["base_link", "map"]
+
+
+def test_cpp_of_ros_1_looks_frames_up():
+    body = 'tf::TransformListener l; l.lookupTransform("map", "odom", ros::Time(0), transform);'
+    assert look_ups(ros1_runs.cpp(body)) == ["map", "odom"]
