@@ -65,10 +65,8 @@ def test_a_listener_may_be_a_node_of_its_own_in_the_process(process, more, level
     assert the_finding("stray_frame", replace(graph, nodes=tuple(nodes))).level == level
 
 
-def missing(near, **given):
-    return small_graph(
-        SCAN, wiring=with_fact("missing_frame", "pico_1", near, "/slam").wiring, **given
-    )
+def missing(near, kind="missing_frame"):
+    return small_graph(SCAN, wiring=with_fact(kind, "pico_1", near, "/slam").wiring)
 
 
 def test_a_frame_that_is_looked_up_is_likely_missing_where_a_near_one_is_there():
@@ -80,11 +78,15 @@ def test_a_frame_that_is_looked_up_is_likely_missing_where_a_near_one_is_there()
 
 
 def test_without_a_near_one_another_launch_may_send_it():
-    finding = the_finding("stray_frame", missing(""))
-    assert (finding.cause, finding.remedy) == (
-        "no node of this launch does",
-        "start what broadcasts pico_1",
-    )
+    finding = the_finding("stray_frame", missing("", "possible_missing_frame"))
+    told = (finding.cause, finding.remedy)
+    assert told == ("no node of this launch does", "start what broadcasts pico_1")
+    assert finding.level is FindingLevel.PEDANTIC
+
+
+def test_a_base_of_another_name_is_named_though_another_launch_may_send_it():
+    finding = the_finding("stray_frame", missing("base_link", "possible_missing_frame"))
+    assert finding.cause == "the transforms of this launch have base_link"
     assert finding.level is FindingLevel.PEDANTIC
 
 

@@ -5,14 +5,16 @@
 A frame that a node looks up, and that no transform of the launch has: a text that the source gives
 tf or tf2 (`lookupTransform`, `can_transform`, `transformPose` and others), or a parameter of a node
 that RTron has a model of, such as `robot_base_frame` of Nav2. The finding names a near frame that a
-transform has; a robot's base may be called `base_link` and `base_footprint`. Without a near one
-another launch may send the transform, and the level is `pedantic`.
+transform has; so it does for `base_link` and `base_footprint`, if other frames are below the one
+that is there. Without a near one another launch may send the transform, and the level is
+`pedantic`.
 
-A frame that the source of a node writes into the header of a message (`header.frame_id`), as a
-constant or from parameters with the values of the launch, and that no transform of the launch has,
-where a near one is there: with a suffix, a prefix or a namespace more or less, or a few letters
-off. In ROS 2 so is a frame with a slash before it, which tf2 does not take. In ROS 1 a transform
-may have the frame below a prefix, as `tf_prefix` makes it.
+A frame that the source of a node writes into the header of a message (`header.frame_id`), or into
+`child_frame_id` of an odometry, as a constant or from parameters with the values of the launch, and
+that no transform of the launch has, where a near one is there: with a suffix, a prefix or a
+namespace more or less, with the words in another order, or a few letters off. In ROS 2 so is a
+frame with a slash before it, which tf2 does not take. In ROS 1 a transform may have the frame below
+a prefix, as `tf_prefix` makes it.
 
 All transforms must be known: those of broadcasters in source, of `static_transform_publisher`, of
 the robot description and of the nodes that RTron has models of. Where one is not, or where
@@ -46,6 +48,10 @@ from rtron.vocabulary import Certainty, Endpoint, Finding, WiringFactKind
 from rtron.vocabulary.names import TRANSFORM_TOPICS
 from rtron.wording import conjugate, join_names
 
+_LOOKED_UP = {
+    WiringFactKind.MISSING_FRAME: Certainty.LIKELY,
+    WiringFactKind.POSSIBLE_MISSING_FRAME: Certainty.POSSIBLE,
+}
 _PLAIN = ("std_msgs/", "std_srvs/")
 """Types without a header."""
 
@@ -58,9 +64,10 @@ def check(app: AppFacts) -> Iterator[Finding]:
         is_transformed = any(_are_transformed(app, sender, listeners) for sender in group.others)
         yield _finding(group, is_transformed=is_transformed)
     stamped = {group.subject for group in stray}
-    for group in wiring_groups(app.graph, WiringFactKind.MISSING_FRAME):
-        if group.subject not in stamped:
-            yield _missing(app, group)
+    for kind, certainty in _LOOKED_UP.items():
+        for group in wiring_groups(app.graph, kind):
+            if group.subject not in stamped:
+                yield _missing(app, group, certainty if app.is_whole else Certainty.POSSIBLE)
 
 
 def _are_transformed(app: AppFacts, sender: str, listeners: set[str]) -> bool:
@@ -100,7 +107,7 @@ def _finding(group: WiringGroup, *, is_transformed: bool) -> Finding:
     )
 
 
-def _missing(app: AppFacts, group: WiringGroup) -> Finding:
+def _missing(app: AppFacts, group: WiringGroup, certainty: Certainty) -> Finding:
     near, nodes = group.values[0], group.others
     known = f"the transforms of this launch have {near}" if near else "no node of this launch does"
     return fact_finding(
@@ -112,7 +119,7 @@ def _missing(app: AppFacts, group: WiringGroup) -> Finding:
         remedy=f"did you mean {near}? Give the look-up and the transform one name"
         if near
         else f"start what broadcasts {group.subject}",
-        certainty=Certainty.LIKELY if near and app.is_whole else Certainty.POSSIBLE,
+        certainty=certainty,
         nodes=nodes,
     )
 

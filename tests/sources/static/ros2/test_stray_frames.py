@@ -73,6 +73,7 @@ def stray_frames(tmp_path):
         ("robot/pico", "pico"),
         ("pico", "pico_link"),
         ("laser_frane", "laser_frame"),
+        ("laser_upper_base", "base_laser"),
     ],
 )
 def test_a_frame_that_is_near_one_of_a_transform(stray_frames, ros, stamped, near):
@@ -127,9 +128,8 @@ def test_among_very_many_transforms_none_is_near(stray_frames):
 def missing_frames(stray_frames):
     """Return the frames that the laser looks up and that are missing, with what is near."""
 
-    def scan(*looked_up, transforms=("pico",), ros=2, more=""):
+    def scan(*looked_up, transforms=("pico",), ros=2, more="", kind="missing_frame"):
         code = "".join(f"buffer.lookup_transform('', '{each}')\n" for each in looked_up)
-        kind = "missing_frame"
         found = stray_frames("", *transforms, ros=ros, more=more, code=code, kind=kind)
         return [(frame, near) for frame, near, _ in found]
 
@@ -141,7 +141,7 @@ def missing_frames(stray_frames):
     ("looked_up", "expected"),
     [
         (["pico_1"], [("pico_1", "pico")]),
-        (["sonar"], [("sonar", "")]),
+        (["sonar"], []),
         (["base_footprint"], [("base_footprint", "base_link")]),
         (["pico"], []),
         (["pico_1", "pico"], []),
@@ -150,6 +150,22 @@ def missing_frames(stray_frames):
 )
 def test_a_frame_that_is_looked_up(missing_frames, ros, looked_up, expected):
     assert missing_frames(*looked_up, ros=ros) == expected
+
+
+def test_another_launch_may_send_what_is_like_none_or_the_base(missing_frames):
+    kind = "possible_missing_frame"
+    assert missing_frames("sonar", kind=kind) == [("sonar", "")]
+    assert missing_frames("pico_1", kind=kind) == []
+    only_base = {"transforms": (), "more": UNKNOWN.format("0 0 0 0 0 0 odom base_footprint")}
+    assert missing_frames("base_link", kind=kind, **only_base) == [("base_link", "base_footprint")]
+    assert missing_frames("base_link", **only_base) == []
+
+
+@pytest.mark.parametrize("given", ["", '<param name="tf_broadcast" value="false"/>'])
+def test_a_node_of_a_model_broadcasts_what_its_parameters_say(missing_frames, given):
+    base = '<param name="base_frame_id" value="base_link"/>'
+    amcl = f'<node pkg="nav2_amcl" exec="amcl" name="amcl">{base}{given}</node>'
+    assert missing_frames("pico_1", more=amcl) == [("pico_1", "pico")]
 
 
 @pytest.mark.parametrize("more", [REALSENSE, UNKNOWN.format("0 0 0 0 0 0 base_link $(command x)")])

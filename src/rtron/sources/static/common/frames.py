@@ -30,6 +30,7 @@ _Uses: TypeAlias = dict[str, dict[str, Evidence]]
 """Frames, with the nodes that use them, and where these do."""
 _BASES = ("base_link", "base_footprint")
 """The names of a robot's base (REP 105, REP 120), of which many a robot has one alone."""
+_MISSING = {True: WiringFactKind.MISSING_FRAME, False: WiringFactKind.POSSIBLE_MISSING_FRAME}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +70,7 @@ class FrameBroadcasters:
         sends = any(_sends_transforms(each) for each in part.interface.declarations)
         is_known = all(frame.child and frame.parent for frame in part.interface.frames)
         self.is_whole &= is_known and topic == TRANSFORMS
-        self.is_whole &= bool(frames) or not sends
+        self.is_whole &= bool(frames) or not sends or _has_modelled_frames(part)
         for use in part.interface.frame_uses:
             uses = self.look_ups if use.is_look_up else self.stamps
             uses[use.frame].setdefault(node_name(part), use.evidence)
@@ -132,19 +133,28 @@ class FrameBroadcasters:
         """
         for frame, nodes, near in self._missing(self.look_ups):
             others = {n: p for n, p in nodes.items() if n not in self.look_ups.get(near, ())}
+            kind = _MISSING[bool(near)]
             if others:
-                yield self._missing_fact(WiringFactKind.MISSING_FRAME, frame, others, near)
+                yield self._missing_fact(kind, frame, others, near or self._other_base(frame))
 
     def _missing(self, uses: _Uses) -> Iterator[tuple[str, dict[str, Evidence], str]]:
         """Yield the frames that no transform has, with their users and a near one that is there."""
         known = {child for _, child in self._nodes}
-        parents = {e.frame.parent for nodes in self._nodes.values() for e in nodes.values()} - {""}
-        transformed = sorted(known | parents)
-        bases = [base for base in _BASES if base in parents]
+        parents = self._parents()
         for frame, nodes in sorted(uses.items()) if self.is_whole and known else ():
-            if not self._has(frame, transformed):
-                near = _near_frame(frame, transformed)
-                yield frame, nodes, near or "".join(bases[:1] if frame in _BASES else ())
+            if not self._has(frame, known | parents):
+                near = _near_frame(frame, sorted(known | parents))
+                base = self._other_base(frame)
+                yield frame, nodes, near or (base if base in parents else "")
+
+    def _parents(self) -> set[str]:
+        broadcasters = chain.from_iterable(nodes.values() for nodes in self._nodes.values())
+        return {each.frame.parent for each in broadcasters} - {""}
+
+    def _other_base(self, frame: str) -> str:
+        """Return what else the base of a robot is called; empty for another frame."""
+        known = self._parents().union(child for _, child in self._nodes)
+        return next((each for each in _BASES if frame in _BASES and each in known - {frame}), "")
 
     def _missing_fact(
         self, kind: WiringFactKind, frame: str, nodes: Mapping[str, Evidence], near: str
@@ -157,7 +167,7 @@ class FrameBroadcasters:
             kind=kind, subject=frame, value=near, others=tuple(nodes), evidence=places
         )
 
-    def _has(self, frame: str, transformed: Sequence[str]) -> bool:
+    def _has(self, frame: str, transformed: Collection[str]) -> bool:
         """Return whether a frame is in a transform, or none at all."""
         if self.ros > 1:
             return not frame or frame in transformed
@@ -193,6 +203,12 @@ def _frames_above(frame: _Frame, parents: Mapping[_Frame, Collection[str]]) -> s
     return found
 
 
+def _has_modelled_frames(part: NodePart) -> bool:
+    """Return whether a model tells of transforms, which its node's parameters may turn off."""
+    entries = part.model.walk() if part.model else ()
+    return any(entry.broadcast is not None for entry in entries)
+
+
 def _sends_transforms(declaration: Declaration) -> bool:
     is_sent = declaration.kind is DeclarationKind.PUBLISH
     return is_sent and declaration.name in TRANSFORM_TOPICS
@@ -203,7 +219,15 @@ def _near_frame(frame: str, others: Sequence[str]) -> str:
     if len(others) > _MOST_COMPARED:
         return ""
     inside = (other for other in others if _extends(frame, other) or _extends(other, frame))
-    return next(chain(inside, get_close_matches(frame, others, 1, _NEAR_RATIO)), "")
+    close = get_close_matches(frame, others, 1, _NEAR_RATIO)
+    mixed = (other for other in others if _has_its_words(frame, other))
+    return next(chain(inside, close, mixed), "")
+
+
+def _has_its_words(one: str, other: str) -> bool:
+    """Return whether one of two names has all words of the other, two at least, in any order."""
+    fewer, more = sorted((set(one.split("_")), set(other.split("_"))), key=len)
+    return len(fewer) > 1 and fewer <= more
 
 
 def _extends(longer: str, shorter: str) -> bool:

@@ -134,8 +134,9 @@ def _declared_in_vain(parts: Iterable[NodePart]) -> dict[str, list[str]]:
 
 
 def _program_names(part: NodePart) -> set[str]:
-    """Return the node of a program's name, and of the name that its model says it gives itself."""
-    names = {part.model.name if part.model else "", PurePath(part.node.type).stem}
+    """Return the node of a program's name, and of those that its model says it gives itself."""
+    names = {PurePath(part.node.type).stem}
+    names |= {part.model.name, *part.model.former} if part.model else set()
     return {expand_name(name, node_name(part)) for name in names - {""}}
 
 

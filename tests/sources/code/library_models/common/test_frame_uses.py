@@ -74,6 +74,31 @@ t.header.frame_id = 'base'
     assert cpp2('geometry_msgs::msg::TransformStamped t; t.header.frame_id = "base";') == []
 
 
+def test_the_velocity_of_an_odometry_has_a_frame():
+    body = "from nav_msgs.msg import Odometry\no = Odometry()\no.child_frame_id = 'base'"
+    assert python1(body) == ["base"]
+    assert cpp2('nav_msgs::msg::Odometry o; o.child_frame_id = "base";') == ["base"]
+    assert cpp2('geometry_msgs::msg::TransformStamped t; t.child_frame_id = "base";') == []
+
+
+def test_a_callback_copies_a_frame_from_one_message_to_another():
+    members = """
+def tick(self):
+    o = Odometry()
+    o.child_frame_id = 'base'
+    t = TransformStamped(child_frame_id=o.child_frame_id)
+    t.header.frame_id = 'odom'
+    TransformBroadcaster(self).sendTransform(t)
+"""
+    top = """
+from nav_msgs.msg import Odometry
+from geometry_msgs.msg import TransformStamped
+from tf2_ros import TransformBroadcaster
+"""
+    found = ros2_runs.python("self.create_timer(0.1, self.tick)", top, members)
+    assert [(frame.child, frame.parent) for frame in found.frames] == [("base", "odom")]
+
+
 TICK = """
 void tick() {{ sensor_msgs::msg::LaserScan scan; scan.header.frame_id = {}; pub_->publish(scan); }}
 std::string frame_; rclcpp::TimerBase::SharedPtr timer_;

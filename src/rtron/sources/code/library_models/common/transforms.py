@@ -6,11 +6,14 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    UNKNOWN,
     Instance,
     LibraryClass,
     ListValue,
     Scalar,
+    Unknown,
     Value,
+    options,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -31,6 +34,8 @@ LOOK_UPS = frozenset(
     }
 )
 """The methods that look transforms up, each text of theirs a frame."""
+_FRAME_FIELDS = ("frame_id", "child_frame_id")
+"""Fields that each callback sets of its own message, before it reads them."""
 
 
 def note_look_up(machine: AbstractMachine, method: Attr, arguments: Arguments) -> None:
@@ -83,8 +88,14 @@ def _frames(message: Value | None) -> tuple[Value | None, Value | None]:
 
 
 def _known_text(value: Value | None) -> str:
-    is_text = isinstance(value, Scalar) and isinstance(value.value, str)
-    return str(value.value) if isinstance(value, Scalar) and is_text else ""
+    """Return a text; a frame that is copied from another message has it when it is sent."""
+    known = [each for each in options(value or UNKNOWN) if not _is_frame_field(each)]
+    text = known[0].value if len(known) == 1 and isinstance(known[0], Scalar) else None
+    return str(text) if isinstance(text, str) else ""
+
+
+def _is_frame_field(value: Value) -> bool:
+    return isinstance(value, Unknown) and value.label in _FRAME_FIELDS
 
 
 def _make_stamped_transform(_: AbstractMachine, arguments: Arguments) -> Value:
