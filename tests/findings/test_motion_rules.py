@@ -104,6 +104,9 @@ class TestSeveralPublishers:
             ("nav2_controller", "teleop", True),
             ("nav2_controller", "moveit_servo", True),
             ("my_nav2_controller", "nav2_behaviors", True),
+            ("nav2_collision_monitor", "nav2_behaviors", True),
+            ("nav2_collision_monitor", "opennav_docking", False),
+            ("twist_mux", "opennav_docking", True),
         ],
     )
     def test_the_nodes_of_one_stack_take_turns(self, one, other, is_found):

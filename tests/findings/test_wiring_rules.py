@@ -134,6 +134,14 @@ class TestUnmatchedTopic:
         assert (finding.certainty, finding.level) == (Certainty.LIKELY, FindingLevel.REGULAR)
         assert finding.topics == ("/odometry/filterd", "/odometry/filtered")
 
+    def test_what_is_only_recorded_counts_too(self):
+        recorder = "/bag ros2bag third_party\n    sub /odometry/filterd \n"
+        only_recorded = self.MISSPELT[: self.MISSPELT.index("/nav ")] + recorder
+        finding = the_finding("unmatched_topic", small_graph(only_recorded))
+        assert finding.summary == "/bag subscribes /odometry/filterd, which nobody publishes"
+        both = recorder + "    sub /odometry/filtered \n"
+        assert not found("unmatched_topic", small_graph(only_recorded.replace(recorder, both)))
+
     def test_with_a_node_that_was_not_read_it_is_only_possible(self):
         graph = small_graph(self.MISSPELT + FIRMWARE, unread=("/firmware",))
         finding = the_finding("unmatched_topic", graph)

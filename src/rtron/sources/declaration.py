@@ -207,11 +207,12 @@ class FrameBroadcast:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FrameStamp:
-    """A frame that a node writes into the header of a message, and where."""
+class FrameUse:
+    """A frame that a node writes into the header of a message, or looks up, and where."""
 
     frame: str
     evidence: Evidence
+    is_look_up: bool = False
 
 
 class LastMessageFate(StringEnum):
@@ -255,7 +256,8 @@ class NodeInterface:
     """All that one node declares, and what of it could not be found out.
 
     `nodes` are those of a process of ROS 2, in the order they are made, `parameters` theirs.
-    `frames` are the transforms, `stamps` the frames of its messages as far as they are known,
+    `frames` are the transforms, `frame_uses` the frames of its messages and those that it looks up,
+    as far as they are known,
     `plugins` those classes that a model says to be loaded, and that have no model themselves: each
     has a note called like its class.
     """
@@ -266,7 +268,7 @@ class NodeInterface:
     unresolved: tuple[UnresolvedItem, ...] = ()
     parameters: tuple[NodeParameter, ...] = ()
     frames: tuple[FrameBroadcast, ...] = ()
-    stamps: tuple[FrameStamp, ...] = ()
+    frame_uses: tuple[FrameUse, ...] = ()
     plugins: tuple[LoadedPlugin, ...] = ()
     mistyped: tuple[MistypedParameter, ...] = ()
     last_messages: tuple[LastMessageUse, ...] = ()

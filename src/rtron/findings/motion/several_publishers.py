@@ -8,7 +8,8 @@ Requests that are done one by one, such as PX4's, and commands that reach nobody
 It counts though no reader is known: the driver of the base is often not in the workspace. Where an
 arbiter (twist_mux and its kin) publishes the topic, the others pass it by. Nodes of one stack, such
 as Nav2's servers, take turns among themselves and do not count, nor does a base that publishes its
-own input, or a `rostopic pub` of the launch file, which speaks once.
+own input, or a `rostopic pub` of the launch file, which speaks once. Who passes Nav2's collision
+monitor by counts, but for its docking server, which looks for collisions itself.
 
 ## Why it matters
 

@@ -8,9 +8,10 @@ odometry, a map) so has the only one below or above it, such as `/imu/data` of `
 reads that. It is likely if nobody else subscribes the other topic and all nodes were read. Else it
 is possible, and shown from the level `pedantic` on. No other topic is named that is made of this
 one, that another node forwards as a command, or where a publisher's name that is known in part may
-be this topic. What a lost command likely means is left to `lost_command`, and a topic without a
-near name to `incomplete_launch`. What a node from elsewhere may be told (a pose to start from) is
-an option, and no name that says more or less (`set_pose`, `pose`) stands for it.
+be this topic. A topic that is only recorded in a bag counts too, with any type. What a lost command
+likely means is left to `lost_command`, and a topic without a near name to `incomplete_launch`. What
+a node from elsewhere may be told (a pose to start from) is an option, and no name that says more or
+less (`set_pose`, `pose`) stands for it.
 
 ## Why it matters
 
@@ -48,12 +49,34 @@ from rtron.vocabulary import (
 )
 from rtron.wording import conjugate, join_names
 
+_RECORDER_PACKAGE = "ros2bag"
+
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each topic that is subscribed, while a near one is published."""
-    for topic, near in unmatched_topics(app).items():
+    for topic, near in {**unmatched_topics(app), **_recorded(app)}.items():
         if near:
-            yield _finding(app, topic, near)
+            yield _finding(app, topic, near, app.readers(topic) or _recorders(app, topic))
+
+
+def _recorders(app: AppFacts, topic: str) -> tuple[str, ...]:
+    """Return the nodes that write a topic to a bag."""
+    nodes = (app.nodes.get(end.node) for end in app.graph.subscribers(topic) if not end.implicit)
+    return tuple(each.name for each in nodes if each and each.package == _RECORDER_PACKAGE)
+
+
+def _recorded(app: AppFacts) -> dict[str, list[str]]:
+    """Return the topics that are only recorded and not published, each with the near ones.
+
+    What is recorded beside it is not meant.
+    """
+    types = {type for topic in app.explicit_topics for type in app.types(topic, Direction.PUBLISH)}
+    topics = (each for each in app.explicit_topics if not _has_other_end(app, each))
+    near = {each: app.near_topics(each, types) for each in topics if _recorders(app, each)}
+    return {
+        topic: [other for other in others if not _recorders(app, other)]
+        for topic, others in near.items()
+    }
 
 
 @lru_cache(maxsize=1)
@@ -92,13 +115,16 @@ def _action_topics(graph: InteractionGraph) -> Iterator[str]:
 
 def _is_unmatched(app: AppFacts, topic: str) -> bool:
     is_for_logs = app.facts.lists.ignores_topic(topic)
-    has_other_end = bool(app.publishers(topic)) or not app.readers(topic)
+    return not (_has_other_end(app, topic) or is_for_logs) and bool(app.readers(topic))
+
+
+def _has_other_end(app: AppFacts, topic: str) -> bool:
+    """Return whether a topic is published, as is one whose name is known in part, or hidden."""
     is_part_missing = "{" in topic or topic.rpartition("/")[2].startswith("_")
-    return not (has_other_end or is_for_logs or is_part_missing)
+    return is_part_missing or bool(app.publishers(topic))
 
 
-def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
-    readers = app.readers(topic)
+def _finding(app: AppFacts, topic: str, near: list[str], readers: tuple[str, ...]) -> Finding:
     maybe_elsewhere = app.may_have_other_end(topic, Direction.PUBLISH)
     unread_near = [other for other in near if not app.readers(other)]
     is_likely = bool(unread_near) and not maybe_elsewhere

@@ -66,8 +66,8 @@ from rtron.sources.code.reachability import (
     joins_nodes,
     names_written_by_callbacks,
     note_unreached,
+    run_frame_users,
     run_pending,
-    run_stamping,
     run_transitions,
 )
 from rtron.sources.declaration import NodeInterface, NodeSite
@@ -271,8 +271,8 @@ def _run_to_fixpoint(
     note_unreached(machine, own)
     interface = machine.recorder.result()
     last = tuple(last_messages(machine))
-    run_stamping(machine)
-    return replace(interface, stamps=machine.recorder.result().stamps, last_messages=last)
+    run_frame_users(machine)
+    return replace(interface, frame_uses=machine.recorder.result().frame_uses, last_messages=last)
 
 
 def _create_cpp_machine(

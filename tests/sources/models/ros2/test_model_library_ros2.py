@@ -826,6 +826,21 @@ def test_a_node_broadcasts_the_frames_that_its_parameters_say(name, settings, ex
 
 
 @pytest.mark.parametrize(
+    ("name", "settings", "expected"),
+    [
+        ("nav2_amcl/amcl", {}, ["base_footprint"]),
+        ("nav2_amcl/amcl", {"base_frame_id": "b"}, ["b"]),
+        ("nav2_planner/planner_server", {"robot_base_frame": "b"}, ["map", "b"]),
+        ("slam_toolbox/async_slam_toolbox_node", {}, ["base_footprint"]),
+    ],
+)
+def test_a_node_looks_the_frames_up_that_its_parameters_say(name, settings, expected):
+    uses = modelled(name, settings={"/**": settings}).frame_uses
+    assert [use.frame for use in uses] == expected
+    assert all(use.is_look_up for use in uses)
+
+
+@pytest.mark.parametrize(
     ("args", "expected"),
     [
         ("0 0 -1 0 0 0 a b", [("b", "a")]),

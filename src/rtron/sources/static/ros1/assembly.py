@@ -99,7 +99,7 @@ class Assembly(GraphBuilder):
         self.add_wiring(*self.remap_uses.unread())
         self.add_wiring(*self.program_outputs.shared())
         self.add_wiring(*self.frames.facts(), *self.frames.loops())
-        self.add_wiring(*self.frames.stray_frames())
+        self.add_wiring(*self.frames.stray_frames(), *self.frames.missing_frames())
 
     def add_clock(self, parts: Iterable[NodePart], parameters: ParameterTree) -> None:
         """Let every node that is one of ROS follow simulated time, where that is set."""

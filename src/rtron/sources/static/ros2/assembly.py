@@ -96,7 +96,7 @@ class Ros2Assembly(GraphBuilder):
         self.add_wiring(*self.remap_uses.unread())
         self.add_wiring(*self.program_outputs.shared())
         self.add_wiring(*self.frames.facts(), *self.frames.loops())
-        self.add_wiring(*self.frames.stray_frames())
+        self.add_wiring(*self.frames.stray_frames(), *self.frames.missing_frames())
         values = (
             (f"{each.node}/{each.name}", each.value, self._started[each.node].evidence)
             for each in self.parameters.values()
