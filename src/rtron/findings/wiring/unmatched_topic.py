@@ -92,7 +92,7 @@ def _near(app: AppFacts, topic: str) -> list[str]:
         other
         for other in app.near_topics(topic, app.types(topic, Direction.SUBSCRIBE))
         if not is_one_stack(app, (*app.readers(topic), *app.publishers(other)))
-        and not (is_option(app, topic) and _says_more(topic, other))
+        and not (is_option(app, topic) and _is_other_word(topic, other))
     ]
 
 
@@ -102,7 +102,7 @@ def is_option(app: AppFacts, topic: str) -> bool:
     return not (is_own or MEASURED_TYPES.match(app.facts.topic(topic).type))
 
 
-def _says_more(topic: str, other: str) -> bool:
+def _is_other_word(topic: str, other: str) -> bool:
     return says_more(*(name.rpartition("/")[2] for name in (topic, other)))
 
 
@@ -129,7 +129,7 @@ def _finding(app: AppFacts, topic: str, near: list[str], readers: tuple[str, ...
     unread_near = [other for other in near if not app.readers(other)]
     is_likely = bool(unread_near) and not maybe_elsewhere
     publishers = app.publishers(near[0])
-    is_doubtful = app.is_motion(topic) or app.is_stop(topic) or _says_more(topic, near[0])
+    is_doubtful = app.is_motion(topic) or app.is_stop(topic) or _is_other_word(topic, near[0])
     return make_finding(
         RULE.name,
         topic,
