@@ -8,6 +8,7 @@ from harness import wait_for
 from self_launching_app import write_starting_app
 
 from rtron.planning.plan_file.writer import write_plan
+from rtron.vocabulary.names import SUPERVISOR_NODE
 
 pytestmark = [pytest.mark.ros1, pytest.mark.timeout(180)]
 FLOWS = {"/rtron/cmd_vel/flow1": "/nav", "/rtron/cmd_vel/flow2": "/rogue"}
@@ -48,7 +49,7 @@ def test_the_nodes_of_started_launch_files_go_through_the_guard(ros1, launch):
     ros1.wait_for_nodes("/nav", "/rogue", "/driver", CMD_VEL_GUARD)
     for topic, node in FLOWS.items():
         wait_for(lambda t=topic, n=node: ros1.publishers(t) == {n}, what=f"{node} on {topic}")
-    assert ros1.publishers("/cmd_vel") == {CMD_VEL_GUARD}
+    assert ros1.publishers("/cmd_vel") == {CMD_VEL_GUARD, SUPERVISOR_NODE}
     wait_for(lambda: len(driven.navigation()) > 10, what="navigation at the driver")
     blocked = ros1.received(CMD_VEL_GUARD, "/rtron/cmd_vel/flow2") + 500
     wait_for(
