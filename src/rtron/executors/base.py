@@ -27,7 +27,6 @@ class MapExecutor(Protocol):
         Items are taken as they are needed, and a few results at most wait for their turn. The
         function must be one that another process can import.
         """
-        ...
 
 
 class UnorderedExecutor(Protocol):
@@ -37,7 +36,6 @@ class UnorderedExecutor(Protocol):
         self, function: Callable[[Item], Result], items: Iterable[Item]
     ) -> Iterator[tuple[Item, Result | ItemFailure]]:
         """Yield each item with its result as soon as there is one, ItemFailure if it failed."""
-        ...
 
 
 def run_item(function: Callable[[Item], Result], item: Item) -> Result | ItemFailure:

@@ -23,14 +23,12 @@ class ChunkWorkers(Protocol):
     @property
     def count(self) -> int:
         """How many there are."""
-        ...
 
     def submit(self, function: Callable[..., Any], *arguments: object) -> Callable[[], Any]:
         """Begin `function(*arguments)`; the answer waits for its result.
 
         It raises LostWorkerError where the worker is gone.
         """
-        ...
 
 
 def map_in_order(
