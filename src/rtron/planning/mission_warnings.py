@@ -10,7 +10,7 @@ from itertools import product
 from rtron.messages.expressions.python_terms import MAX_ROUNDS, macro_depth
 from rtron.planning.expressions import check_expressions
 from rtron.planning.problem import ProblemLevel
-from rtron.planning.protection_gaps import Gap, is_everybody
+from rtron.planning.protection_gaps import Gap, matches_every_node
 from rtron.planning.rule_contradictions import BitCondition
 from rtron.vocabulary import EventFlow, MissionRule, Mode, Plan, WhenUnknown, patterns_overlap
 from rtron.wording import join_names
@@ -46,11 +46,11 @@ def _gaps(plan: Plan, conditions: Mapping[str, BitCondition]) -> Iterator[Gap]:
         if condition is not None and condition.names:
             events = [flow for flow in msrcn.eflows if flow.name in condition.names]
             yield from ((f"rule {rule.name}", each) for each in _lapses(condition, events))
-            own = _own_events(plan, rule, events)
+            own = _events_of_blocked(plan, rule, events)
             if own and _can_lift(condition, own):
                 yield f"rule {rule.name}", _lifted_by(own)
     for flow in msrcn.eflows:
-        if is_everybody(flow.publisher):
+        if matches_every_node(flow.publisher):
             where = f"eflow {flow.name}"
             yield where, f"every node can publish {flow.topic} as {flow.publisher}: name one"
     texts = [(f"eflow {flow.name}", "when", flow.when) for flow in msrcn.eflows]
@@ -72,7 +72,9 @@ def _lapses(condition: BitCondition, events: Iterable[EventFlow]) -> Iterator[st
             yield f"while {who} {cause}, this blocks nothing: leave `{key}` out, then it blocks"
 
 
-def _own_events(plan: Plan, rule: MissionRule, events: Iterable[EventFlow]) -> list[EventFlow]:
+def _events_of_blocked(
+    plan: Plan, rule: MissionRule, events: Iterable[EventFlow]
+) -> list[EventFlow]:
     """Return the events that come from a node which the rule blocks."""
     blocked = set(_blocked_publishers(plan, rule))
     return [

@@ -67,21 +67,21 @@ def _stream_gaps(stream: Stream, plan: Plan) -> Iterator[str]:
         help = "if it moves nothing, say `kind: state` or `kind: action`"
         yield f"{why}: no stop follows when the publisher falls silent; {help}"
     passing = [flow for flow in stream.flows if not flow.block]
-    if stream.is_command and moves and passing and all(map(_may_be_silent, passing)):
+    if stream.is_command and moves and passing and all(map(_releases_on_silence, passing)):
         what = "the robot goes on at its last velocity, unless its base stops by itself"
         yield f"every flow says `on_silence: release`: when all fall silent, {what}"
     if stream.uses and "linear.x" not in stream.uses:
         used = join_names(stream.uses)
         yield f"`uses` has {used} only: the guard sets linear.x to 0, so it never drives forward"
     for flow in passing:
-        if is_everybody(flow.publisher):
+        if matches_every_node(flow.publisher):
             why = "no node is a stranger, and none is kept out"
             yield f"{flow.publisher} of {flow.name} is every node: {why}; name the nodes"
     for node in duplicates(stream.successors, lambda node: node):
         yield f"the successor {node} stands twice: was another node meant?"
 
 
-def is_everybody(publisher: str) -> bool:
+def matches_every_node(publisher: str) -> bool:
     """Return whether a pattern means every node, or every one in a namespace."""
     return not publisher.strip("/*")
 
@@ -97,7 +97,7 @@ def _is_limit(stream: Stream, plan: Plan) -> bool:
     return stream.topic in limits or is_large(stream.type)
 
 
-def _may_be_silent(flow: Flow) -> bool:
+def _releases_on_silence(flow: Flow) -> bool:
     return flow.on_silence is OnSilence.RELEASE
 
 
@@ -117,7 +117,7 @@ def _limit_gaps(plan: Plan) -> Iterator[str]:
     yield from _unlimited_commands(rsrcn, [g for g in plan.grcn if g.mode is Mode.ENFORCE])
     yield from _unlimited_turns(rsrcn)
     if rsrcn.policy in FRAME_RATE_POLICIES:
-        yield from _own_frames(plan, rsrcn)
+        yield from _self_counted_frames(plan, rsrcn)
 
 
 def _only_watched(topics: Iterable[GuardedTopic], plan: Plan, what: str) -> Iterator[str]:
@@ -149,7 +149,7 @@ def _unlimited_turns(rsrcn: RSRCN) -> Iterator[str]:
             yield f"no limit holds for turning on {topic.topic}: set `max_turn_limit`, in rad/s"
 
 
-def _own_frames(plan: Plan, rsrcn: RSRCN) -> Iterator[str]:
+def _self_counted_frames(plan: Plan, rsrcn: RSRCN) -> Iterator[str]:
     drivers = [(flow.publisher, topic) for topic in rsrcn.vflows for flow in topic.flows]
     for monitor in plan.fps_monitor:
         topics = [

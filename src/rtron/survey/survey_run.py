@@ -1,37 +1,33 @@
 """A survey: the apps of a folder that have no result yet are scanned, several at a time."""
 
-import subprocess
-import sys
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, field
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import IO, cast
 
-from rtron.errors import InputError, SourceError
-from rtron.executors import DaskExecutor, ItemFailure, ThreadExecutor
+from rtron.errors import InputError
 from rtron.functions.reading.skipped_entries import SkippedEntry
 from rtron.sources.static.common.scan_options import Progress, default_workers
-from rtron.survey.app_listing import REQUEST_ADAPTER, AppToScan, ScanRequest, find_apps
-from rtron.survey.app_survey import RESULT_ADAPTER, AppResult
+from rtron.survey.app_listing import AppToScan, ScanRequest, find_apps
+from rtron.survey.app_survey import AppResult
 from rtron.survey.results_file import ResultsFile, results_file
+from rtron.survey.scan_client import ScanServers
 
 DEFAULT_SECONDS = 120.0
-_COMMAND = (sys.executable, "-m", "rtron.survey.scan_server")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurveyOptions:
     """Where a survey works and for how long: `seconds` bound each app.
 
-    `jobs` processes scan side by side, by default one a core, or the workers of `cluster`. Without
-    `use_cache` nothing of earlier runs counts, and nothing is kept.
+    `jobs` processes scan side by side, by default one a core. Without `use_cache` nothing of
+    earlier runs counts, and nothing is kept.
     """
 
     seconds: float = DEFAULT_SECONDS
     jobs: int | None = None
-    cluster: str | None = None
     use_cache: bool = True
 
 
@@ -59,12 +55,8 @@ class Survey:
 def run_survey(folder: Path, options: SurveyOptions, progress: Progress) -> Survey:
     """Return the survey of the apps below a folder; Ctrl-C ends it with the results that it has.
 
-    Raise InputError for a folder that cannot be read or without apps, and if both processes and a
-    cluster are asked for; SourceError where the cluster does not answer.
+    Raise InputError for a folder that cannot be read or without apps.
     """
-    if options.cluster and options.jobs:
-        help = "leave one of the two out: a cluster has its own workers"
-        raise InputError("both --cluster and --jobs are given", help=help)
     started, left_out = monotonic(), list[SkippedEntry]()
     apps = list(find_apps(folder, left_out.append, progress))
     if not apps:
@@ -116,95 +108,27 @@ def _scan(
     ]
     if not requests:
         return
-    if options.cluster:
-        outcomes = DaskExecutor(options.cluster).map_unordered(scan_once, requests)
-        for request, outcome in outcomes:
-            yield request.app, _result(request, outcome)
-        return
     cores = default_workers()
-    executor = ThreadExecutor(min(options.jobs or cores, cores, len(requests)))
+    pool = ThreadPoolExecutor(min(options.jobs or cores, cores, len(requests)))
     with closing(ScanServers()) as servers:
-        for request, outcome in executor.map_unordered(servers.scan, requests):
-            yield request.app, _result(request, outcome)
+        try:
+            futures = {pool.submit(servers.scan, request): request for request in requests}
+            for future in as_completed(futures):
+                yield futures[future].app, _result(futures[future], future)
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _result(request: ScanRequest, outcome: AppResult | ItemFailure) -> AppResult:
-    if isinstance(outcome, AppResult):
-        return outcome
+def _result(request: ScanRequest, future: "Future[AppResult]") -> AppResult:
+    try:
+        return future.result()
+    except Exception as error:  # noqa: BLE001 - one app must not end the others
+        reason = str(error)
     return AppResult(
         app=request.app.name,
         repository=request.app.repository_name,
         ros=request.app.ros,
         seconds=0.0,
-        error=outcome.reason,
+        error=reason,
         is_final=False,
     )
-
-
-class _ScanServer:
-    """A process that scans; a session of its own keeps a terminal's Ctrl-C from it."""
-
-    def __init__(self) -> None:
-        self._process = subprocess.Popen(  # noqa: S603 - our own command
-            _COMMAND,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        self._requests = cast("IO[bytes]", self._process.stdin)
-        self._answers = cast("IO[bytes]", self._process.stdout)
-
-    def scan(self, request: ScanRequest) -> AppResult:
-        """Return what became of an app; raise SourceError if the process has ended."""
-        with suppress(BrokenPipeError):  # then there is no answer
-            self._requests.write(REQUEST_ADAPTER.dump_json(request) + b"\n")
-            self._requests.flush()
-        answer = self._answers.readline()
-        if not answer.endswith(b"\n"):
-            raise SourceError("the process that scans apps ended")
-        return RESULT_ADAPTER.validate_json(answer)
-
-    def end(self) -> None:
-        """End the process and the scan that it is at."""
-        with suppress(BrokenPipeError), self._process:  # a request that it never read is left
-            self._process.kill()
-
-
-@dataclass(slots=True)
-class ScanServers:
-    """As many processes that scan as there are scans at a time; each is started when needed."""
-
-    _idle: list[_ScanServer] = field(default_factory=list)
-    _started: list[_ScanServer] = field(default_factory=list)
-
-    def scan(self, request: ScanRequest) -> AppResult:
-        """Return what became of an app; raise SourceError if the process that scans it ended."""
-        try:
-            server = self._idle.pop()
-        except IndexError:
-            server = _ScanServer()
-            self._started.append(server)
-        result = server.scan(request)
-        self._idle.append(server)
-        return result
-
-    def close(self) -> None:
-        """End all processes, and with them the scans that are under way."""
-        for server in self._started:
-            server.end()
-
-
-def scan_once(request: ScanRequest) -> AppResult:
-    """Return what became of an app, scanned by a process for it alone: for a cluster's worker."""
-    with _own_server() as server:
-        return server.scan(request)
-
-
-@contextmanager
-def _own_server() -> "Iterator[_ScanServer]":
-    server = _ScanServer()
-    try:
-        yield server
-    finally:
-        server.end()

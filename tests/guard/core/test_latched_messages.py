@@ -9,8 +9,8 @@ from streams import WORDS, peer, stage, stream
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.guard.transport.common.protocol import NumberedMessage
-from rtron.vocabulary import SECOND, Durability, PolicyName, QoS, StreamKind
+from rtron.guard.transport.common.protocol import NumberedMessage, TypeInfo
+from rtron.vocabulary import SECOND, CoordinationKind, Durability, PolicyName, QoS, StreamKind
 
 IN, OUT = "/rtron/goal/flow1", "/rtron/goal/out"
 KEPT = QoS(durability=Durability.TRANSIENT_LOCAL)
@@ -93,8 +93,8 @@ def numbered(*numbers, writer="w1", text="kitchen"):
     return [NumberedMessage.of(f"{text} {number}".encode(), writer, number) for number in numbers]
 
 
-def hear(transport, words, node="/nav", qos=KEPT):
-    say = transport.publisher(IN, replace(peer(node, WORDS, latching=True), qos=qos))
+def hear(transport, words, node="/nav"):
+    say = transport.publisher(IN, replace(peer(node, WORDS, latching=True), qos=KEPT))
     for word in words:
         say(word)
 
@@ -143,15 +143,6 @@ def test_two_publishers_of_one_node_are_told_apart():
     assert out == [*numbered(6), *numbered(2)]
 
 
-@pytest.mark.parametrize(("kind", "times"), [(StreamKind.COMMAND, 1), (StreamKind.STATE, 2)])
-def test_a_command_that_was_kept_is_done_once_and_a_state_is_told_again(kind, times):
-    transport, one, written = guard(kind=kind)
-    hear(transport, numbered(1))
-    transport, other, _ = guard(written[-1] if written else b"", kind=kind)
-    hear(transport, numbered(1))
-    assert one + other == numbered(1) * times
-
-
 @pytest.mark.parametrize(
     ("kind", "done", "expected"),
     [
@@ -168,6 +159,14 @@ def test_only_commands_are_for_the_moment(kind, done, expected):
     host = Coordinator(MemoryTransport(), [made])
     host.open()
     assert host.streams[0].endpoints._is_momentary(peer("/nav", latching=True)) is expected
+
+
+def test_an_array_of_numbers_moves_something_whatever_looks_at_it():
+    limits = stage(kind=StreamKind.STATE, id="rsrcn")
+    made = stream(replace(limits, coordination_kind=CoordinationKind.RSRCN), topic="/arm")
+    host = Coordinator(MemoryTransport(), [made])
+    arms = TypeInfo("std_msgs/Float64MultiArray", "4b7d974086d4060e7db4613a7e6c3ba4")
+    assert host.streams[0].endpoints._is_momentary(peer("/nav", arms, latching=True))
 
 
 def given(*ages):
@@ -204,10 +203,9 @@ def test_what_a_guard_that_was_killed_has_not_heard_is_new():
     assert out == words[1:]
 
 
-@pytest.mark.parametrize("kind", [StreamKind.ACTION, StreamKind.COMMAND])
-def test_where_no_guard_was_before_all_that_was_kept_is_heard(kind):
+def test_where_no_guard_was_before_all_that_was_kept_is_heard():
     words = given(3600, 60, 3)
-    transport, out, _ = guard(kind=kind)
+    transport, out, _ = guard()
     hear(transport, words)
     assert out == words
 
@@ -221,13 +219,6 @@ def test_a_publisher_whose_clock_is_slow_is_heard_once_its_history_has_come(monk
     monkeypatch.setattr("rtron.guard.core.latched_messages.monotonic_ns", lambda: later)
     say(other)
     assert out == [other]
-
-
-def test_a_kept_command_of_ros1_is_done_whenever_it_comes():
-    transport, out, _ = guard(kind=StreamKind.COMMAND)
-    for _ in range(2):
-        hear(transport, [b"fast"], qos=None)
-    assert out == [b"fast", b"fast"]
 
 
 def test_those_who_are_blocked_make_nobody_forgotten():

@@ -20,20 +20,25 @@ def incidents_of(app):
     return sorted((state_folder(app) / INCIDENTS).glob("*.mcap"))
 
 
-def wait_for_incident(app, kind="intervention"):
-    """Return the first incident with a third of a second of what a kind of cause did, or more.
+def wait_for_incident(app, kind="intervention", topic=CMD):
+    """Return the first incident with a third of a second of what a cause did, or more.
 
-    A busy machine has others, too, and they may end just then.
+    A busy machine has others, too: they may end just then, or be alarms about the guard itself,
+    such as of a process that got no processor.
     """
 
     def found():
-        return [path for path in incidents_of(app) if _shows(IncidentFile(path).header, kind)]
+        headers = ((path, IncidentFile(path).header) for path in incidents_of(app))
+        return [path for path, header in headers if _shows(header, kind, topic)]
 
-    return wait_for(found, what=f"an incident with an {kind}")[0]
+    return wait_for(found, what=f"an incident with an {kind} on {topic}")[0]
 
 
-def _shows(header, kind):
-    return any(each.kind == kind and each.at <= header.end - SECOND // 3 for each in header.causes)
+def _shows(header, kind, topic):
+    return any(
+        (each.kind, each.topic) == (kind, topic) and each.at <= header.end - SECOND // 3
+        for each in header.causes
+    )
 
 
 def kinds_of(path):

@@ -25,6 +25,7 @@ from rtron.workflows.incidents import read_account
 from rtron.workflows.what_if import as_it_was, without_guard
 
 pytestmark = pytest.mark.ros1
+OUT = f"/rtron{CMD}/out"
 
 
 class LimitedBase:
@@ -35,7 +36,7 @@ class LimitedBase:
         self.driven = Driven(ros1.folder / "driven.txt")
         self.guard = start_guard(ros1, speed_plan(app, **incidents), CMD_VEL_GUARD)
         driver = [ROS_PYTHON, NODES / "driver.py", self.driven.path, "__name:=base"]
-        ros1.spawn(*driver, f"{CMD}:=/rtron{CMD}/out")
+        ros1.spawn(*driver, f"{CMD}:={OUT}")
         ros1.wait_for_nodes("/base")
 
     def drive(self, speed=FAST, rate=20):
@@ -83,9 +84,9 @@ def test_an_intruder_at_200_hz_is_one_incident_and_its_messages_are_in_it(ros1):
 def test_an_alarm_is_an_incident(ros1):
     base = LimitedBase(ros1, "incident_alarm")
     base.drive(0.1)
-    ros1.node("rogue.py", "/ghost", "20", f"{CMD}:=/rtron{CMD}/out")
-    account = read_account(IncidentFile(wait_for_incident(base.app, "alarm")))
-    assert account.header.gravest.topic == f"/rtron{CMD}/out"
+    ros1.node("rogue.py", "/ghost", "20", f"{CMD}:={OUT}")
+    account = read_account(IncidentFile(wait_for_incident(base.app, "alarm", OUT)))
+    assert account.header.gravest.kind == "alarm"
     assert any("/ghost" in event.reason for event in account.events if event.kind == "alarm")
     assert account.topics[CMD].output[-1][1].speed == 0
 

@@ -1,4 +1,4 @@
-"""Latched goals and commands: each new connection brings them again, and they count only once.
+"""Latched goals: each new connection brings them again, and they count only once.
 
 The next guard must know the last ones too, so they are part of the handover state.
 

@@ -158,7 +158,7 @@ class StreamEndpoints:
             self.strangers[name] = self.strangers.get(name, 0) + 1
 
     def filter_latched(self, peer: Peer, take: MessageHandler) -> MessageHandler:
-        """Return what takes the messages of a publisher: a latched goal or command only once."""
+        """Return what takes the messages of a publisher: a latched goal only once."""
         if not self._needs_latch_filter(peer):
             return take
         return self._latch_filter.filter(peer.node, take)
@@ -236,7 +236,7 @@ class StreamEndpoints:
         return self._receiver_for(flow.name, peer)
 
     def _connect_stranger(self, peer: Peer, where: str) -> MessageHandler | None:
-        if peer.verified and peer.node == SUPERVISOR_NODE and not self.spec.successors:
+        if peer.verified and peer.node == SUPERVISOR_NODE:
             return None  # it stops who listens to the public name
         if not self.spec.block_unapproved and not self._learn_type(peer):
             return None
@@ -260,20 +260,16 @@ class StreamEndpoints:
         return self.filter_latched(peer, take)
 
     def _needs_latch_filter(self, peer: Peer) -> bool:
-        """Return whether a publisher's latched messages are goals or commands, and no state.
-
-        Of a latched command in ROS 1 nobody knows whether it was sent again or is old.
-        """
-        commands = peer.qos is not None and not self._is_latched_state(peer)
-        return (self._is_goal() or commands) and peer.latching and not self._dry_run
+        """Return whether a publisher latches goals; old commands do not come this far."""
+        return self._is_goal() and peer.latching and not self._dry_run
 
     def _is_goal(self) -> bool:
         is_action = self.spec.stages[0].settings.kind is StreamKind.ACTION
-        return is_action or bool(self.spec.action)
+        return is_action or bool(self.spec.action or self.spec.done)
 
     def _is_momentary(self, peer: Peer) -> bool:
         """Return whether a publisher's messages are commands: neither goals nor states."""
-        return not (self._is_goal() or self.spec.done or self._is_latched_state(peer))
+        return not (self._is_goal() or self._is_latched_state(peer))
 
     def _is_latched_state(self, peer: Peer) -> bool:
         """Return whether a late subscriber gets the last message: only that of a state."""
@@ -282,6 +278,8 @@ class StreamEndpoints:
         first = self.spec.stages[0]
         if first.coordination_kind is CoordinationKind.GRCN:
             return first.settings.kind is StreamKind.STATE
+        if normalise_type(peer.info.type) in NUMERIC_COMMAND_TYPES:
+            return False
         codec = codec_of(peer.info, self._transport.encoding)
         return codec is None or codec.is_limit
 

@@ -97,7 +97,10 @@ def _stage(
 
 
 def _arrow(
-    link: LinkCount, ids: Mapping[FunctionType, str], columns: Mapping[FunctionType, int], most: int
+    link: LinkCount,
+    ids: Mapping[FunctionType, str],
+    columns: Mapping[FunctionType, int],
+    most: int,
 ) -> str:
     """Return an arrow, the broadest for the `most` apps.
 

@@ -1,16 +1,18 @@
-"""A connection to a publisher that ends while a worker makes it: no socket is left open."""
+"""A connection to a publisher: no socket is left open, and no old command is passed on."""
 
 import socket
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future
 from contextlib import closing
+from dataclasses import replace
 
 import pytest
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.common.protocol import Peer, TypeInfo, ignore_lost
+from rtron.guard.transport.common.protocol import InputOptions, Peer, TypeInfo, ignore_lost
 from rtron.guard.transport.ros1.handshake import TopicRequest
-from rtron.guard.transport.ros1.subscription import PublisherLink
+from rtron.guard.transport.ros1.subscription import PublisherLink, Subscription
+from rtron.wire.ros1.tcpros import LENGTH
 
 PEER = Peer("/talker", TypeInfo("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1"))
 REQUEST = TopicRequest("/rtron/a", "/words", "std_msgs/String", "http://localhost:1/")
@@ -87,3 +89,75 @@ def test_a_worker_that_does_not_connect_after_the_end_is_no_error(link, workers,
     else:
         workers.future.cancel()
     assert not caplog.records
+
+
+class LatchedLink:
+    """A link to a publisher that latches, and what of its messages is passed on."""
+
+    def __init__(self, loop, *, is_command=True, was_there=True):
+        self.heard, self.missed, self._loop = [], [], loop
+        options = InputOptions(
+            is_command=lambda _peer: is_command,
+            on_missed=lambda _peer, count: self.missed.append(count),
+        )
+        subscription = Subscription("/words", "", lambda uri: self._link(uri, options))
+        if not was_there:
+            subscription.update([], frozenset())
+        self.workers = HeldWorkers()
+        subscription.update(["http://localhost:2/"], frozenset())
+        self.close = subscription.close
+
+    def _link(self, uri, options):
+        receive = self.heard.append
+        return PublisherLink(
+            self._loop, self.workers, REQUEST, uri, lambda _peer: receive, ignore_lost, options
+        )
+
+    def connect(self, *words):
+        """Let the publisher answer, and send words at once; return its end."""
+        ours, theirs = socket.socketpair()
+        ours.settimeout(0)
+        self.workers.future, made = Future(), self.workers.future
+        made.set_result((ours, replace(PEER, latching=True)))
+        self.say(theirs, *words)
+        return theirs
+
+    def say(self, theirs, *words):
+        theirs.sendall(b"".join(LENGTH.pack(len(word)) + word for word in words))
+        for _ in range(3):
+            self._loop.step(0)
+
+    @property
+    def words(self):
+        return [message[LENGTH.size :] for message in self.heard]
+
+
+@pytest.mark.parametrize(
+    ("kind", "heard"),
+    [
+        ({}, [b"new"]),
+        ({"is_command": False}, [b"old", b"new"]),
+        ({"was_there": False}, [b"old", b"new"]),
+    ],
+)
+def test_a_command_that_was_latched_before_we_listened_is_dropped_and_counted(loop, kind, heard):
+    with closing(LatchedLink(loop, **kind)) as link, link.connect(b"old", b"new"):
+        assert link.words == heard
+        assert len(link.missed) == 2 - len(heard)
+
+
+def test_what_was_latched_while_a_connection_was_gone_is_old(loop, monkeypatch):
+    monkeypatch.setattr("rtron.guard.transport.ros1.subscription._FIRST_RETRY_S", 0)
+    with closing(LatchedLink(loop, was_there=False)) as link:
+        link.connect(b"one").close()
+        for _ in range(3):
+            loop.step(0)
+        with link.connect(b"two", b"three"):
+            assert link.words == [b"one", b"three"]
+
+
+def test_the_first_command_of_one_who_had_latched_nothing_is_passed_on(loop, monkeypatch):
+    monkeypatch.setattr("rtron.guard.transport.ros1.subscription._LATCHED_S", 0)
+    with closing(LatchedLink(loop)) as link, link.connect() as publisher:
+        link.say(publisher, b"first")
+        assert link.words == [b"first"]

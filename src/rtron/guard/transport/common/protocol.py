@@ -75,13 +75,14 @@ def accept_any_age(peer: Peer) -> bool:
 class InputOptions:
     """How a subscription treats its publishers and their messages, beside connecting them.
 
-    ROS 2 tells the age of messages: those of an `is_command` publisher are dropped if late, unless
-    they are latched. In ROS 2 anybody can announce another name for a publisher: one that was known
-    by one of the names in `publishers`, as its owner, keeps that name. `queue_size` bounds the
-    messages that wait for the guard; with `keep_all` all of a reliable publisher wait, unless they
-    are commands. `on_missed` is told of each loss that the middleware's numbers show: TCP has none.
-    Where `begin` is not 0, only so many bytes of each message are passed on, and the others not
-    copied where the middleware lets us.
+    Of an `is_command` publisher no message is passed on that it sent before the subscription, and
+    in ROS 2, which tells the age of messages, none that is late. In ROS 2 anybody can announce
+    another name for a publisher: one that was known by one of the names in `publishers`, as its
+    owner, keeps that name. `queue_size` bounds the messages that wait for the guard; with
+    `keep_all` all of a reliable publisher wait, unless they are commands. `on_missed` is told of
+    each loss that is known: on ROS 1 those of latched commands. Where `begin` is not 0, only so
+    many bytes of each message are passed on, and the others not copied where the middleware lets
+    us.
     """
 
     is_command: IsCommand = accept_any_age

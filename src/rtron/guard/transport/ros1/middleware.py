@@ -112,12 +112,12 @@ class Ros1Transport:
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`.
 
-        ROS 1 knows neither the age of messages nor what a publisher's queue has dropped: of the
-        options only `begin` counts.
+        ROS 1 tells neither the age of messages nor what a publisher's queue has dropped: a command
+        is late only if it was latched before we listened.
         """
         request = TopicRequest(node, topic, type, self.master, self.network)
         workers = self._create_workers(topic)
-        link = link_factory(self._loop, workers, request, on_connect, on_lost, options.begin)
+        link = link_factory(self._loop, workers, request, on_connect, on_lost, options)
         self._subscribe(node, Subscription(topic, type, link))
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:

@@ -7,7 +7,14 @@ from concurrent.futures import Executor, Future
 
 from rtron.errors import RTronError, WireError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.common.protocol import ConnectHandler, LostHandler, MessageHandler, Peer
+from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
+    ConnectHandler,
+    InputOptions,
+    LostHandler,
+    MessageHandler,
+    Peer,
+)
 from rtron.guard.transport.ros1.handshake import TopicRequest, connect
 from rtron.wire.ros1.tcpros import FrameBeginReader, FrameReader
 
@@ -17,12 +24,18 @@ _CHUNK = 1 << 14
 _LARGEST_READ = 1 << 20
 _FIRST_RETRY_S = 0.1
 _LAST_RETRY_S = 5.0
+_LATCHED_S = 2.0
+"""Within which a publisher sends what it has latched to a new connection."""
 
 _Connecting = Future[tuple[socket.socket, Peer]]
 
 
 class PublisherLink:
-    """Connects to the publisher at `uri`, receives its messages, reconnects with back-off."""
+    """Connects to the publisher at `uri`, receives its messages, reconnects with back-off.
+
+    `may_be_late` tells whether something may have been sent before we listened: the publisher
+    registered before us, or this is not the first connection.
+    """
 
     def __init__(
         self,
@@ -32,9 +45,8 @@ class PublisherLink:
         uri: str,
         on_connect: ConnectHandler,
         on_lost: LostHandler,
-        begin: int = 0,
+        options: InputOptions = DEFAULT_INPUT,
     ) -> None:
-        """Take only the first `begin` bytes of each message, 0 for whole ones."""
         self._loop = loop
         self._workers = workers
         self._request = request
@@ -42,15 +54,16 @@ class PublisherLink:
         self._on_connect = on_connect
         self._on_lost = on_lost
         self._peer: Peer | None = None
-        self._on_message: MessageHandler | None = None
+        self._on_message: MessageHandler = _ignore
         self._sock: socket.socket | None = None
         self._connecting: _Connecting | None = None
-        self._begin = begin
+        self._options = options
         self._reader = self._create_reader()
         self._retry_s = _FIRST_RETRY_S
         self._last_logged = ""
         self.is_closed = False
         self.is_from_old_master = False
+        self.may_be_late = False
         self.node = ""
         self.received = self.received_bytes = 0
         self._connect()
@@ -96,21 +109,38 @@ class PublisherLink:
             sock.close()
             self._retry_later(f"{peer.node} at {self.uri} is refused")
             return
-        self.node, self._on_message, self._sock = peer.node, receive, sock
-        self._peer = peer
+        self.node, self._peer, self._sock = peer.node, peer, sock
+        self._on_message = receive
+        if peer.latching and self.may_be_late and self._options.is_command(peer):
+            self._skip_latched(peer, receive)
         self._reader = self._create_reader()
         self._retry_s, self._last_logged = _FIRST_RETRY_S, ""
         log.info("%s takes %s from %s", self._request.node, self._request.topic, peer.node)
         self._loop.watch(sock, self._on_readable, self._on_error)
 
+    def _skip_latched(self, peer: Peer, receive: MessageHandler) -> None:
+        """Drop the first message if it comes with the connection: it was sent before."""
+
+        def drop(_message: bytes) -> None:
+            self._on_message = receive
+            text = "%s: a command that %s sent before the guard listened is dropped"
+            log.warning(text, self._request.topic, peer.node)
+            self._options.on_missed(peer, 1)
+
+        def end() -> None:
+            if self._on_message is drop:
+                self._on_message = receive
+
+        self._on_message = drop
+        self._loop.call_later(_LATCHED_S, end)
+
     def _on_readable(self) -> None:
-        sock, receive = self._sock, self._on_message
-        if sock is None or receive is None:
+        sock, reader = self._sock, self._reader
+        if sock is None:
             return
-        reader = self._reader
         for frame in self._skip(sock) if reader.skippable else reader.feed(self._read(sock)):
             self.received += 1
-            receive(frame)
+            self._on_message(frame)
 
     def _skip(self, sock: socket.socket) -> list[bytes]:
         """Let the kernel drop what nobody needs, without a copy (tcp(7))."""
@@ -124,7 +154,8 @@ class PublisherLink:
         return data
 
     def _create_reader(self) -> FrameReader | FrameBeginReader:
-        return FrameBeginReader(self._begin) if self._begin else FrameReader()
+        begin = self._options.begin
+        return FrameBeginReader(begin) if begin else FrameReader()
 
     def _on_error(self, error: Exception) -> None:
         self._disconnect()
@@ -139,6 +170,7 @@ class PublisherLink:
             self._on_lost(peer)
 
     def _retry_later(self, why: str) -> None:
+        self.may_be_late = True
         self.is_closed = self.is_closed or self.is_from_old_master
         if self.is_closed:
             return
@@ -149,6 +181,10 @@ class PublisherLink:
             self._last_logged = why
         self._loop.call_later(self._retry_s, self._connect)
         self._retry_s = min(self._retry_s * 2, _LAST_RETRY_S)
+
+
+def _ignore(_message: bytes) -> None:
+    """Do nothing with a message."""
 
 
 def _close_connection(done: _Connecting) -> None:
@@ -162,10 +198,10 @@ def link_factory(
     request: TopicRequest,
     on_connect: ConnectHandler,
     on_lost: LostHandler,
-    begin: int = 0,
+    options: InputOptions = DEFAULT_INPUT,
 ) -> Callable[[str], PublisherLink]:
     """Return a function that creates a link to a publisher's address; see `PublisherLink`."""
-    return lambda uri: PublisherLink(loop, workers, request, uri, on_connect, on_lost, begin)
+    return lambda uri: PublisherLink(loop, workers, request, uri, on_connect, on_lost, options)
 
 
 class Subscription:
@@ -183,6 +219,7 @@ class Subscription:
         self.type = type
         self.is_internal = is_internal
         self._create_link = create_link
+        self._is_registered = False
         self.links: dict[str, PublisherLink] = {}
         self.own_uris: tuple[str, ...] = ()
 
@@ -199,6 +236,8 @@ class Subscription:
             self.links[uri].is_from_old_master = False
         for uri in expected_uris - self.links.keys():
             self.links[uri] = self._create_link(uri)
+            self.links[uri].may_be_late = not self._is_registered
+        self._is_registered = True
 
     def keep_working_links(self) -> None:
         """Keep the links that work although a new master does not list them, as ROS does."""

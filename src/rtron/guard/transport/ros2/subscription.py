@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -207,6 +207,10 @@ class Subscription:
 
     def _reader_for(self, interface_type: Interface, qos: QoS, peer: Peer) -> DataReader | None:
         is_command = self._options.is_command(peer)
+        if is_command and qos.durability is Durability.TRANSIENT_LOCAL:
+            text = "%s: commands that %s sent before the guard listened are not taken"
+            log.info(text, self.topic, peer.node)
+            qos = replace(qos, durability=Durability.VOLATILE)
         kind = (interface_type.cls, qos.reliability, qos.durability)
         if kind not in self._readers:
             if len(self._readers) == _MAX_READERS:
@@ -290,7 +294,8 @@ class Subscription:
 
     def _deliver_late(self, late: _Unresolved, waited: int) -> None:
         """Deliver a message that has waited, unless it is an old one that was not latched."""
-        if waited < _FRESH or self._senders[late.gid].peer.latching:
+        peer = self._senders[late.gid].peer
+        if waited < _FRESH or (peer.latching and not self._options.is_command(peer)):
             self.take(late.reader, late.gid, late.message, late.number)
 
     def _remove_publisher(self, gid: bytes) -> None:

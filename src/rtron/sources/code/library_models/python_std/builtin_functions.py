@@ -6,6 +6,7 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.elements import SLICE
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary
+from rtron.sources.code.interpreter.abstract_values.shown_text import repr_of
 from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
@@ -54,11 +55,7 @@ def _str(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
 
 
 def _repr(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    def shown(value: Value) -> Value:
-        is_text = isinstance(value, Scalar) and isinstance(value.value, str)
-        return Scalar(repr(value.value), value.tainted) if is_text else concat((value,))  # type: ignore[union-attr]
-
-    return map_options(arguments.get(0) or NONE, shown)
+    return concat((repr_of(arguments.get(0) or NONE),))
 
 
 def _number(
