@@ -184,10 +184,7 @@ def test_every_endpoint_of_the_newest_release_names_a_line():
                 or placed
                 or older
                 or PLACELESS & {name, *model.node, *model.controller}
-            ), (
-                name,
-                entry.name,
-            )
+            ), (name, entry.name)
 
 
 def test_a_twist_mux_of_ros2_hears_what_its_parameters_name():
