@@ -49,10 +49,6 @@ def write(figures: Sequence[Figure], path: Path, *, keep: bool) -> None:
 
 
 def _bounds_text(figure: Figure) -> str:
-    limits = [
-        (">=", figure.at_least),
-        ("<=", figure.at_most),
-        ("ratio <=", figure.ratio_at_most),
-    ]
+    limits = [(">=", figure.at_least), ("<=", figure.at_most), ("ratio <=", figure.ratio_at_most)]
     texts = [f"{sign} {number(bound)}" for sign, bound in limits if bound is not None]
     return " ".join((*texts, _MARKS[figure.met])).strip()

@@ -7,14 +7,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 
 from bench.common.latency import quantile
-from bench.common.testbed import (
-    ReportProgress,
-    Testbed,
-    python,
-    result_of,
-    running,
-    wait_for_port,
-)
+from bench.common.testbed import ReportProgress, Testbed, python, result_of, running, wait_for_port
 from figures.figure import Figure
 from rtron.bridge.rights.tokens import token_hash
 from rtron.demos.runtime.isolation import free_port

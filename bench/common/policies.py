@@ -13,14 +13,7 @@ from bench.common.plans import flows
 from bench.common.testbed import ReportProgress, Testbed
 from figures.figure import Figure
 from rtron.policies import POLICIES, FrameMonitors, Policy, build_policy
-from rtron.vocabulary import (
-    SECOND,
-    FpsMonitor,
-    PolicyName,
-    PolicySettings,
-    StreamKind,
-    Velocity,
-)
+from rtron.vocabulary import SECOND, FpsMonitor, PolicyName, PolicySettings, StreamKind, Velocity
 
 _FLOWS = 20
 _ROUNDS = 1000

@@ -8,10 +8,7 @@ THRESHOLD, MAX_SPEED, LOWEST = 0.04, 0.35, 0.04
 """The RSRCN's limits: metres a frame, m/s, and m/s where the camera is silent."""
 DECEL = 2.5
 """How the robot is stopped, m/s2."""
-_GOALS = {
-    1: (f"{DOCK}/goal", "actionlib/TestActionGoal"),
-    2: (DOCK, "test_msgs/action/Fibonacci"),
-}
+_GOALS = {1: (f"{DOCK}/goal", "actionlib/TestActionGoal"), 2: (DOCK, "test_msgs/action/Fibonacci")}
 _FLOWS = "[{name: flow1, publisher: /nav, priority: 2}, {name: flow2, publisher: /joystick}]"
 _COMMANDS = f"topic: {COMMANDS}, type: geometry_msgs/Twist, successors: [/base], flows: {_FLOWS}"
 _PLAN = Template("""\

@@ -7,15 +7,7 @@ from typing import Any, TypeAlias
 
 import yaml
 
-from rtron.vocabulary import (
-    Direction,
-    Endpoint,
-    InteractionGraph,
-    Node,
-    Resolution,
-    Topic,
-    Trust,
-)
+from rtron.vocabulary import Direction, Endpoint, InteractionGraph, Node, Resolution, Topic, Trust
 
 Triple: TypeAlias = tuple[str, str, str]
 """A node, publish or subscribe, a topic."""

@@ -95,7 +95,7 @@ TURTLEBOT = App(
 )
 
 EXPERIMENTERS: Mapping[str, frozenset[str]] = {
-    "turtlebot": frozenset({"/rostopic_2964_1633637419016"}),
+    "turtlebot": frozenset({"/rostopic_2964_1633637419016"})
 }
 """Nodes that the experimenter started by hand: the `run_script` of experiment.yml."""
 

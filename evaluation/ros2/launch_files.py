@@ -22,10 +22,7 @@ from rtron.sources.static.common.worker import deep_recursion
 from rtron.sources.workspace import read_workspace
 
 INTERFACE = "nineyards-robotics/launch_interface@e488c3d"
-LARGE = (
-    "ros-navigation/navigation2@a3a97043",
-    "autowarefoundation/autoware.universe@b8ce82e3",
-)
+LARGE = ("ros-navigation/navigation2@a3a97043", "autowarefoundation/autoware.universe@b8ce82e3")
 ENVIRON = {"HOME": "/home/user", "TEST_NODE_NAME": "env_resolved_node"}
 _INSTALLED = "<INSTALL>/test_nodes/share/test_nodes"
 _KINDS = {StartKind.CONTAINER: "composable_node_container", StartKind.COMPONENT: "composable_node"}

@@ -119,10 +119,7 @@ def call_site_figures(
 
 
 def parameter_figure(
-    name: str,
-    sites: frozenset[ParameterSite],
-    programs: Sequence[ProgramScan],
-    reporter: Reporter,
+    name: str, sites: frozenset[ParameterSite], programs: Sequence[ProgramScan], reporter: Reporter
 ) -> Figure:
     """Return the share of the calls that name a parameter which a node has, if only at its end."""
     known = {

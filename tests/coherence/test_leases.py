@@ -3,20 +3,18 @@
 from dataclasses import replace
 
 import pytest
+from plans import grcn
 
 from rtron.coherence import coherence_problems
 from rtron.coherence.leases import LEASABLE_TYPES
 from rtron.messages.common.velocity import VELOCITY_TYPES
 from rtron.vocabulary import (
-    GRCN,
     CommanderRank,
-    Domain,
     Flow,
     LeaseGroup,
     Mode,
     Plan,
     PolicyName,
-    Sharing,
     StopButton,
     StopSources,
     StreamKind,
@@ -26,18 +24,7 @@ FLOWS = (
     Flow(name="flow1", publisher="/teleop", rank=CommanderRank.OPERATOR_ON_SITE),
     Flow(name="flow2", publisher="/nav", rank=CommanderRank.AUTONOMY),
 )
-BASE = GRCN(
-    id="grcn",
-    topic="/cmd_vel",
-    type="geometry_msgs/Twist",
-    domain=Domain.CONTROL,
-    kind=StreamKind.COMMAND,
-    sharing=Sharing.CONTEND,
-    mode=Mode.ENFORCE,
-    policy=PolicyName.LEASE,
-    flows=FLOWS,
-    lease="base",
-)
+BASE = grcn("/cmd_vel", (), (), id="grcn", policy=PolicyName.LEASE, flows=FLOWS, lease="base")
 UNKNOWN = (
     "Lease is not for /cmd_vel: of a {} it is not known which message is neutral; it is for "
     "velocities"

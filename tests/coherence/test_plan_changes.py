@@ -3,10 +3,10 @@
 from dataclasses import fields, replace
 
 import pytest
+from plans import grcn
 
 from rtron.coherence import plan_changes, relaunch_reasons
 from rtron.vocabulary import (
-    GRCN,
     MSRCN,
     RSRCN,
     Area,
@@ -48,20 +48,7 @@ NIGHT = EventFlow(name="night", topic="/night", publisher="/clock", type="std_ms
 RULE = MissionRule(name="quiet", when="night", block=("/goal",))
 PLAN = Plan(
     app="small",
-    grcn=(
-        GRCN(
-            id="drive",
-            topic="/cmd_vel",
-            type="geometry_msgs/Twist",
-            domain=Domain.CONTROL,
-            kind=StreamKind.COMMAND,
-            sharing=next(iter(Sharing)),
-            mode=Mode.ENFORCE,
-            policy=PolicyName.PREEMPTION,
-            flows=(FLOW,),
-            successors=("/base",),
-        ),
-    ),
+    grcn=(grcn("/cmd_vel", (), ["/base"], id="drive", sharing=next(iter(Sharing)), flows=(FLOW,)),),
     rsrcn=RSRCN(id="speed", mode=Mode.ENFORCE, policy=PolicyName.SAFE, vflows=(GOAL,)),
     msrcn=MSRCN(
         id="mission",

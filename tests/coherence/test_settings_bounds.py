@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from plans import grcn as grcn_of
 
 from rtron.coherence import EffectivePlan, SettingsMismatchError, grcn, msrcn, rsrcn
 from rtron.coherence.duration_bounds import LONGEST_SILENCE
@@ -24,11 +25,9 @@ from rtron.coherence.settings_bounds import (
 )
 from rtron.planning.plan_file import fields, quantities
 from rtron.vocabulary import (
-    GRCN,
     MSRCN,
     RSRCN,
     SECOND,
-    Domain,
     EmergencyStop,
     Flow,
     FlowSettings,
@@ -43,7 +42,6 @@ from rtron.vocabulary import (
     RuleSettings,
     Settings,
     Sharing,
-    StreamKind,
     TimedOverride,
 )
 
@@ -52,17 +50,7 @@ FLOWS = (
     Flow(name="flow1", publisher="/nav", priority=2),
     Flow(name="flow2", publisher="/teleop", priority=1),
 )
-GENERAL = GRCN(
-    id="grcn",
-    topic="/cmd_vel",
-    type="geometry_msgs/Twist",
-    domain=Domain.CONTROL,
-    kind=StreamKind.COMMAND,
-    sharing=Sharing.CONTEND,
-    mode=Mode.ENFORCE,
-    policy=PolicyName.PREEMPTION,
-    flows=FLOWS,
-)
+GENERAL = grcn_of("/cmd_vel", (), (), id="grcn", flows=FLOWS)
 TOPIC = GuardedTopic(
     topic="/cmd_vel",
     type="geometry_msgs/Twist",

@@ -2,16 +2,7 @@
 
 from dataclasses import replace
 
-from finding_graphs import (
-    BASE,
-    MUX,
-    STAMPED,
-    TWIST,
-    TWO_DRIVERS,
-    parameters,
-    small_graph,
-    with_qos,
-)
+from finding_graphs import BASE, MUX, STAMPED, TWIST, TWO_DRIVERS, parameters, small_graph, with_qos
 
 from rtron.vocabulary import (
     Durability,
@@ -124,10 +115,7 @@ PAIRS = {
         small_graph(BASE, parameters=parameters("cmd_vel_timeout", base=0.0)),
         small_graph(BASE, parameters=parameters("cmd_vel_timeout", base=0.5)),
     ),
-    "open_command": (
-        small_graph(BASE),
-        small_graph(BASE + f"/nav nav own\n pub /cmd_vel {TWIST}"),
-    ),
+    "open_command": (small_graph(BASE), small_graph(BASE + f"/nav nav own\n pub /cmd_vel {TWIST}")),
     "lost_command": (
         small_graph(BASE.replace("/cmd_vel", "/base/cmd_vel") + TWO_DRIVERS),
         small_graph(BASE + TWO_DRIVERS),

@@ -6,14 +6,7 @@ import pytest
 from finding_graphs import found, small_graph, the_finding, with_qos
 from finding_pairs import BEST_EFFORT, LATCHED, RELIABLE, STOP, latched_state
 
-from rtron.vocabulary import (
-    Action,
-    ActionRole,
-    Certainty,
-    FindingLevel,
-    ServiceClient,
-    Severity,
-)
+from rtron.vocabulary import Action, ActionRole, Certainty, FindingLevel, ServiceClient, Severity
 
 RULE = "missed_state"
 MAP = """

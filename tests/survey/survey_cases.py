@@ -2,13 +2,7 @@
 
 from rtron.functions.app_categories import AppProfile
 from rtron.functions.reading.skipped_entries import SkippedEntry
-from rtron.survey.app_survey import (
-    AppResult,
-    AppSurvey,
-    FunctionLink,
-    ListedFinding,
-    ListedRisk,
-)
+from rtron.survey.app_survey import AppResult, AppSurvey, FunctionLink, ListedFinding, ListedRisk
 from rtron.survey.survey_run import Survey
 from rtron.vocabulary import CoordinationCount, Domain, FunctionType, RiskKind, Severity
 

@@ -3,41 +3,33 @@
 from dataclasses import replace
 
 import pytest
+from plans import grcn
 
 from rtron.vocabulary import (
-    GRCN,
     MSRCN,
     RSRCN,
     UNAPPROVED,
     CoordinationKind,
-    Domain,
     Flow,
     GuardedTopic,
     MissionRule,
     Mode,
     Plan,
     PolicyName,
-    Sharing,
     StageRule,
     StopProfile,
     StreamKind,
     build_streams,
 )
 
-GENERAL = GRCN(
-    id="grcn_cmd_vel",
-    topic="/cmd_vel",
-    type="geometry_msgs/Twist",
-    domain=Domain.CONTROL,
-    kind=StreamKind.COMMAND,
-    sharing=Sharing.CONTEND,
-    mode=Mode.ENFORCE,
-    policy=PolicyName.PREEMPTION,
+GENERAL = grcn(
+    "/cmd_vel",
+    (),
+    ["/base"],
     flows=(
         Flow(name="flow1", publisher="/nav", priority=2, timeout=7),
         Flow(name="flow2", publisher="/teleop", priority=1, block=True),
     ),
-    successors=("/base",),
     release_after=1,
     max_age=2,
     max_hold=3,

@@ -36,66 +36,52 @@ class Policy(Protocol):
 
     def verdict(self, flow: str, message: object, now: int) -> Verdict:
         """Decide about a message of `flow` that arrived at `now`."""
-        ...
 
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:
         """Return what `message` of `flow` is dropped with at `now`; nothing changes by asking.
 
         Without a message: what every message is dropped with, whatever it says.
         """
-        ...
 
     def observe_done(self, now: int) -> None:
         """Learn that the action in progress is done."""
-        ...
 
     def occupy(self, flow: str, now: int) -> None:
         """Learn that an action of `flow` is in progress that was not let go here."""
-        ...
 
     def withdraw(self, message: object, why: str) -> None:
         """Give up a held message: the one that is this object; `tick` returns it."""
-        ...
 
     def forget_flow(self, flow: str, now: int) -> None:
         """Learn that nobody speaks for `flow` any more: it is silent, and none of it is held."""
-        ...
 
     def tick(self, now: int) -> Sequence[Release]:
         """Let time pass up to `now`; return what leaves the queue, in order."""
-        ...
 
     def close(self) -> Sequence[Release]:
         """Give up every held message, because the end follows."""
-        ...
 
     def last_message_times(self, now: int) -> Mapping[str, int]:
         """Return when each flow spoke last (ns) that others still wait for at `now`."""
-        ...
 
     def export_state(self, now: int) -> PolicyState:
         """Return what the policy that takes the place of this one must know; this one is done."""
-        ...
 
     def restore_state(self, state: PolicyState, now: int) -> Sequence[Release]:
         """Go on, as the first thing of all, where the policy before has ended.
 
         Return the messages which waited there and cannot wait here, each with its verdict.
         """
-        ...
 
     def revise(self, revision: int) -> None:
         """Say from now on that verdicts are by settings of `revision`, which are the same here."""
-        ...
 
     def deadline(self) -> int | None:
         """Return when `tick` next has something to do, or None."""
-        ...
 
     @property
     def owner(self) -> str | None:
         """The flow that has the output, or None while it is free."""
-        ...
 
 
 class ImmediatePolicy:

@@ -10,4 +10,3 @@ class GraphSource(Protocol):
 
     def read(self) -> InteractionGraph:
         """Return the graph; raise InputError or SourceError when there is none to be had."""
-        ...

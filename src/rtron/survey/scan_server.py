@@ -175,10 +175,7 @@ def _survey(request: ScanRequest) -> AppSurvey:
     app = request.app
     os.environ["ROS_PACKAGE_PATH"] = _package_path(app)
     source = SourceOptions(
-        launches=(quote(str(app.launch)),),
-        jobs=1,
-        use_cache=request.use_cache,
-        start_method="fork",
+        launches=(quote(str(app.launch)),), jobs=1, use_cache=request.use_cache, start_method="fork"
     )
     selection = AppSelection(inputs=tuple(map(str, _folders(app))), live=None, source=source)
     return survey_app(app, select_app(selection).source.read())

@@ -17,37 +17,33 @@ _INHERITED = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
 _DISTRO = "ROS_DISTRO"
 
 
-def given_environment(
-    assignments: Sequence[str], *, take_all: bool, own: Mapping[str, str] = os.environ
-) -> dict[str, str]:
-    """Return the variables that count: `NAME=VALUE`, or `NAME` with its value in `own`.
+def given_environment(assignments: Sequence[str], *, take_all: bool) -> dict[str, str]:
+    """Return the variables that count: `NAME=VALUE`, or `NAME` with its value here.
 
     Raise InputError for one of another form, or that is not set.
     """
-    names = own if take_all else [name for name in _INHERITED if name in own]
-    return {name: own[name] for name in names} | dict(_pair(each, own) for each in assignments)
+    names = os.environ if take_all else [name for name in _INHERITED if name in os.environ]
+    return {name: os.environ[name] for name in names} | dict(map(_pair, assignments))
 
 
-def _pair(assignment: str, own: Mapping[str, str]) -> tuple[str, str]:
+def _pair(assignment: str) -> tuple[str, str]:
     name, equals, value = assignment.partition("=")
     if not name or name.endswith(":"):
         help = "write --env NAME=VALUE, or --env NAME for your own value"
         raise InputError(f"what is --env {assignment}?", help=help)
     if equals:
         return name, value
-    if name not in own:
+    if name not in os.environ:
         raise InputError(f"{name} is not set here", help=f"give its value: --env {name}=VALUE")
-    return name, own[name]
+    return name, os.environ[name]
 
 
-def robot_environment(
-    given: Mapping[str, str], own: Mapping[str, str] = os.environ
-) -> LaunchEnvironment:
+def robot_environment(given: Mapping[str, str]) -> LaunchEnvironment:
     """Return the environment of a launch that is to run: its distribution is no guess.
 
     It is the one that was given, or else that of the ROS which is sourced here.
     """
-    sourced = {_DISTRO: own[_DISTRO]} if _DISTRO in own else {}
+    sourced = {_DISTRO: os.environ[_DISTRO]} if _DISTRO in os.environ else {}
     return LaunchEnvironment({**sourced, **given})
 
 

@@ -38,10 +38,7 @@ _ALONE = (
     "import os, sys; from rtron.guard.cell.init import raise_loopback; "
     "raise_loopback(); os.execvp(sys.argv[1], sys.argv[1:])"
 )
-SHARED_MEMORY = {
-    "FASTDDS_BUILTIN_TRANSPORTS": "SHM",
-    "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",
-}
+SHARED_MEMORY = {"FASTDDS_BUILTIN_TRANSPORTS": "SHM", "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
 
 
 def alone(*command):

@@ -8,15 +8,7 @@ from celled_base import needs_cell, needs_open_packages
 from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
-from celled_base2 import (
-    CMD_VEL,
-    FLOW1,
-    NODE,
-    OUT,
-    CelledBase2,
-    alone,
-    ros2_in_open_folder,
-)
+from celled_base2 import CMD_VEL, FLOW1, NODE, OUT, CelledBase2, alone, ros2_in_open_folder
 from rmw_marks import needs_fast_dds
 from ros2_harness import NODES2
 

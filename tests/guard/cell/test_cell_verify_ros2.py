@@ -9,14 +9,7 @@ from celled_base import needs_cell, needs_open_packages
 from harness import wait_for
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
-from celled_base2 import (
-    NODE,
-    OUT,
-    SHARED_MEMORY,
-    CelledBase2,
-    alone,
-    ros2_in_open_folder,
-)
+from celled_base2 import NODE, OUT, SHARED_MEMORY, CelledBase2, alone, ros2_in_open_folder
 from ros2_harness import NODES2
 
 from rtron.guard.audit.ros2.domain_probe import probe_shared_memory

@@ -4,12 +4,7 @@ import json
 
 import pytest
 
-from rtron.guard.core.handover_state import (
-    INTRUSIONS,
-    MOST_BYTES,
-    RESERVED_BYTES,
-    HandoverState,
-)
+from rtron.guard.core.handover_state import INTRUSIONS, MOST_BYTES, RESERVED_BYTES, HandoverState
 from rtron.guard.supervision.shared_memory import GuardMemory
 
 

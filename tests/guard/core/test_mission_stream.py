@@ -435,10 +435,7 @@ def test_a_goal_that_a_rule_forbids_takes_no_place_in_a_queue():
         sharing=Sharing.CONTEND,
         mode=Mode.ENFORCE,
         policy=PolicyName.FIFO_QUEUE,
-        flows=(
-            Flow(name="flow1", publisher="/monitor"),
-            Flow(name="flow2", publisher="/rviz"),
-        ),
+        flows=(Flow(name="flow1", publisher="/monitor"), Flow(name="flow2", publisher="/rviz")),
         successors=("/move_base",),
     )
     goals = replace(GOALS, flows=(*GOALS.flows, Flow(name="aflow4", publisher="/rviz")))

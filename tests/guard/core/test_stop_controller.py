@@ -219,12 +219,7 @@ def joined(transport, topic=NAV, node="/nav"):
 
 @pytest.mark.parametrize(
     "policy",
-    [
-        PolicyName.BLOCK,
-        PolicyName.PREEMPTION,
-        PolicyName.FIFO_QUEUE,
-        PolicyName.PRIORITY_QUEUE,
-    ],
+    [PolicyName.BLOCK, PolicyName.PREEMPTION, PolicyName.FIFO_QUEUE, PolicyName.PRIORITY_QUEUE],
 )
 def test_a_publisher_that_is_gone_is_silent_at_once(policy):
     transport, host, driver = patient(policy)

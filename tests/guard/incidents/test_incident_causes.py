@@ -145,10 +145,7 @@ def test_causes_without_end_are_counted():
 
 times = st.integers(0, 3_000).map(lambda tenths: tenths * SECOND // 10)
 entries = st.builds(
-    received,
-    times,
-    st.sampled_from(["pass", "drop", "modify"]),
-    st.sampled_from(["teleop", "nav"]),
+    received, times, st.sampled_from(["pass", "drop", "modify"]), st.sampled_from(["teleop", "nav"])
 )
 
 

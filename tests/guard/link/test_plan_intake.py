@@ -132,10 +132,7 @@ def test_a_guard_that_does_not_run_with_it_brings_the_former_one_back(folder):
 
 @pytest.mark.parametrize(
     ("document", "reason"),
-    [
-        (START, "another plan than its settings name"),
-        ("", "another plan than its settings name"),
-    ],
+    [(START, "another plan than its settings name"), ("", "another plan than its settings name")],
 )
 def test_another_document_than_the_one_that_is_named_is_refused(folder, document, reason):
     robot, error = refused(folder, document=document)

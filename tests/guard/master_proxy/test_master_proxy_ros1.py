@@ -7,15 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from driven_base import (
-    CMD_VEL,
-    CMD_VEL_GUARD,
-    Base,
-    Driven,
-    drive_plan,
-    start_guard,
-    write_app,
-)
+from driven_base import CMD_VEL, CMD_VEL_GUARD, Base, Driven, drive_plan, start_guard, write_app
 from harness import Ros1, named, wait_for
 from plans import grcn, plan_of
 from proxied_master import start

@@ -14,13 +14,7 @@ from service_events import (
 
 from rtron.guard.replay.player import RecordingPlayer
 from rtron.guard.replay.recorded_streams import RecordedStream
-from rtron.messages.ros2.actions import (
-    CANCELED,
-    EXECUTING,
-    SUCCEEDED,
-    GoalStatus,
-    status_array,
-)
+from rtron.messages.ros2.actions import CANCELED, EXECUTING, SUCCEEDED, GoalStatus, status_array
 from rtron.vocabulary import (
     MSRCN,
     SECOND,

@@ -11,14 +11,7 @@ from velocity_messages import image, twist
 from rtron.guard.replay.player import MOST_CHANGES, RecordingPlayer
 from rtron.guard.replay.recorded_streams import RecordedStream
 from rtron.messages.common.encoding import Encoding
-from rtron.vocabulary import (
-    MSRCN,
-    SECOND,
-    Flow,
-    Mode,
-    Plan,
-    PolicyName,
-)
+from rtron.vocabulary import MSRCN, SECOND, Flow, Mode, Plan, PolicyName
 
 TWIST, IMAGE, STRING = (
     info(type) for type in ("geometry_msgs/Twist", "sensor_msgs/Image", "std_msgs/String")

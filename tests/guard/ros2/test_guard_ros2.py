@@ -18,14 +18,7 @@ from rmw_marks import RMW
 from ros2_harness import LASTING
 from ros2_plans import driving, written
 
-from rtron.vocabulary import (
-    SECOND,
-    Durability,
-    Reliability,
-    Supervision,
-    flow_topic,
-    output_topic,
-)
+from rtron.vocabulary import SECOND, Durability, Reliability, Supervision, flow_topic, output_topic
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.session import Ros2Session
 

@@ -287,16 +287,12 @@ def test_a_rule_can_look_into_one_more_topic_of_its_type():
 
 def test_two_rules_look_into_a_topic_that_one_of_them_was_moved_to():
     turning = replace(
-        PLAN.msrcn.aflows[0],
-        topic="/turn_vel",
-        flows=(Flow(name="aflow9", publisher="/turner"),),
+        PLAN.msrcn.aflows[0], topic="/turn_vel", flows=(Flow(name="aflow9", publisher="/turner"),)
     )
     fields = {"block": ("aflow9",), "action": "action.angular.z != 0.0"}
     elsewhere = replace(PLAN.msrcn.rules[1], name="elsewhere", **fields)
     msrcn = replace(
-        PLAN.msrcn,
-        aflows=(*PLAN.msrcn.aflows, turning),
-        rules=(*PLAN.msrcn.rules, elsewhere),
+        PLAN.msrcn, aflows=(*PLAN.msrcn.aflows, turning), rules=(*PLAN.msrcn.rules, elsewhere)
     )
     base = Base(replace(PLAN, msrcn=msrcn))
     base.event("fire")

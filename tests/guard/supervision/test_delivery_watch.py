@@ -116,11 +116,7 @@ def test_late_pings_of_the_guard_before_say_nothing_about_the_next_one():
 
 @pytest.mark.parametrize(
     "peer",
-    [
-        Peer("/rogue", UINT64),
-        Peer(GUARD_NODE, UINT64, verified=False),
-        Peer(GUARD_NODE, STRING),
-    ],
+    [Peer("/rogue", UINT64), Peer(GUARD_NODE, UINT64, verified=False), Peer(GUARD_NODE, STRING)],
 )
 def test_nobody_else_answers_for_the_guard(peer):
     watched = Watched()

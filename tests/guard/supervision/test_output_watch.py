@@ -119,11 +119,7 @@ def test_a_connection_that_ends_is_stuck_no_more():
 
 @pytest.mark.parametrize(
     ("spec", "shown"),
-    [
-        ({}, {"node": "/rviz"}),
-        ({}, {"topic": "/cmd_vel"}),
-        ({"mode": Mode.OBSERVE}, {}),
-    ],
+    [({}, {"node": "/rviz"}), ({}, {"topic": "/cmd_vel"}), ({"mode": Mode.OBSERVE}, {})],
 )
 def test_tools_and_what_is_only_observed_are_not_watched(spec, shown):
     watched = Watched(**spec)

@@ -17,12 +17,7 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorAction,
     SupervisorFsm,
 )
-from rtron.guard.supervision.watchdog import (
-    BEAT_PERIOD,
-    SchedulingDelay,
-    Watchdog,
-    adapt_bound,
-)
+from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog, adapt_bound
 from rtron.vocabulary import SECOND, Supervision
 from rtron.vocabulary.plan import LONGEST_STALL
 

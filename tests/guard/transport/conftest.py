@@ -8,10 +8,7 @@ ROS1 = pytest.param("ros1", id="ros1", marks=pytest.mark.ros1)
 ROS2 = pytest.param(
     "ros2",
     id="ros2",
-    marks=[
-        pytest.mark.ros2,
-        pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    ],
+    marks=[pytest.mark.ros2, pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")],
 )
 
 

@@ -42,6 +42,7 @@ NEVER = [
     "event.count > 1 && event.count < 2",
     "event.mode == 'a' && event.mode == \"b\"",
     "event.mode in ['a', 'b'] && event.mode == 'c'",
+    "event.mode == '\\x61' && event.mode == 'b'",
     "event.cells.exists(c, c > 1.0) && !event.cells.exists(c, c > 1.0)",
 ]
 ALWAYS = [

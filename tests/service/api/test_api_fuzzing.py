@@ -4,6 +4,7 @@ import time
 
 import pytest
 import schemathesis
+from controller_setup import PLAN
 from hypothesis import HealthCheck, given, settings
 from incident_reports import a_report
 from schemathesis import GenerationMode
@@ -22,33 +23,6 @@ from rtron.service.store.incidents import add_incident
 from rtron.service.store.robots import find_robot
 from rtron.wire.common.link_protocol import Hello
 
-PLAN = """\
-schema: rtron.plan/1
-app: small
-grcn:
-  - id: drive
-    topic: /cmd_vel
-    type: geometry_msgs/Twist
-    mode: enforce
-    policy: Preemption
-    successors: [/base]
-    flows:
-      - {name: flow1, publisher: /teleop, priority: 2}
-      - {name: flow2, publisher: /planner, priority: 1}
-rsrcn:
-  id: speed
-  mode: enforce
-  policy: Safe
-  threshold: 0.02 m/frame
-  max_vel_limit: 0.5 m/s
-  vflows:
-    - topic: /max_vel
-      type: std_msgs/Float64
-      successors: [/base]
-      flows: [{name: vflow1, publisher: /lane}]
-fps_monitor:
-  - {id: eyes, node: /signs, topic: /signs/image}
-"""
 CHECKS = (
     not_a_server_error,
     status_code_conformance,

@@ -35,11 +35,15 @@ class Console:
 
     def guard(self, robot="turtle1", guard_plan=None):
         """Connect a simulated guard, and wait until the service has its state."""
+        return self.connect(SimulatedGuard, guard_plan or plan(), robot=robot)
+
+    def connect(self, guard_class, *values, robot="turtle1", **more):
+        """Connect a guard of a class, and wait until the service has its state."""
         headers = self.people.token_headers(robot, "guard", robot=robot)
-        guard = SimulatedGuard(self.port, headers, guard_plan or plan())
+        guard = guard_class(self.port, headers, *values, **more)
         self.guards.append(guard)
         hub = self.app.state.service.hub
-        wait_for(lambda: hub.state(robot) is not None)
+        wait_for(lambda: hub.state(robot) is not None, what="the guard's state")
         return guard
 
     def upload(self, robot="turtle1", data=None):

@@ -1,23 +1,17 @@
 """Who is in command, in the console: seen by all, changed by who may, by name and reason."""
 
+from functools import partial
+
 import pytest
-from harness import wait_for
 from leased_base import AGENT, NAV, PLAN, TELEOP
-from leased_guard import SERVED_PLAN, LeasedGuard
+from leased_guard import LeasedGuard
 
 VIEW = "robots/turtle1/command"
 
 
 @pytest.fixture
 def connect(console):
-    def connect(plan=SERVED_PLAN):
-        headers = console.people.token_headers("turtle1", "guard", robot="turtle1")
-        guard = LeasedGuard(console.port, headers, plan, every=0.5)
-        console.guards.append(guard)
-        wait_for(lambda: console.app.state.service.hub.state("turtle1"), what="the state")
-        return guard
-
-    return connect
+    return partial(console.connect, LeasedGuard, every=0.5)
 
 
 @pytest.fixture

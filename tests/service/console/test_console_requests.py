@@ -1,8 +1,9 @@
 """What clients of a bridge ask for, in the console: seen word for word, answered by name."""
 
+from functools import partial
+
 import pytest
-from asked_guard import APPROVERS, GOAL, AskedGuard
-from harness import wait_for
+from asked_guard import GOAL, AskedGuard
 from selenium.webdriver.common.keys import Keys
 
 from rtron.bridge.protocol.approvals import WAITS_FOR
@@ -14,14 +15,7 @@ CONTENT = '{"pose":{"position":{"x":1,"y":3}}}'
 
 @pytest.fixture
 def connect(console):
-    def connect(approvers=APPROVERS):
-        headers = console.people.token_headers("turtle1", "guard", robot="turtle1")
-        guard = AskedGuard(console.port, headers, approvers, every=0.5)
-        console.guards.append(guard)
-        wait_for(lambda: console.app.state.service.hub.state("turtle1"), what="the state")
-        return guard
-
-    return connect
+    return partial(console.connect, AskedGuard, every=0.5)
 
 
 @pytest.fixture

@@ -4,11 +4,14 @@ What is of a module lasts as long as its tests; who kills replicas has `own_repl
 """
 
 import time
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from itertools import count
+from types import SimpleNamespace
 
+import httpx
 import pytest
-from replica_processes import Person, ReplicaProcess, SimulatedGuard, create_secret
+from replica_processes import LIMIT_S, Person, ReplicaProcess, SimulatedGuard, create_secret
+from service_app import TLS, AccountFactory
 
 from rtron.service.server.database_setup import add_first_admin
 from rtron.service.store.database import Database
@@ -98,3 +101,28 @@ def connect_guard():
     yield connect
     for guard in connected:
         guard.close()
+
+
+@pytest.fixture
+def guard(replicas, car, guard_class):
+    """A guard of the test's own class at the first replica."""
+    secret = create_secret(replicas.database, car, "guard", robot=car)
+    made = guard_class(replicas[0].port, {"Authorization": f"Bearer {secret}"})
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def ann(replicas):
+    """A person's browser at each replica."""
+    parts = SimpleNamespace(database=replicas.database, clock=time.time_ns)
+    headers = AccountFactory(parts).session_headers("ann", "end_user")
+    with ExitStack() as stack:
+        yield [
+            stack.enter_context(
+                httpx.Client(
+                    base_url=f"{each.url}/api/v1", headers=headers, timeout=LIMIT_S, verify=TLS
+                )
+            )
+            for each in replicas
+        ]

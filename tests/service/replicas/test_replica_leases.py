@@ -1,38 +1,14 @@
 """Who is in command of a robot is said at any replica, whichever has its guard."""
 
-import time
-from types import SimpleNamespace
-
-import httpx
 import pytest
 from harness import wait_for
 from leased_base import AGENT, NAV, TELEOP
 from leased_guard import LeasedGuard
-from replica_processes import LIMIT_S, create_secret
-from service_app import TLS, AccountFactory
 
 
 @pytest.fixture
-def guard(replicas, car):
-    """A guard at the first replica."""
-    secret = create_secret(replicas.database, car, "guard", robot=car)
-    made = LeasedGuard(replicas[0].port, {"Authorization": f"Bearer {secret}"})
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def ann(replicas):
-    """A person's browser at each replica."""
-    parts = SimpleNamespace(database=replicas.database, clock=time.time_ns)
-    headers = AccountFactory(parts).session_headers("ann", "end_user")
-    urls = [f"{replica.url}/api/v1" for replica in replicas]
-    clients = [
-        httpx.Client(base_url=url, headers=headers, timeout=LIMIT_S, verify=TLS) for url in urls
-    ]
-    yield clients
-    for client in clients:
-        client.close()
+def guard_class():
+    return LeasedGuard
 
 
 def holder(client, car):

@@ -34,13 +34,6 @@ BAD = GuardState(at=0, revision=0, alarms=(Alarm(kind=AlarmKind.DRIFT, reason="w
 
 
 @pytest.fixture
-def cars(database):
-    made = RolloutSetup(database).meet()
-    yield made
-    made.close()
-
-
-@pytest.fixture
 def site(database_file):
     opened = Database(database_file)
     yield opened

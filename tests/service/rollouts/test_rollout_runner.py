@@ -25,13 +25,6 @@ BAD = GuardState(at=0, revision=0, alarms=(Alarm(kind=AlarmKind.DRIFT, reason="w
 
 
 @pytest.fixture
-def cars(database):
-    made = RolloutSetup(database).meet()
-    yield made
-    made.close()
-
-
-@pytest.fixture
 def site(database_file):
     database = Database(database_file)
     made = RolloutSetup(database).meet()

@@ -1,20 +1,13 @@
 """A person at the service says who is in command, and a real base under a real guard obeys."""
 
-import time
-from types import SimpleNamespace
-
-import httpx
 import pytest
 from commanded_base import LEASE, Commander
 from driven_base import CMD_VEL
-from harness import LIMIT_S, wait_for
+from harness import wait_for
 from leased_base import AGENT, NAV, TELEOP
 from linked_app import ROBOT, LinkedApp
 from plans import grcn, plan_of
-from service_app import TLS, AccountFactory
 
-from bench.service.service_process import ServiceProcess
-from rtron.service.store.database import Database
 from rtron.vocabulary import SECOND, CommanderRank, Flow, LeaseGroup, PolicyName
 
 pytestmark = pytest.mark.ros1
@@ -70,16 +63,8 @@ class Scene(LinkedApp):
 
 
 @pytest.fixture
-def scene(ros1, tmp_path):
-    with ServiceProcess(tmp_path) as service:
-        database = Database(service.database)
-        people = AccountFactory(SimpleNamespace(database=database, clock=time.time_ns))
-        headers = people.session_headers("ann", "end_user")
-        with httpx.Client(
-            base_url=service.url, headers=headers, timeout=LIMIT_S, verify=TLS
-        ) as ann:
-            yield Scene(ros1, service, ann)
-        database.close()
+def scene(ros1, service_with_person):
+    return Scene(ros1, *service_with_person)
 
 
 def test_a_person_takes_over_by_rank_and_the_base_obeys(scene):

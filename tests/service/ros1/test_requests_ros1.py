@@ -1,22 +1,16 @@
 """A client of a real bridge asks, a person at a real service approves, and it passes once."""
 
 import json
-import time
-from types import SimpleNamespace
 
-import httpx
 import pytest
 from bridge_process import BridgeProcess, hear_until
 from driven_base import CMD_VEL_GUARD, start_guard
-from harness import LIMIT_S, wait_for
-from service_app import TLS, AccountFactory
+from harness import wait_for
 
-from bench.service.service_process import ServiceProcess
 from rtron.bridge.rights.tokens import token_hash
 from rtron.cli.support.control_request import send_request
 from rtron.guard.core.control_socket import control_path
 from rtron.planning.plan_file.loader import read_plan
-from rtron.service.store.database import Database
 
 pytestmark = pytest.mark.ros1
 ROBOT = "r1"
@@ -63,16 +57,8 @@ class Scene:
 
 
 @pytest.fixture
-def scene(ros1, tmp_path):
-    with ServiceProcess(tmp_path) as service:
-        database = Database(service.database)
-        people = AccountFactory(SimpleNamespace(database=database, clock=time.time_ns))
-        headers = people.session_headers("ann", "end_user")
-        with httpx.Client(
-            base_url=service.url, headers=headers, timeout=LIMIT_S, verify=TLS
-        ) as person:
-            yield Scene(ros1, service, person)
-        database.close()
+def scene(ros1, service_with_person):
+    return Scene(ros1, *service_with_person)
 
 
 def refusal(web):

@@ -97,12 +97,7 @@ def told(found):
             "stopped",
             1.0,
         ),
-        (
-            KEEP_WITH_TIME,
-            "self.drive(self.speed if now - self.last < 1 else 0.0)",
-            "stopped",
-            1.0,
-        ),
+        (KEEP_WITH_TIME, "self.drive(self.speed if now - self.last < 1 else 0.0)", "stopped", 1.0),
         (
             f"{KEEP}\nself.last = message.header.stamp",
             "if now - self.last > 1: self.off()",

@@ -16,27 +16,21 @@ class NodeListener(Protocol):
 
     def on_message(self, topic: str, message: bytes) -> None:
         """Take a message of a topic that the node reads."""
-        ...
 
     def on_answer(self, number: int, answer: bytes | Document | RTronError) -> None:
         """Take the answer to the call of a number."""
-        ...
 
     def on_feedback(self, number: int, feedback: bytes) -> None:
         """Take the feedback of the goal of a number."""
-        ...
 
     def on_result(self, number: int, result: bytes | RTronError) -> None:
         """Take the result of the goal of a number, or why it has none."""
-        ...
 
     def on_problem(self, reason: str) -> None:
         """Take what went wrong in the graph, as the client is to hear it."""
-        ...
 
     def on_shutdown(self, reason: str) -> None:
         """Take that somebody shuts the node down."""
-        ...
 
 
 class ClientNode(Protocol):
@@ -44,43 +38,33 @@ class ClientNode(Protocol):
 
     def advertise(self, topic: str, type: str, listeners: tuple[str, ...]) -> None:
         """Publish a topic from now on, which these nodes of the guard hear, if any."""
-        ...
 
     def withdraw(self, topic: str) -> None:
         """Publish a topic no more."""
-        ...
 
     def publish(self, topic: str, message: bytes, *, is_latched: bool) -> None:
         """Publish a message on a topic that is advertised."""
-        ...
 
     def read(self, topic: str, type: str) -> None:
         """Subscribe to a topic from now on."""
-        ...
 
     def leave(self, topic: str) -> None:
         """Subscribe to a topic no more."""
-        ...
 
     def call(self, request: RequestService) -> None:
         """Call a service; the listener gets the answer."""
-        ...
 
     def access_parameter(self, request: RequestParameter) -> None:
         """Read or write a parameter; the listener gets the answer."""
-        ...
 
     def send_goal(self, request: SendGoal) -> None:
         """Send a goal; the listener hears what becomes of it. Only in ROS 2."""
-        ...
 
     def cancel_goal(self, request: CancelGoal) -> None:
         """Ask for the cancel of a goal."""
-        ...
 
     def close(self) -> None:
         """Leave the graph; goals that are not done are cancelled."""
-        ...
 
 
 class NodeFactory(Protocol):
@@ -88,8 +72,6 @@ class NodeFactory(Protocol):
 
     def open(self, client: ClientRights, listener: NodeListener) -> ClientNode:
         """Return the node of a client."""
-        ...
 
     def close(self) -> None:
         """Leave the graph with all nodes that are left."""
-        ...

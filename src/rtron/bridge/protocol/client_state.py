@@ -38,15 +38,12 @@ class KnownTypes(Protocol):
 
     def message(self, type: str) -> Definition:
         """Return the definition of a message type."""
-        ...
 
     def service(self, type: str) -> tuple[Definition, Definition]:
         """Return the definitions of a service's request and response."""
-        ...
 
     def action(self, type: str) -> ActionDefinitions:
         """Return the definitions of an action's parts."""
-        ...
 
 
 @dataclass(slots=True)

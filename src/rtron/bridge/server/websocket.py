@@ -41,31 +41,24 @@ class SocketListener(Protocol):
     @property
     def is_signed_in(self) -> bool:
         """Whether the client may send more than it takes to sign in."""
-        ...
 
     def on_request(self, request: Request) -> Response:
         """Take the handshake; return the response that accepts or refuses it."""
-        ...
 
     def on_text(self, text: str) -> None:
         """Take a message."""
-        ...
 
     def on_binary(self) -> None:
         """Take that a message was binary, which nothing is."""
-        ...
 
     def on_control(self) -> None:
         """Take that a ping, a pong, a goodbye, or a part of a message came."""
-        ...
 
     def on_writable(self) -> None:
         """Send more: all that was sent so far has left."""
-        ...
 
     def on_close(self, reason: str) -> None:
         """Take that the connection has ended."""
-        ...
 
 
 class ServerWebSocket:

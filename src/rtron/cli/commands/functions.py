@@ -7,13 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rtron.cli.support.options import (
-    Jobs,
-    NoCache,
-    Output,
-    Readmes,
-    TextOrJson,
-)
+from rtron.cli.support.options import Jobs, NoCache, Output, Readmes, TextOrJson
 from rtron.cli.support.outcome import STDOUT, Outcome, as_json
 from rtron.cli.support.progress import show_progress
 from rtron.cli.support.skipped_report import report_skipped

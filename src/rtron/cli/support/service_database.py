@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -77,30 +77,20 @@ def require_service_packages() -> None:
         raise InputError(f"the security service needs {', '.join(missing)}", help=help)
 
 
-@contextmanager
-def existing_database(database: str) -> "Iterator[Database]":
+def existing_database(database: str) -> "closing[Database]":
     """Give the database, brought up to date; InputError if it is not there."""
     require_service_packages()
     from rtron.service.server.database_setup import open_existing_database
 
-    found = open_existing_database(database_location(database))
-    try:
-        yield found
-    finally:
-        found.close()
+    return closing(open_existing_database(database_location(database)))
 
 
-@contextmanager
-def new_or_existing_database(database: str) -> "Iterator[Database]":
+def new_or_existing_database(database: str) -> "closing[Database]":
     """Give the database, made if it is not there, brought up to date."""
     require_service_packages()
     from rtron.service.server.database_setup import open_database
 
-    found = open_database(prepare_database(database))
-    try:
-        yield found
-    finally:
-        found.close()
+    return closing(open_database(prepare_database(database)))
 
 
 @contextmanager

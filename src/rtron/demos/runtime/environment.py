@@ -131,7 +131,7 @@ class DemoEnvironment:
         return launch_app(self, launch, more_environ or {}, plan)
 
     @contextmanager
-    def run_manual_attacker(self, name: str = MANUAL_ATTACKER) -> Iterator[StartedProcess]:
+    def run_manual_attacker(self) -> Iterator[StartedProcess]:
         """Run the malicious node of tb3_safe_control by hand, under another node name.
 
         It is begun again if it hears no scan: Fast DDS 3.2 may never give a node an endpoint.
@@ -139,14 +139,14 @@ class DemoEnvironment:
         script = (
             third_party_packages(self.ros) / "tb3_safe_control" / "scripts" / "tb3_safe_control"
         )
-        renamed: list[str | Path] = [script, f"__name:={name}"]
+        renamed: list[str | Path] = [script, f"__name:={MANUAL_ATTACKER}"]
         if self.ros != 1:
-            renamed = [self.python, script, "--ros-args", "-r", f"__node:={name}"]
-        journal = self.journal / f"{name}.jsonl"
+            renamed = [self.python, script, "--ros-args", "-r", f"__node:={MANUAL_ATTACKER}"]
+        journal = self.journal / f"{MANUAL_ATTACKER}.jsonl"
         with ExitStack() as stack:
             for is_last in (False, False, True):
                 journal.unlink(missing_ok=True)
-                running = self.processes.running(renamed, self.environ, name=name)
+                running = self.processes.running(renamed, self.environ, name=MANUAL_ATTACKER)
                 started = stack.enter_context(running)
                 if _has_begun(started, journal, is_last=is_last):
                     break

@@ -2,36 +2,38 @@
 
 Each term is tried with values on both sides of all that it is compared with, in every combination.
 Different terms count as independent, and what is not understood may be either: an answer is right,
-and not every constant is found.
+and not every constant is found. Written in Python's words an expression has the same shape, so
+Python's own parser takes it apart; nothing is run.
 """
 
+import ast
 import math
 import operator
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise, product
 
 from rtron.messages.common.definition import Definition
-from rtron.messages.expressions.functions import BRACKETS, CLOSING, TOKEN
+from rtron.messages.expressions.functions import TOKEN
+from rtron.messages.expressions.python_literals import literal_value
 
 MAX_STEPS = 200_000
 """How many combinations, times words, are tried for one plan: of more nothing is told."""
 _Value = bool | float | str
 _Test = Callable[[Mapping[str, _Value]], bool]
-_Words = Sequence[str]
-_TOKENS = re.compile(rf"&&|\|\||[<>=!]=|\d+\.\d*(?:[eE][-+]?\d+)?|{TOKEN.pattern}", TOKEN.flags)
-_COMPARISONS: Mapping[str, Callable[..., bool]] = {
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-    "==": operator.eq,
-    "!=": operator.ne,
+_NUMBER = r"0x[\da-fA-F]+|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_TOKENS = re.compile(rf"&&|\|\||[<>=!]=|{_NUMBER}|{TOKEN.pattern}", TOKEN.flags)
+_IN_PYTHON = {"&&": "and", "||": "or", "!": "~", "true": "True", "false": "False"}
+_IN_PYTHON |= {"?": "if", ":": "else"}  # `a ? b : c` as `a if b else c`: a shape, not a meaning
+_COMPARISONS: Mapping[type[ast.cmpop], Callable[..., bool]] = {
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
 }
-_MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
-_NUMBER = re.compile(r"-?\d+(\.\d*)?([eE][-+]?\d+)?")
-_PLAIN_TEXT = re.compile(r"""'[^'\\\n]*'|"[^"\\\n]*\"""")
-_TRUTHS = {"true": True, "false": False}
+_MIRRORED = {ast.Lt: ast.Gt, ast.LtE: ast.GtE, ast.Gt: ast.Lt, ast.GtE: ast.LtE}
 _NOT_NEGATIVE = ("distance", "size")
 _LARGEST = 2**53  # beyond it a float leaves out whole numbers
 _INTEGERS = {
@@ -47,135 +49,124 @@ def constant_value(
 
     It is about messages of this type, which it calls `subject`. No more steps are taken than given.
     """
-    words = [w for w in _TOKENS.findall(text) if not w.isspace() and not w.startswith("//")]
-    reader = _ConditionReader()
-    test = reader.condition(words)
+    try:
+        words = _words_in_python(text)
+        reader = _ConditionReader(" ".join(words))
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        return None
     samples = [
-        _samples(values, _integer_bounds(term, definition, subject) or _real_bounds(term))
+        _samples(values, _integer_bounds(term, definition, subject) or reader.bounds[term])
         for term, values in reader.values.items()
     ]
     if not 0 < math.prod(map(len, samples)) * len(words) <= most_steps:
         return None
-    results = (test(dict(zip(reader.values, case, strict=True))) for case in product(*samples))
+    cases = (dict(zip(reader.values, case, strict=True)) for case in product(*samples))
+    results = map(reader.test, cases)
     first = next(results)
     return first if all(each == first for each in results) else None
 
 
+def _words_in_python(text: str) -> list[str]:
+    """Return the words of an expression, in whose place Python has a word of the same rank."""
+    words: list[str] = []
+    for word in _TOKENS.findall(text):
+        if word.isspace() or word.startswith("//"):
+            continue
+        if word == "!" and words[-1:] == ["~"]:
+            words.pop()
+        elif word[-1] in "'\"":
+            kind = "BYTES_LIT" if word[0] in "bB" else "STRING_LIT"
+            words.append(repr(literal_value(kind, word)))
+        else:
+            words.append(_IN_PYTHON.get(word, word))
+    return words
+
+
 class _ConditionReader:
-    """Reads how a condition combines its terms; `values` are what each is compared with."""
+    """Reads how a condition combines its terms; `test` is the whole.
 
-    def __init__(self) -> None:
+    `values` are what each term is compared with, `bounds` the least and greatest of a real one.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._text = text.encode()
         self.values: dict[str, set[_Value]] = {}
+        self.bounds: dict[str, tuple[float, float]] = {}
+        self.test = self._test(ast.parse(text, mode="eval").body)
 
-    def condition(self, words: _Words) -> _Test:
-        """Return a test of a condition."""
-        choice = _split_choice(words)
-        if choice:
-            chosen, one, other = map(self.condition, choice)
-            return lambda values: one(values) if chosen(values) else other(values)
-        alternatives = _split(words, "||")
-        if len(alternatives) > 1:
-            tests = [self.condition(part) for part in alternatives]
-            return lambda values: any(test(values) for test in tests)
-        tests = [self._relation(part) for part in _split(words, "&&")]
-        return lambda values: all(test(values) for test in tests)
+    def _test(self, node: ast.expr) -> _Test:
+        match node:
+            case ast.IfExp():
+                chosen, one, other = map(self._test, (node.body, node.test, node.orelse))
+                return lambda values: one(values) if chosen(values) else other(values)
+            case ast.BoolOp():
+                tests = [self._test(part) for part in node.values]
+                join = any if isinstance(node.op, ast.Or) else all
+                return lambda values: join(test(values) for test in tests)
+            case ast.UnaryOp(op=ast.Invert()):
+                test = self._test(node.operand)
+                return lambda values: not test(values)
+            case ast.Compare(ops=[ast.In()], comparators=[ast.List(elts=parts)]):
+                return self._membership(node, [_literal(part) for part in parts])
+            case ast.Compare(ops=[sign]) if type(sign) in _COMPARISONS:
+                return self._comparison(node, type(sign))
+        return self._truth(node)
 
-    def _relation(self, words: _Words) -> _Test:
-        while list(words[:2]) == ["!", "!"]:
-            words = words[2:]
-        for index, word in _outer(words):
-            if word in _COMPARISONS:
-                return self._comparison(words[:index], word, words[index + 1 :], words)
-            if word == "in":
-                return self._membership(words[:index], words[index + 1 :], words)
-        if words[:1] == ["!"]:
-            test = self._relation(words[1:])
-            return lambda values: not test(values)
-        return self.condition(words[1:-1]) if _is_bracketed(words, "(") else self._truth(words)
-
-    def _comparison(self, left: _Words, sign: str, right: _Words, whole: _Words) -> _Test:
+    def _comparison(self, node: ast.Compare, sign: type[ast.cmpop]) -> _Test:
+        left, right = node.left, node.comparators[0]
         if _literal(left) is not None:
             left, sign, right = right, _MIRRORED.get(sign, sign), left
         value, compare = _literal(right), _COMPARISONS[sign]
-        if list(left) == list(right) or (value is not None and _is_like(_literal(left), value)):
-            is_true = compare(0, 0) if list(left) == list(right) else compare(_literal(left), value)
+        is_same = self._source(left) == self._source(right)
+        if is_same or (value is not None and _is_like(_literal(left), value)):
+            is_true = compare(0, 0) if is_same else compare(_literal(left), value)
             return lambda _: is_true
         if value is None or _literal(left) is not None:
-            return self._truth(whole)
+            return self._truth(node)
         term = self._compared(left, {value})
         return lambda values: compare(values[term], value)
 
-    def _membership(self, left: _Words, right: _Words, whole: _Words) -> _Test:
-        parts = _split(right[1:-1], ",") if _is_bracketed(right, "[") else []
-        literals = {literal for part in parts if (literal := _literal(part)) is not None}
-        if not parts or len(literals) < len(parts) or _literal(left) is not None:
-            return self._truth(whole)
-        term = self._compared(left, literals)
+    def _membership(self, node: ast.Compare, parts: Sequence[_Value | None]) -> _Test:
+        literals = {part for part in parts if part is not None}
+        if not parts or None in parts or _literal(node.left) is not None:
+            return self._truth(node)
+        term = self._compared(node.left, literals)
         return lambda values: values[term] in literals
 
-    def _truth(self, words: _Words) -> _Test:
+    def _truth(self, node: ast.expr) -> _Test:
         """Return a test of what is true or false, and nothing more is known of it."""
-        value = _literal(words)
+        value = _literal(node)
         if isinstance(value, bool):
             return lambda _: value
-        term = self._compared(words, {True})
+        term = self._compared(node, {True})
         return lambda values: values[term] is True
 
-    def _compared(self, words: _Words, values: set[_Value]) -> str:
+    def _compared(self, node: ast.expr, values: set[_Value]) -> str:
         """Note what a term is compared with, and return its name."""
-        while _is_bracketed(words, "("):
-            words = words[1:-1]
-        term = " ".join(words)
+        term = self._source(node)
         self.values.setdefault(term, set()).update(values)
+        called = node.func if isinstance(node, ast.Call) else None
+        name = getattr(called, "id", getattr(called, "attr", ""))
+        self.bounds[term] = (0 if name in _NOT_NEGATIVE else -math.inf, math.inf)
         return term
 
+    def _source(self, node: ast.expr) -> str:
+        return self._text[node.col_offset : node.end_col_offset].decode()
 
-def _literal(words: _Words) -> _Value | None:
-    text = "".join(words)
-    if text in _TRUTHS:
-        return _TRUTHS[text]
-    if _NUMBER.fullmatch(text):
-        return float(text) if re.search("[.eE]", text) else int(text)
-    return text[1:-1] if _PLAIN_TEXT.fullmatch(text) else None
+
+def _literal(node: ast.expr) -> _Value | None:
+    match node:
+        case ast.Constant(value=(bool() | int() | float() | str()) as value):
+            return value
+        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=(int() | float()) as value)):
+            return -value
+    return None
 
 
 def _is_like(one: _Value | None, other: _Value) -> bool:
     """Return whether two values are both texts, both truths or both numbers."""
     kinds = [next((k for k in (bool, str) if isinstance(each, k)), float) for each in (one, other)]
     return one is not None and kinds[0] is kinds[1]
-
-
-def _split_choice(words: _Words) -> tuple[_Words, _Words, _Words] | None:
-    """Return the parts of `condition ? one : other`; None if it is no such choice."""
-    marks = [(index, word) for index, word in _outer(words) if word in ("?", ":")]
-    depth = 0
-    for index, word in marks:
-        depth += 1 if word == "?" else -1
-        if not depth:
-            first = marks[0][0]
-            return words[:first], words[first + 1 : index], words[index + 1 :]
-    return None
-
-
-def _outer(words: _Words) -> Iterator[tuple[int, str]]:
-    """Yield the words outside of brackets, each with its place."""
-    depth = 0
-    for index, word in enumerate(words):
-        depth -= word in CLOSING
-        if not depth and word not in CLOSING:
-            yield index, word
-        depth += word in BRACKETS
-
-
-def _split(words: _Words, separator: str) -> list[_Words]:
-    places = [index for index, word in _outer(words) if word == separator]
-    begins = [0, *(place + 1 for place in places)]
-    return [words[a:b] for a, b in zip(begins, (*places, len(words)), strict=True)]
-
-
-def _is_bracketed(words: _Words, bracket: str) -> bool:
-    """Return whether one pair of brackets is around all words."""
-    return words[:1] == [bracket] and [index for index, _ in _outer(words)] == [0]
 
 
 def _samples(values: set[_Value], bounds: tuple[float, float]) -> Sequence[_Value]:
@@ -205,13 +196,3 @@ def _integer_bounds(term: str, definition: Definition, subject: str) -> tuple[in
         found = found.nested.get(field.type) if found and field and not field.array else None
     last = found.find(names[-1]) if found and names else None
     return _INTEGERS.get(last.type) if last and not last.array else None
-
-
-def _real_bounds(term: str) -> tuple[float, float]:
-    """Return the least and greatest value of a term that is no field of whole numbers."""
-    words = term.split(" ")
-    is_size = words[-3:] == ["size", "(", ")"] and all(
-        w.isidentifier() or w == "." for w in words[:-3]
-    )
-    is_call = words[0] in _NOT_NEGATIVE and _is_bracketed(words[1:], "(")
-    return (0 if is_size or is_call else -math.inf, math.inf)

@@ -19,11 +19,9 @@ class RuleCondition(Protocol):
     @property
     def names(self) -> Collection[str]:
         """The eflows whose bits it asks for."""
-        ...
 
     def holds(self, bits: Mapping[str, bool]) -> Truth:
         """Return whether it holds with the bits that are known; None if they do not decide it."""
-        ...
 
 
 @dataclass(slots=True, eq=False)

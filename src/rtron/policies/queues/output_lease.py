@@ -14,50 +14,39 @@ class OutputLease(Protocol):
     @property
     def owner(self) -> Flow | None:
         """The flow whose turn it is."""
-        ...
 
     def record_message(self, flow: Flow, now: int) -> None:
         """Note that `flow` spoke at `now`, whether or not its message goes."""
-        ...
 
     def wait_reason(self, flow: Flow, first: Flow | None) -> str:
         """Return why a message of `flow` must wait, or nothing if it may go.
 
         `first` is the flow of the message that goes next, None if nothing else waits.
         """
-        ...
 
     def grant(self, flow: Flow, now: int) -> None:
         """Give the turn to `flow`, or renew it: one of its messages goes at `now`."""
-        ...
 
     def expire(self, now: int) -> None:
         """End what is over by `now`."""
-        ...
 
     def forget(self, flow: str, now: int) -> None:
         """Take `flow` for silent from `now` on."""
-        ...
 
     def release(self, now: int) -> None:
         """Let the owner's turn be over for the next `expire`: what it had to do is done."""
-        ...
 
     def expiry(self) -> int | None:
         """Return when `expire` next has something to do."""
-        ...
 
     def state(self) -> LeaseState | None:
         """Return whose turn it is, and since when."""
-        ...
 
     def last_message_times(self, now: int) -> Mapping[str, int]:
         """Return when each fresh flow spoke last."""
-        ...
 
     def restore(self, owner: Flow | None, state: PolicyState) -> None:
         """Go on where another turn has ended: with its owner, and with who spoke when."""
-        ...
 
 
 class ExclusiveLease:

@@ -40,12 +40,10 @@ class LimitSource(Protocol):
 
     def at(self, now: int) -> SpeedLimit:
         """Return the limit at `now`."""
-        ...
 
     @property
     def is_variable(self) -> bool:
         """Whether the limit ever changes."""
-        ...
 
 
 class LimitState(TableEnum):

@@ -12,7 +12,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
 from rtron.errors import InputError, RTronError, plain_reason
-from rtron.service.api.schemas import ErrorResponse
+from rtron.service.api.schemas import ErrorResponse, RevisionConflict
 from rtron.service.domain.errors import (
     AuthenticationError,
     ConflictError,
@@ -20,6 +20,7 @@ from rtron.service.domain.errors import (
     NotFoundError,
     TooManyRequestsError,
 )
+from rtron.service.domain.revisions import StaleRevisionError
 
 log = logging.getLogger(__name__)
 
@@ -52,6 +53,7 @@ def error_response(
 def install_error_handlers(app: FastAPI) -> None:
     """Let an app answer every error with a Problem."""
     app.add_exception_handler(RTronError, _handle_service_error)
+    app.add_exception_handler(StaleRevisionError, _handle_stale_revision)
     app.add_exception_handler(RequestValidationError, _handle_validation_error)
     app.add_exception_handler(HTTPException, _handle_http_error)
     app.add_exception_handler(SQLAlchemyError, _handle_database_error)
@@ -73,6 +75,12 @@ async def _handle_service_error(_request: Request, error: Exception) -> Response
     if isinstance(error, TooManyRequestsError):
         headers["Retry-After"] = str(max(1, round(error.retry_after)))
     return error_response(status_of(error), str(error), error.help, headers)
+
+
+async def _handle_stale_revision(_request: Request, error: Exception) -> Response:
+    assert isinstance(error, StaleRevisionError)  # noqa: S101 - registered for it alone
+    conflict = RevisionConflict(error=str(error), help=error.help, newest=error.newest)
+    return JSONResponse(conflict.model_dump(mode="json"), status_code=HTTPStatus.CONFLICT)
 
 
 async def _handle_validation_error(_request: Request, error: Exception) -> Response:

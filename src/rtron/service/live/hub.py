@@ -22,7 +22,6 @@ class GuardLink(Protocol):
 
     def send_command(self, command: PersonCommand) -> Future[CommandResponse]:
         """Send a person's command; return what will have the guard's answer."""
-        ...
 
     def replace(self) -> None:
         """End the connection: the same robot's guard has made another one."""

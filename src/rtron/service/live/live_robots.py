@@ -30,15 +30,12 @@ class LiveRobots(Protocol):
 
     def connected_robots(self, session: Session) -> Collection[str]:
         """Return the robots whose guards are connected."""
-        ...
 
     def is_connected(self, session: Session, robot: str) -> bool:
         """Tell whether a robot's guard is connected."""
-        ...
 
     def find(self, session: Session, robots: Collection[str]) -> Mapping[str, LiveRobot]:
         """Return each of these robots."""
-        ...
 
 
 class LocalLiveRobots:

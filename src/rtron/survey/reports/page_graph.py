@@ -97,10 +97,7 @@ def _stage(
 
 
 def _arrow(
-    link: LinkCount,
-    ids: Mapping[FunctionType, str],
-    columns: Mapping[FunctionType, int],
-    most: int,
+    link: LinkCount, ids: Mapping[FunctionType, str], columns: Mapping[FunctionType, int], most: int
 ) -> str:
     """Return an arrow, the broadest for the `most` apps.
 

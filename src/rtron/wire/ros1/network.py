@@ -15,18 +15,15 @@ class Network(Protocol):
 
     def connect(self, address: tuple[str, int], timeout: float) -> socket.socket:
         """Return a connection, made within `timeout` seconds. OSError if there is none."""
-        ...
 
     def listen(self, host: str, port: int, backlog: int) -> socket.socket:
         """Return a socket that listens; port 0 is a free one. OSError if it cannot."""
-        ...
 
     def open_diag(self) -> socket.socket | None:
         """Return a socket to ask the kernel about connections with (sock_diag(7)), if there is one.
 
         It does not block.
         """
-        ...
 
 
 class HostNetwork:

@@ -3,21 +3,9 @@
 from math import atan2, pi
 
 import pytest
-from world_client import KEY, LIMIT, SPEED, clients, serving, truth_when
+from world_client import KEY, LIMIT, SPEED, truth_when
 
 from rtron.demos.world.client import WorldClient
-
-
-@pytest.fixture(scope="module")
-def path(tmp_path_factory):
-    with serving(tmp_path_factory.mktemp("w") / "world") as path:
-        yield path
-
-
-@pytest.fixture
-def client(path):
-    with clients(path) as connect:
-        yield connect
 
 
 @pytest.fixture

@@ -14,18 +14,6 @@ from rtron.demos.world.server.protocol import encode_frame
 from rtron.errors import SourceError
 
 
-@pytest.fixture(scope="module")
-def path(tmp_path_factory):
-    with serving(tmp_path_factory.mktemp("w") / "world") as path:
-        yield path
-
-
-@pytest.fixture
-def client(path):
-    with clients(path) as connect:
-        yield connect
-
-
 @pytest.mark.parametrize("key", ["", "wrong", None, 7, ["the key"], "\ud800"])
 def test_who_has_no_key_is_no_owner(client, key):
     stranger = client()

@@ -269,11 +269,7 @@ def test_strangers_are_rejected_and_cancel_nothing(start_action_app):
     app = start_action_app()
     app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")
-    strangers = [
-        app.client("/mallory"),
-        app.client("/mallory2", "flow1"),
-        app.client(ONE, "flow1"),
-    ]
+    strangers = [app.client("/mallory"), app.client("/mallory2", "flow1"), app.client(ONE, "flow1")]
     for order, stranger in enumerate(strangers, 10):
         answer = stranger.cancel_raw()
         wait_for(answer.done, what="the answer to a stranger's cancel")

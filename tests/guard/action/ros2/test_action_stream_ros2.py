@@ -158,8 +158,7 @@ def test_a_cancel_that_the_server_does_not_answer_is_answered():
 
 
 @pytest.mark.parametrize(
-    ("id", "stamp", "ended"),
-    [(0, 0, {2, 3}), (2, 0, {2}), (0, 1, set()), (3, 1, {3})],
+    ("id", "stamp", "ended"), [(0, 0, {2, 3}), (2, 0, {2}), (0, 1, set()), (3, 1, {3})]
 )
 def test_what_a_cancel_means(id, stamp, ended):
     app = Ros2ActionApp()

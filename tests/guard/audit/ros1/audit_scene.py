@@ -16,11 +16,7 @@ from rtron.vocabulary.names import GUARD_NODE
 OUT = f"/rtron{CMD_VEL}/out"
 ROGUE = "/intruder"
 STOP = ("0", "0")
-NOT_OF_THE_AUDIT = (
-    AlarmKind.GUARD,
-    AlarmKind.INTRUSION,
-    AlarmKind.UNDELIVERED,
-)
+NOT_OF_THE_AUDIT = (AlarmKind.GUARD, AlarmKind.INTRUSION, AlarmKind.UNDELIVERED)
 _CONNECT_S = 1.0
 KINDS = tuple(f": {kind}:" for kind in AlarmKind if kind not in NOT_OF_THE_AUDIT)
 

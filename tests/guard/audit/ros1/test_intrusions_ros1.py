@@ -8,15 +8,7 @@ import signal
 from dataclasses import replace
 
 import pytest
-from audit_scene import (
-    OUT,
-    STOP,
-    ReturningGhost,
-    ReturningIntruder,
-    Scene,
-    ghost,
-    wait_until_found,
-)
+from audit_scene import OUT, STOP, ReturningGhost, ReturningIntruder, Scene, ghost, wait_until_found
 from driven_base import CMD_VEL_GUARD, TURN_RIGHT, drive_plan
 from harness import Ros1, wait_for
 
@@ -153,8 +145,7 @@ def test_where_the_plan_says_alarm_nothing_is_stopped(ros1, program):
             before = len(scene.driven.navigation())
             wait_for(lambda: len(scene.driven.navigation()) > before + 20, what="navigation")
             wait_for(
-                lambda: intruder.insist() or scene.driven.turns() > 100,
-                what="the ghost's messages",
+                lambda: intruder.insist() or scene.driven.turns() > 100, what="the ghost's messages"
             )
             assert not intruder.shut_down.is_set()
         wait_until_settled(scene)

@@ -3,15 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
-from domain_scene import (
-    DRIVER_SUBSCRIBES,
-    GUARD,
-    NAV_PUBLISHES,
-    OUT,
-    ROGUE,
-    base_plan,
-    publisher,
-)
+from domain_scene import DRIVER_SUBSCRIBES, GUARD, NAV_PUBLISHES, OUT, ROGUE, base_plan, publisher
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.audit.ros2 import auditor as auditor_module

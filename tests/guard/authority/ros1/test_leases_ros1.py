@@ -7,14 +7,7 @@ from harness import wait_for
 from leased_base import AGENT, NAV, STRANGER, TELEOP
 from plans import grcn, plan_of
 
-from rtron.vocabulary import (
-    GUARD_NODE,
-    SECOND,
-    CommanderRank,
-    Flow,
-    LeaseGroup,
-    PolicyName,
-)
+from rtron.vocabulary import GUARD_NODE, SECOND, CommanderRank, Flow, LeaseGroup, PolicyName
 
 pytestmark = pytest.mark.ros1
 LONG = 600 * SECOND

@@ -30,10 +30,7 @@ from rtron.vocabulary import (
     output_topic,
 )
 
-pytestmark = [
-    pytest.mark.ros2,
-    pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP]),
-]
+pytestmark = [pytest.mark.ros2, pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])]
 SPEED = 0.8
 NAV, OUT = flow_topic("/cmd_vel", "nav"), output_topic("/cmd_vel")
 MOVING = GuardedTopic(

@@ -3,7 +3,7 @@
 import pytest
 from harness import wait_for
 from leased_base import AGENT, NAV, PLAN, TELEOP, TTL
-from leased_guard import REMOTE, SERVED_PLAN, LeasedGuard
+from leased_guard import REMOTE, LeasedGuard
 
 from rtron.service.controller import command_dispatcher
 from rtron.service.store.accounts.users import get_user, set_groups
@@ -13,28 +13,8 @@ LEASES = "/api/v1/robots/r1/leases"
 
 
 @pytest.fixture
-def connect(app, port, people):
-    guards = []
-
-    def connect(plan=SERVED_PLAN, **hello):
-        headers = people.token_headers("r1", "guard", robot="r1")
-        guards.append(LeasedGuard(port, headers, plan, **hello))
-        wait_for(lambda: app.state.service.hub.state("r1"), what="the guard's state")
-        return guards[-1]
-
-    yield connect
-    for guard in guards:
-        guard.close()
-
-
-@pytest.fixture
-def guard(connect):
-    return connect()
-
-
-@pytest.fixture
-def ann(people):
-    return people.session_headers("ann", "end_user")
+def guard_class():
+    return LeasedGuard
 
 
 @pytest.fixture

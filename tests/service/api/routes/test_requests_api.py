@@ -1,7 +1,7 @@
 """Requests of a bridge's clients over HTTP: seen by all, answered by whom the bridge names."""
 
 import pytest
-from asked_guard import APPROVERS, AskedGuard
+from asked_guard import AskedGuard
 from harness import wait_for
 
 from rtron.bridge.protocol.approvals import HOLDS_FOR, WAITS_FOR
@@ -14,28 +14,8 @@ APPROVED = "request 1 of assistant, publish /goal, is approved by ann at the ser
 
 
 @pytest.fixture
-def connect(app, port, people):
-    guards = []
-
-    def connect(approvers=APPROVERS, **hello):
-        headers = people.token_headers("r1", "guard", robot="r1")
-        guards.append(AskedGuard(port, headers, approvers, **hello))
-        wait_for(lambda: app.state.service.hub.state("r1"), what="the guard's state")
-        return guards[-1]
-
-    yield connect
-    for guard in guards:
-        guard.close()
-
-
-@pytest.fixture
-def guard(connect):
-    return connect()
-
-
-@pytest.fixture
-def ann(people):
-    return people.session_headers("ann", "end_user")
+def guard_class():
+    return AskedGuard
 
 
 @pytest.fixture

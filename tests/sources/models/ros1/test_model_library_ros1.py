@@ -14,214 +14,89 @@ MODELS = load_models()
 _BRACES = re.compile(r"\{([^{}]*)\}")
 TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*")
 
-NODES = [
-    "amcl/amcl",
-    "apriltag_ros/apriltag_ros_continuous_node",
-    "apriltag_ros/apriltag_ros_single_image_server_node",
-    "ar_track_alvar/findMarkerBundles",
-    "ar_track_alvar/findMarkerBundlesNoKinect",
-    "ar_track_alvar/individualMarkers",
-    "ar_track_alvar/individualMarkersNoKinect",
-    "aruco_ros/double",
-    "aruco_ros/marker_publisher",
-    "aruco_ros/single",
-    "audio_capture/audio_capture",
-    "audio_play/audio_play",
-    "cartographer_ros/cartographer_node",
-    "cartographer_ros/cartographer_occupancy_grid_node",
-    "controller_manager/spawner",
-    "cv_camera/cv_camera_node",
-    "darknet_ros/darknet_ros",
-    "depthimage_to_laserscan/depthimage_to_laserscan",
-    "diagnostic_aggregator/aggregator_node",
-    "explore_lite/explore",
-    "fetch_teleop/joystick_teleop",
-    "find_object_2d/find_object_2d",
-    "foxglove_bridge/foxglove_bridge",
-    "gazebo_ros/gzclient",
-    "gazebo_ros/gzserver",
-    "gazebo_ros/spawn_model",
-    "gmapping/slam_gmapping",
-    "grid_map_visualization/grid_map_visualization",
-    "gscam/gscam",
-    "hector_mapping/hector_mapping",
-    "hls_lfcd_lds_driver/hlds_laser_publisher",
-    "image_proc/image_proc",
-    "image_transport/republish",
-    "imu_complementary_filter/complementary_filter_node",
-    "imu_filter_madgwick/imu_filter",
-    "imu_filter_madgwick/imu_filter_node",
-    "ira_laser_tools/laserscan_multi_merger",
-    "ira_laser_tools/laserscan_virtualizer",
-    "joint_state_publisher/joint_state_publisher",
-    "joy/joy_node",
-    "joy_teleop/joy_teleop",
-    "joy_teleop/joy_teleop.py",
-    "key_teleop/key_teleop",
-    "key_teleop/key_teleop.py",
-    "laser_scan_matcher/laser_scan_matcher_node",
-    "livox_ros_driver2/livox_ros_driver2_node",
-    "lms1xx/LMS1xx_node",
-    "map_server/map_server",
-    "mavros/gcs_bridge",
-    "mavros/mavros_node",
-    "mbf_costmap_nav/mbf_costmap_nav",
-    "mbf_simple_nav/mbf_simple_nav",
-    "mouse_teleop/mouse_teleop",
-    "mouse_teleop/mouse_teleop.py",
-    "move_base/move_base",
-    "moveit_ros_move_group/move_group",
-    "moveit_servo/servo_server",
-    "multirobot_map_merge/map_merge",
-    "nmea_navsat_driver/nmea_serial_driver",
-    "nmea_navsat_driver/nmea_socket_driver",
-    "nmea_navsat_driver/nmea_topic_driver",
-    "nmea_navsat_driver/nmea_topic_serial_reader",
-    "nodelet/nodelet",
-    "octomap_server/color_octomap_server_node",
-    "octomap_server/octomap_server_node",
-    "pcl_ros/pcd_to_pointcloud",
-    "pid/controller",
-    "raspicam_node/raspicam_node",
-    "rf2o_laser_odometry/rf2o_laser_odometry_node",
-    "robot_localization/ekf_localization_node",
-    "robot_pose_ekf/robot_pose_ekf",
-    "robot_pose_publisher/robot_pose_publisher",
-    "robot_state_publisher/robot_state_publisher",
-    "ros_tcp_endpoint/default_server_endpoint.py",
-    "rosapi/rosapi_node",
-    "rosbag/play",
-    "rosbag/record",
-    "rosbridge_server/rosbridge_websocket",
-    "roscpp_tutorials/listener",
-    "roscpp_tutorials/talker",
-    "rospy_tutorials/listener",
-    "rospy_tutorials/listener.py",
-    "rospy_tutorials/talker",
-    "rospy_tutorials/talker.py",
-    "rosserial_python/serial_node.py",
-    "rosserial_server/serial_node",
-    "rosserial_server/socket_node",
-    "rosserial_server/udp_socket_node",
-    "rostopic/rostopic",
-    "rplidar_ros/rplidarNode",
-    "rslidar_sdk/rslidar_sdk_node",
-    "rtabmap_odom/icp_odometry",
-    "rtabmap_odom/rgbd_odometry",
-    "rtabmap_odom/stereo_odometry",
-    "rtabmap_ros/icp_odometry",
-    "rtabmap_ros/rgbd_odometry",
-    "rtabmap_ros/rgbd_sync",
-    "rtabmap_ros/rtabmap",
-    "rtabmap_ros/rtabmapviz",
-    "rtabmap_ros/stereo_odometry",
-    "rtabmap_ros/stereo_sync",
-    "rtabmap_slam/rtabmap",
-    "rtabmap_sync/rgbd_sync",
-    "rtabmap_sync/stereo_sync",
-    "rtabmap_viz/rtabmap_viz",
-    "rviz/rviz",
-    "sbg_driver/sbg_device",
-    "sick_safetyscanners/sick_safetyscanners_node",
-    "sick_scan_xd/sick_generic_caller",
-    "sick_tim/sick_tim310",
-    "sick_tim/sick_tim310_1130000m01",
-    "sick_tim/sick_tim310s01",
-    "sick_tim/sick_tim551_2050001",
-    "slam_toolbox/async_slam_toolbox_node",
-    "slam_toolbox/lifelong_slam_toolbox_node",
-    "slam_toolbox/localization_slam_toolbox_node",
-    "slam_toolbox/sync_slam_toolbox_node",
-    "sound_play/soundplay_node.py",
-    "spacenav_node/spacenav_node",
-    "stage_ros/stageros",
-    "stereo_image_proc/stereo_image_proc",
-    "teleop_twist_keyboard/teleop_twist_keyboard.py",
-    "tf/static_transform_publisher",
-    "tf2_ros/static_transform_publisher",
-    "tf2_web_republisher/tf2_web_republisher",
-    "topic_tools/mux",
-    "topic_tools/relay",
-    "turtlebot3_teleop/turtlebot3_teleop_key",
-    "turtlebot_teleop/turtlebot_teleop_key",
-    "turtlesim/draw_square",
-    "turtlesim/mimic",
-    "turtlesim/turtle_teleop_key",
-    "turtlesim/turtlesim_node",
-    "twist_mux/joystick_relay",
-    "twist_mux/joystick_relay.py",
-    "twist_mux/twist_mux",
-    "ublox_gps/ublox_gps",
-    "urg_node/urg_node",
-    "usb_cam/usb_cam_node",
-    "velodyne_driver/velodyne_node",
-    "vesc_ackermann/ackermann_to_vesc_node",
-    "vesc_ackermann/vesc_to_odom_node",
-    "vesc_driver/vesc_driver_node",
-    "video_stream_opencv/video_stream",
-    "web_video_server/web_video_server",
-    "wiimote/teleop_wiimote",
-    "wiimote/wiimote_node",
-    "ydlidar_ros_driver/ydlidar_ros_driver_node",
-]
-NODELETS = [
-    "apriltag_ros/ContinuousDetector",
-    "cv_camera/CvCameraNodelet",
-    "depth_image_proc/convert_metric",
-    "depth_image_proc/disparity",
-    "depth_image_proc/point_cloud_xyz",
-    "depth_image_proc/point_cloud_xyzrgb",
-    "depth_image_proc/register",
-    "foxglove_bridge/foxglove_bridge_nodelet",
-    "gscam/GSCamNodelet",
-    "image_proc/crop_decimate",
-    "image_proc/debayer",
-    "image_proc/rectify",
-    "image_proc/resize",
-    "imu_complementary_filter/ComplementaryFilterNodelet",
-    "imu_filter_madgwick/ImuFilterNodelet",
-    "kobuki_node/KobukiNodelet",
-    "kobuki_safety_controller/SafetyControllerNodelet",
-    "laser_scan_matcher/LaserScanMatcherNodelet",
-    "octomap_color_server/OctomapServerNodelet",
-    "octomap_server/OctomapServerNodelet",
-    "openni2_camera/OpenNI2DriverNodelet",
-    "pcl/CropBox",
-    "pcl/EuclideanClusterExtraction",
-    "pcl/ExtractIndices",
-    "pcl/PassThrough",
-    "pcl/PointCloudConcatenateDataSynchronizer",
-    "pcl/ProjectInliers",
-    "pcl/RadiusOutlierRemoval",
-    "pcl/SACSegmentation",
-    "pcl/StatisticalOutlierRemoval",
-    "pcl/VoxelGrid",
-    "phidgets_spatial/PhidgetsSpatialNodelet",
-    "pointgrey_camera_driver/PointGreyCameraNodelet",
-    "rtabmap_odom/icp_odometry",
-    "rtabmap_odom/rgbd_odometry",
-    "rtabmap_odom/stereo_odometry",
-    "rtabmap_ros/icp_odometry",
-    "rtabmap_ros/rgbd_odometry",
-    "rtabmap_ros/rgbd_sync",
-    "rtabmap_ros/rtabmap",
-    "rtabmap_ros/stereo_odometry",
-    "rtabmap_ros/stereo_sync",
-    "rtabmap_slam/rtabmap",
-    "rtabmap_sync/rgbd_sync",
-    "rtabmap_sync/stereo_sync",
-    "video_stream_opencv/VideoStream",
-    "yocs_cmd_vel_mux/CmdVelMuxNodelet",
-    "yocs_velocity_smoother/VelocitySmootherNodelet",
-]
+NODES = """
+amcl/amcl apriltag_ros/apriltag_ros_continuous_node
+apriltag_ros/apriltag_ros_single_image_server_node ar_track_alvar/findMarkerBundles
+ar_track_alvar/findMarkerBundlesNoKinect ar_track_alvar/individualMarkers
+ar_track_alvar/individualMarkersNoKinect aruco_ros/double aruco_ros/marker_publisher
+aruco_ros/single audio_capture/audio_capture audio_play/audio_play
+cartographer_ros/cartographer_node cartographer_ros/cartographer_occupancy_grid_node
+controller_manager/spawner cv_camera/cv_camera_node darknet_ros/darknet_ros
+depthimage_to_laserscan/depthimage_to_laserscan diagnostic_aggregator/aggregator_node
+explore_lite/explore fetch_teleop/joystick_teleop find_object_2d/find_object_2d
+foxglove_bridge/foxglove_bridge gazebo_ros/gzclient gazebo_ros/gzserver gazebo_ros/spawn_model
+gmapping/slam_gmapping grid_map_visualization/grid_map_visualization gscam/gscam
+hector_mapping/hector_mapping hls_lfcd_lds_driver/hlds_laser_publisher image_proc/image_proc
+image_transport/republish imu_complementary_filter/complementary_filter_node
+imu_filter_madgwick/imu_filter imu_filter_madgwick/imu_filter_node
+ira_laser_tools/laserscan_multi_merger ira_laser_tools/laserscan_virtualizer
+joint_state_publisher/joint_state_publisher joy/joy_node joy_teleop/joy_teleop
+joy_teleop/joy_teleop.py key_teleop/key_teleop key_teleop/key_teleop.py
+laser_scan_matcher/laser_scan_matcher_node livox_ros_driver2/livox_ros_driver2_node
+lms1xx/LMS1xx_node map_server/map_server mavros/gcs_bridge mavros/mavros_node
+mbf_costmap_nav/mbf_costmap_nav mbf_simple_nav/mbf_simple_nav mouse_teleop/mouse_teleop
+mouse_teleop/mouse_teleop.py move_base/move_base moveit_ros_move_group/move_group
+moveit_servo/servo_server multirobot_map_merge/map_merge nmea_navsat_driver/nmea_serial_driver
+nmea_navsat_driver/nmea_socket_driver nmea_navsat_driver/nmea_topic_driver
+nmea_navsat_driver/nmea_topic_serial_reader nodelet/nodelet
+octomap_server/color_octomap_server_node octomap_server/octomap_server_node
+pcl_ros/pcd_to_pointcloud pid/controller raspicam_node/raspicam_node
+rf2o_laser_odometry/rf2o_laser_odometry_node robot_localization/ekf_localization_node
+robot_pose_ekf/robot_pose_ekf robot_pose_publisher/robot_pose_publisher
+robot_state_publisher/robot_state_publisher ros_tcp_endpoint/default_server_endpoint.py
+rosapi/rosapi_node rosbag/play rosbag/record rosbridge_server/rosbridge_websocket
+roscpp_tutorials/listener roscpp_tutorials/talker rospy_tutorials/listener
+rospy_tutorials/listener.py rospy_tutorials/talker rospy_tutorials/talker.py
+rosserial_python/serial_node.py rosserial_server/serial_node rosserial_server/socket_node
+rosserial_server/udp_socket_node rostopic/rostopic rplidar_ros/rplidarNode
+rslidar_sdk/rslidar_sdk_node rtabmap_odom/icp_odometry rtabmap_odom/rgbd_odometry
+rtabmap_odom/stereo_odometry rtabmap_ros/icp_odometry rtabmap_ros/rgbd_odometry
+rtabmap_ros/rgbd_sync rtabmap_ros/rtabmap rtabmap_ros/rtabmapviz rtabmap_ros/stereo_odometry
+rtabmap_ros/stereo_sync rtabmap_slam/rtabmap rtabmap_sync/rgbd_sync rtabmap_sync/stereo_sync
+rtabmap_viz/rtabmap_viz rviz/rviz sbg_driver/sbg_device
+sick_safetyscanners/sick_safetyscanners_node sick_scan_xd/sick_generic_caller sick_tim/sick_tim310
+sick_tim/sick_tim310_1130000m01 sick_tim/sick_tim310s01 sick_tim/sick_tim551_2050001
+slam_toolbox/async_slam_toolbox_node slam_toolbox/lifelong_slam_toolbox_node
+slam_toolbox/localization_slam_toolbox_node slam_toolbox/sync_slam_toolbox_node
+sound_play/soundplay_node.py spacenav_node/spacenav_node stage_ros/stageros
+stereo_image_proc/stereo_image_proc teleop_twist_keyboard/teleop_twist_keyboard.py
+tf/static_transform_publisher tf2_ros/static_transform_publisher
+tf2_web_republisher/tf2_web_republisher topic_tools/mux topic_tools/relay
+turtlebot3_teleop/turtlebot3_teleop_key turtlebot_teleop/turtlebot_teleop_key turtlesim/draw_square
+turtlesim/mimic turtlesim/turtle_teleop_key turtlesim/turtlesim_node twist_mux/joystick_relay
+twist_mux/joystick_relay.py twist_mux/twist_mux ublox_gps/ublox_gps urg_node/urg_node
+usb_cam/usb_cam_node velodyne_driver/velodyne_node vesc_ackermann/ackermann_to_vesc_node
+vesc_ackermann/vesc_to_odom_node vesc_driver/vesc_driver_node video_stream_opencv/video_stream
+web_video_server/web_video_server wiimote/teleop_wiimote wiimote/wiimote_node
+ydlidar_ros_driver/ydlidar_ros_driver_node
+"""
+NODELETS = """
+apriltag_ros/ContinuousDetector cv_camera/CvCameraNodelet depth_image_proc/convert_metric
+depth_image_proc/disparity depth_image_proc/point_cloud_xyz depth_image_proc/point_cloud_xyzrgb
+depth_image_proc/register foxglove_bridge/foxglove_bridge_nodelet gscam/GSCamNodelet
+image_proc/crop_decimate image_proc/debayer image_proc/rectify image_proc/resize
+imu_complementary_filter/ComplementaryFilterNodelet imu_filter_madgwick/ImuFilterNodelet
+kobuki_node/KobukiNodelet kobuki_safety_controller/SafetyControllerNodelet
+laser_scan_matcher/LaserScanMatcherNodelet octomap_color_server/OctomapServerNodelet
+octomap_server/OctomapServerNodelet openni2_camera/OpenNI2DriverNodelet pcl/CropBox
+pcl/EuclideanClusterExtraction pcl/ExtractIndices pcl/PassThrough
+pcl/PointCloudConcatenateDataSynchronizer pcl/ProjectInliers pcl/RadiusOutlierRemoval
+pcl/SACSegmentation pcl/StatisticalOutlierRemoval pcl/VoxelGrid
+phidgets_spatial/PhidgetsSpatialNodelet pointgrey_camera_driver/PointGreyCameraNodelet
+rtabmap_odom/icp_odometry rtabmap_odom/rgbd_odometry rtabmap_odom/stereo_odometry
+rtabmap_ros/icp_odometry rtabmap_ros/rgbd_odometry rtabmap_ros/rgbd_sync rtabmap_ros/rtabmap
+rtabmap_ros/stereo_odometry rtabmap_ros/stereo_sync rtabmap_slam/rtabmap rtabmap_sync/rgbd_sync
+rtabmap_sync/stereo_sync video_stream_opencv/VideoStream yocs_cmd_vel_mux/CmdVelMuxNodelet
+yocs_velocity_smoother/VelocitySmootherNodelet
+"""
 
 
-@pytest.mark.parametrize("name", NODES)
+@pytest.mark.parametrize("name", NODES.split())
 def test_the_library_has_the_node(name):
     assert MODELS.node(*name.split("/")) is not None
 
 
-@pytest.mark.parametrize("name", NODELETS)
+@pytest.mark.parametrize("name", NODELETS.split())
 def test_the_library_has_the_nodelet(name):
     assert MODELS.nodelet(name) is not None
 

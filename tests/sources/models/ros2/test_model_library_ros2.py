@@ -12,234 +12,107 @@ from rtron.vocabulary import QoS, Reliability, UnknownValue
 MODELS = load_models(ROS2_LIBRARY)
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _FOLDERS = {"publish": "msg", "subscribe": "msg", "service": "srv", "service_client": "srv"}
-NODES = [
-    "action_tutorials_cpp/fibonacci_action_client",
-    "action_tutorials_cpp/fibonacci_action_server",
-    "action_tutorials_py/fibonacci_action_client",
-    "action_tutorials_py/fibonacci_action_server",
-    "apriltag_ros/apriltag_node",
-    "aruco_ros/double",
-    "aruco_ros/marker_publisher",
-    "aruco_ros/single",
-    "camera_ros/camera_node",
-    "cartographer_ros/cartographer_node",
-    "cartographer_ros/cartographer_occupancy_grid_node",
-    "cartographer_ros/occupancy_grid_node",
-    "controller_manager/ros2_control_node",
-    "controller_manager/spawner",
-    "demo_nodes_cpp/add_two_ints_client",
-    "demo_nodes_cpp/add_two_ints_client_async",
-    "demo_nodes_cpp/add_two_ints_server",
-    "demo_nodes_cpp/listener",
-    "demo_nodes_cpp/listener_best_effort",
-    "demo_nodes_cpp/talker",
-    "demo_nodes_py/add_two_ints_client",
-    "demo_nodes_py/add_two_ints_client_async",
-    "demo_nodes_py/add_two_ints_server",
-    "demo_nodes_py/listener",
-    "demo_nodes_py/talker",
-    "depthai_ros_driver/camera_node",
-    "depthimage_to_laserscan/depthimage_to_laserscan_node",
-    "diagnostic_aggregator/aggregator_node",
-    "explore_lite/explore",
-    "find_object_2d/find_object_2d",
-    "foxglove_bridge/foxglove_bridge",
-    "gazebo_ros/spawn_entity.py",
-    "gscam/gscam_node",
-    "hls_lfcd_lds_driver/hlds_laser_publisher",
-    "image_proc/rectify_node",
-    "image_proc/track_marker_node",
-    "image_publisher/image_publisher_node",
-    "image_rotate/image_rotate",
-    "image_rotate/image_rotate_bin",
-    "image_tools/cam2image",
-    "image_tools/showimage",
-    "image_transport/republish",
-    "image_view/image_saver",
-    "image_view/image_view",
-    "imu_complementary_filter/complementary_filter_node",
-    "imu_filter_madgwick/imu_filter_madgwick_node",
-    "interactive_marker_twist_server/interactive_marker_twist_server",
-    "joint_state_publisher/joint_state_publisher",
-    "joint_state_publisher_gui/joint_state_publisher_gui",
-    "joy/game_controller_node",
-    "joy/joy_node",
-    "joy_linux/joy_linux_node",
-    "joy_teleop/joy_teleop",
-    "key_teleop/key_teleop",
-    "laser_filters/scan_to_scan_filter_chain",
-    "ld08_driver/ld08_driver",
-    "ldlidar_stl_ros2/ldlidar_stl_ros2_node",
-    "lifecycle/lifecycle_listener",
-    "lifecycle/lifecycle_talker",
-    "livox_ros_driver2/livox_ros_driver2_node",
-    "mavros/mavros_node",
-    "micro_ros_agent/micro_ros_agent",
-    "mouse_teleop/mouse_teleop",
-    "moveit_ros_move_group/move_group",
-    "moveit_servo/servo_node",
-    "moveit_servo/servo_node_main",
-    "multirobot_map_merge/map_merge",
-    "nav2_amcl/amcl",
-    "nav2_behaviors/behavior_server",
-    "nav2_bt_navigator/bt_navigator",
-    "nav2_collision_monitor/collision_monitor",
-    "nav2_controller/controller_server",
-    "nav2_lifecycle_manager/lifecycle_manager",
-    "nav2_loopback_sim/loopback_simulator",
-    "nav2_map_server/map_server",
-    "nav2_map_server/vector_object_server",
-    "nav2_planner/planner_server",
-    "nav2_route/route_server",
-    "nav2_smoother/smoother_server",
-    "nav2_velocity_smoother/velocity_smoother",
-    "nav2_waypoint_follower/waypoint_follower",
-    "nmea_navsat_driver/nmea_serial_driver",
-    "nmea_navsat_driver/nmea_socket_driver",
-    "nmea_navsat_driver/nmea_tcpclient_driver",
-    "nmea_navsat_driver/nmea_topic_driver",
-    "nmea_navsat_driver/nmea_topic_serial_reader",
-    "octomap_server/color_octomap_server_node",
-    "octomap_server/octomap_server_node",
-    "opennav_docking/opennav_docking",
-    "orbbec_camera/orbbec_camera_node",
-    "ouster_ros/os_cloud",
-    "ouster_ros/os_driver",
-    "ouster_ros/os_sensor",
-    "pcl_ros/filter_crop_box_node",
-    "pcl_ros/filter_extract_indices_node",
-    "pcl_ros/filter_passthrough_node",
-    "pcl_ros/filter_project_inliers_node",
-    "pcl_ros/filter_radius_outlier_removal_node",
-    "pcl_ros/filter_statistical_outlier_removal_node",
-    "pcl_ros/filter_voxel_grid_node",
-    "pcl_ros/pcd_to_pointcloud",
-    "pointcloud_to_laserscan/pointcloud_to_laserscan_node",
-    "realsense2_camera/realsense2_camera_node",
-    "rf2o_laser_odometry/rf2o_laser_odometry_node",
-    "robot_localization/ekf_node",
-    "robot_localization/navsat_transform_node",
-    "robot_localization/ukf_node",
-    "robot_state_publisher/robot_state_publisher",
-    "ros1_bridge/dynamic_bridge",
-    "ros1_bridge/parameter_bridge",
-    "ros1_bridge/static_bridge",
-    "ros2_aruco/aruco_node",
-    "ros2action/send_goal",
-    "ros2bag/play",
-    "ros2bag/record",
-    "ros2service/call",
-    "ros2topic/echo",
-    "ros2topic/pub",
-    "ros_gz_sim/create",
-    "ros_tcp_endpoint/default_server_endpoint",
-    "rosapi/rosapi_node",
-    "rosbridge_server/rosbridge_websocket",
-    "rplidar_ros/rplidar_node",
-    "rqt_bag/rqt_bag",
-    "rqt_console/rqt_console",
-    "rqt_graph/rqt_graph",
-    "rqt_gui/rqt_gui",
-    "rqt_image_view/rqt_image_view",
-    "rqt_plot/rqt_plot",
-    "rqt_publisher/rqt_publisher",
-    "rqt_reconfigure/rqt_reconfigure",
-    "rqt_robot_steering/rqt_robot_steering",
-    "rqt_service_caller/rqt_service_caller",
-    "rqt_tf_tree/rqt_tf_tree",
-    "rqt_topic/rqt_topic",
-    "rslidar_sdk/rslidar_sdk_node",
-    "rtabmap_odom/icp_odometry",
-    "rtabmap_odom/rgbd_odometry",
-    "rtabmap_odom/stereo_odometry",
-    "rtabmap_slam/rtabmap",
-    "rtabmap_sync/rgbd_sync",
-    "rtabmap_sync/stereo_sync",
-    "rtabmap_viz/rtabmap_viz",
-    "rviz2/rviz2",
-    "sick_safetyscanners2/sick_safetyscanners2_lifecycle_node",
-    "sick_safetyscanners2/sick_safetyscanners2_node",
-    "sick_scan_xd/sick_generic_caller",
-    "slam_toolbox/async_slam_toolbox_node",
-    "slam_toolbox/lifelong_slam_toolbox_node",
-    "slam_toolbox/localization_slam_toolbox_node",
-    "slam_toolbox/sync_slam_toolbox_node",
-    "sllidar_ros2/sllidar_node",
-    "spacenav/spacenav_node",
-    "stereo_image_proc/disparity_node",
-    "stereo_image_proc/point_cloud_node",
-    "teleop_twist_joy/teleop_node",
-    "teleop_twist_keyboard/teleop_twist_keyboard",
-    "tf2_ros/static_transform_publisher",
-    "topic_tools/mux",
-    "topic_tools/relay",
-    "turtlebot3_node/turtlebot3_ros",
-    "turtlebot4_node/turtlebot4_node",
-    "turtlesim/draw_square",
-    "turtlesim/mimic",
-    "turtlesim/turtle_teleop_key",
-    "turtlesim/turtlesim_node",
-    "twist_mux/joystick_relay",
-    "twist_mux/joystick_relay.py",
-    "twist_mux/twist_marker",
-    "twist_mux/twist_mux",
-    "ublox_gps/ublox_gps_node",
-    "ur_robot_driver/controller_stopper_node",
-    "ur_robot_driver/dashboard_client",
-    "ur_robot_driver/robot_state_helper",
-    "ur_robot_driver/trajectory_until_node",
-    "ur_robot_driver/urscript_interface",
-    "urg_node/urg_node_driver",
-    "usb_cam/usb_cam_node_exe",
-    "v4l2_camera/v4l2_camera_node",
-    "velodyne_driver/velodyne_driver_node",
-    "velodyne_laserscan/velodyne_laserscan_node",
-    "velodyne_pointcloud/velodyne_convert_node",
-    "velodyne_pointcloud/velodyne_transform_node",
-    "vesc_ackermann/ackermann_to_vesc_node",
-    "vesc_driver/vesc_driver_node",
-    "web_video_server/web_video_server",
-    "ydlidar_ros2_driver/ydlidar_ros2_driver_node",
-]
-CONTROLLERS = [
-    "admittance_controller/AdmittanceController",
-    "battery_state_broadcaster/BatteryStateBroadcaster",
-    "diff_drive_controller/DiffDriveController",
-    "forward_command_controller/ForwardCommandController",
-    "gpio_controllers/GpioCommandController",
-    "gps_sensor_broadcaster/GPSSensorBroadcaster",
-    "imu_sensor_broadcaster/IMUSensorBroadcaster",
-    "joint_state_broadcaster/JointStateBroadcaster",
-    "joint_trajectory_controller/JointTrajectoryController",
-    "magnetometer_broadcaster/MagnetometerBroadcaster",
-    "motion_primitives_controllers/MotionPrimitivesForwardController",
-    "omni_wheel_drive_controller/OmniWheelDriveController",
-    "picknik_reset_fault_controller/PicknikResetFaultController",
-    "picknik_twist_controller/PicknikTwistController",
-    "pid_controller/PidController",
-    "pose_broadcaster/PoseBroadcaster",
-    "state_interfaces_broadcaster/StateInterfacesBroadcaster",
-    "ur_controllers/ForceModeController",
-    "ur_controllers/FreedriveModeController",
-    "ur_controllers/FrictionModelController",
-    "ur_controllers/GPIOController",
-    "ur_controllers/PassthroughTrajectoryController",
-    "ur_controllers/SpeedScalingStateBroadcaster",
-    "ur_controllers/ToolContactController",
-    "ur_controllers/URConfigurationController",
-]
+NODES = """
+action_tutorials_cpp/fibonacci_action_client action_tutorials_cpp/fibonacci_action_server
+action_tutorials_py/fibonacci_action_client action_tutorials_py/fibonacci_action_server
+apriltag_ros/apriltag_node aruco_ros/double aruco_ros/marker_publisher aruco_ros/single
+camera_ros/camera_node cartographer_ros/cartographer_node
+cartographer_ros/cartographer_occupancy_grid_node cartographer_ros/occupancy_grid_node
+controller_manager/ros2_control_node controller_manager/spawner demo_nodes_cpp/add_two_ints_client
+demo_nodes_cpp/add_two_ints_client_async demo_nodes_cpp/add_two_ints_server demo_nodes_cpp/listener
+demo_nodes_cpp/listener_best_effort demo_nodes_cpp/talker demo_nodes_py/add_two_ints_client
+demo_nodes_py/add_two_ints_client_async demo_nodes_py/add_two_ints_server demo_nodes_py/listener
+demo_nodes_py/talker depthai_ros_driver/camera_node
+depthimage_to_laserscan/depthimage_to_laserscan_node diagnostic_aggregator/aggregator_node
+explore_lite/explore find_object_2d/find_object_2d foxglove_bridge/foxglove_bridge
+gazebo_ros/spawn_entity.py gscam/gscam_node hls_lfcd_lds_driver/hlds_laser_publisher
+image_proc/rectify_node image_proc/track_marker_node image_publisher/image_publisher_node
+image_rotate/image_rotate image_rotate/image_rotate_bin image_tools/cam2image image_tools/showimage
+image_transport/republish image_view/image_saver image_view/image_view
+imu_complementary_filter/complementary_filter_node imu_filter_madgwick/imu_filter_madgwick_node
+interactive_marker_twist_server/interactive_marker_twist_server
+joint_state_publisher/joint_state_publisher joint_state_publisher_gui/joint_state_publisher_gui
+joy/game_controller_node joy/joy_node joy_linux/joy_linux_node joy_teleop/joy_teleop
+key_teleop/key_teleop laser_filters/scan_to_scan_filter_chain ld08_driver/ld08_driver
+ldlidar_stl_ros2/ldlidar_stl_ros2_node lifecycle/lifecycle_listener lifecycle/lifecycle_talker
+livox_ros_driver2/livox_ros_driver2_node mavros/mavros_node micro_ros_agent/micro_ros_agent
+mouse_teleop/mouse_teleop moveit_ros_move_group/move_group moveit_servo/servo_node
+moveit_servo/servo_node_main multirobot_map_merge/map_merge nav2_amcl/amcl
+nav2_behaviors/behavior_server nav2_bt_navigator/bt_navigator
+nav2_collision_monitor/collision_monitor nav2_controller/controller_server
+nav2_lifecycle_manager/lifecycle_manager nav2_loopback_sim/loopback_simulator
+nav2_map_server/map_server nav2_map_server/vector_object_server nav2_planner/planner_server
+nav2_route/route_server nav2_smoother/smoother_server nav2_velocity_smoother/velocity_smoother
+nav2_waypoint_follower/waypoint_follower nmea_navsat_driver/nmea_serial_driver
+nmea_navsat_driver/nmea_socket_driver nmea_navsat_driver/nmea_tcpclient_driver
+nmea_navsat_driver/nmea_topic_driver nmea_navsat_driver/nmea_topic_serial_reader
+octomap_server/color_octomap_server_node octomap_server/octomap_server_node
+opennav_docking/opennav_docking orbbec_camera/orbbec_camera_node ouster_ros/os_cloud
+ouster_ros/os_driver ouster_ros/os_sensor pcl_ros/filter_crop_box_node
+pcl_ros/filter_extract_indices_node pcl_ros/filter_passthrough_node
+pcl_ros/filter_project_inliers_node pcl_ros/filter_radius_outlier_removal_node
+pcl_ros/filter_statistical_outlier_removal_node pcl_ros/filter_voxel_grid_node
+pcl_ros/pcd_to_pointcloud pointcloud_to_laserscan/pointcloud_to_laserscan_node
+realsense2_camera/realsense2_camera_node rf2o_laser_odometry/rf2o_laser_odometry_node
+robot_localization/ekf_node robot_localization/navsat_transform_node robot_localization/ukf_node
+robot_state_publisher/robot_state_publisher ros1_bridge/dynamic_bridge ros1_bridge/parameter_bridge
+ros1_bridge/static_bridge ros2_aruco/aruco_node ros2action/send_goal ros2bag/play ros2bag/record
+ros2service/call ros2topic/echo ros2topic/pub ros_gz_sim/create
+ros_tcp_endpoint/default_server_endpoint rosapi/rosapi_node rosbridge_server/rosbridge_websocket
+rplidar_ros/rplidar_node rqt_bag/rqt_bag rqt_console/rqt_console rqt_graph/rqt_graph
+rqt_gui/rqt_gui rqt_image_view/rqt_image_view rqt_plot/rqt_plot rqt_publisher/rqt_publisher
+rqt_reconfigure/rqt_reconfigure rqt_robot_steering/rqt_robot_steering
+rqt_service_caller/rqt_service_caller rqt_tf_tree/rqt_tf_tree rqt_topic/rqt_topic
+rslidar_sdk/rslidar_sdk_node rtabmap_odom/icp_odometry rtabmap_odom/rgbd_odometry
+rtabmap_odom/stereo_odometry rtabmap_slam/rtabmap rtabmap_sync/rgbd_sync rtabmap_sync/stereo_sync
+rtabmap_viz/rtabmap_viz rviz2/rviz2 sick_safetyscanners2/sick_safetyscanners2_lifecycle_node
+sick_safetyscanners2/sick_safetyscanners2_node sick_scan_xd/sick_generic_caller
+slam_toolbox/async_slam_toolbox_node slam_toolbox/lifelong_slam_toolbox_node
+slam_toolbox/localization_slam_toolbox_node slam_toolbox/sync_slam_toolbox_node
+sllidar_ros2/sllidar_node spacenav/spacenav_node stereo_image_proc/disparity_node
+stereo_image_proc/point_cloud_node teleop_twist_joy/teleop_node
+teleop_twist_keyboard/teleop_twist_keyboard tf2_ros/static_transform_publisher topic_tools/mux
+topic_tools/relay turtlebot3_node/turtlebot3_ros turtlebot4_node/turtlebot4_node
+turtlesim/draw_square turtlesim/mimic turtlesim/turtle_teleop_key turtlesim/turtlesim_node
+twist_mux/joystick_relay twist_mux/joystick_relay.py twist_mux/twist_marker twist_mux/twist_mux
+ublox_gps/ublox_gps_node ur_robot_driver/controller_stopper_node ur_robot_driver/dashboard_client
+ur_robot_driver/robot_state_helper ur_robot_driver/trajectory_until_node
+ur_robot_driver/urscript_interface urg_node/urg_node_driver usb_cam/usb_cam_node_exe
+v4l2_camera/v4l2_camera_node velodyne_driver/velodyne_driver_node
+velodyne_laserscan/velodyne_laserscan_node velodyne_pointcloud/velodyne_convert_node
+velodyne_pointcloud/velodyne_transform_node vesc_ackermann/ackermann_to_vesc_node
+vesc_driver/vesc_driver_node web_video_server/web_video_server
+ydlidar_ros2_driver/ydlidar_ros2_driver_node
+"""
+CONTROLLERS = """
+admittance_controller/AdmittanceController battery_state_broadcaster/BatteryStateBroadcaster
+diff_drive_controller/DiffDriveController forward_command_controller/ForwardCommandController
+gpio_controllers/GpioCommandController gps_sensor_broadcaster/GPSSensorBroadcaster
+imu_sensor_broadcaster/IMUSensorBroadcaster joint_state_broadcaster/JointStateBroadcaster
+joint_trajectory_controller/JointTrajectoryController
+magnetometer_broadcaster/MagnetometerBroadcaster
+motion_primitives_controllers/MotionPrimitivesForwardController
+omni_wheel_drive_controller/OmniWheelDriveController
+picknik_reset_fault_controller/PicknikResetFaultController
+picknik_twist_controller/PicknikTwistController pid_controller/PidController
+pose_broadcaster/PoseBroadcaster state_interfaces_broadcaster/StateInterfacesBroadcaster
+ur_controllers/ForceModeController ur_controllers/FreedriveModeController
+ur_controllers/FrictionModelController ur_controllers/GPIOController
+ur_controllers/PassthroughTrajectoryController ur_controllers/SpeedScalingStateBroadcaster
+ur_controllers/ToolContactController ur_controllers/URConfigurationController
+"""
 
 
 def modelled(type, /, **at):
     return node_interface(MODELS.node(*type.split("/")), ros2_node_site(**at), models=MODELS)
 
 
-@pytest.mark.parametrize("name", NODES)
+@pytest.mark.parametrize("name", NODES.split())
 def test_the_library_of_ros2_has_the_node(name):
     assert MODELS.node(*name.split("/")) is not None
 
 
-@pytest.mark.parametrize("name", CONTROLLERS)
+@pytest.mark.parametrize("name", CONTROLLERS.split())
 def test_the_library_of_ros2_has_the_controller(name):
     assert MODELS.controller(name) is not None
 
@@ -311,10 +184,7 @@ def test_every_endpoint_of_the_newest_release_names_a_line():
                 or placed
                 or older
                 or PLACELESS & {name, *model.node, *model.controller}
-            ), (
-                name,
-                entry.name,
-            )
+            ), (name, entry.name)
 
 
 def test_a_twist_mux_of_ros2_hears_what_its_parameters_name():

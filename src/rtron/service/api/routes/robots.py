@@ -8,7 +8,6 @@ from typing import Annotated, Any
 from urllib.parse import urlencode
 
 from fastapi import APIRouter, Path, Query, Response
-from fastapi.responses import JSONResponse
 from pydantic import TypeAdapter
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
@@ -39,7 +38,6 @@ from rtron.service.domain.authority.leases import LeaseChange, LeaseOutcome, Lea
 from rtron.service.domain.authority.requests import RequestAnswer, RequestOutcome, RequestsView
 from rtron.service.domain.errors import ForbiddenError
 from rtron.service.domain.principal import is_within_reach
-from rtron.service.domain.revisions import StaleRevisionError
 from rtron.service.domain.roles import UserRole
 from rtron.service.domain.schemas import (
     Name,
@@ -155,30 +153,24 @@ def settings_history(
         return [settings_view(row) for row in list_settings(session, app.id, before, limit)]
 
 
-@router.patch("/{robot}/settings", response_model=SettingsView, responses=CONFLICT_RESPONSE)
+@router.patch("/{robot}/settings", responses=CONFLICT_RESPONSE)
 def change_settings(
     robot: RobotName, change: SettingsChange, caller: RoleHolder, service: ServiceDependency
-) -> SettingsView | JSONResponse:
+) -> SettingsView:
     """Change settings, for a reason; each change is one revision, stored and sent when it answers.
 
     403 where the roles do not suffice, 422 where the change makes no plan. 409 with the newest
     settings where somebody else was faster.
     """
-    try:
-        return service.controller.change(caller, robot, change)
-    except StaleRevisionError as error:
-        return _conflict_response(error)
+    return service.controller.change(caller, robot, change)
 
 
-@router.post("/{robot}/settings/restore", response_model=SettingsView, responses=CONFLICT_RESPONSE)
+@router.post("/{robot}/settings/restore", responses=CONFLICT_RESPONSE)
 def restore_settings(
     robot: RobotName, request: RestoreRequest, caller: RoleHolder, service: ServiceDependency
-) -> SettingsView | JSONResponse:
+) -> SettingsView:
     """Put the nodes' settings of an earlier revision in force again; statuses as of a change."""
-    try:
-        return service.controller.restore(caller, robot, request)
-    except StaleRevisionError as error:
-        return _conflict_response(error)
+    return service.controller.restore(caller, robot, request)
 
 
 @router.post("/{robot}/nodes/{node}/override")
@@ -271,18 +263,15 @@ def _connected_robots(service: ServiceContext) -> Collection[str]:
     return service.hub.connected_robots()
 
 
-@router.delete("/{robot}/stop", response_model=SettingsView, responses=CONFLICT_RESPONSE)
+@router.delete("/{robot}/stop", responses=CONFLICT_RESPONSE)
 def release_emergency_stop(
     robot: RobotName, request: ReleaseRequest, caller: RoleHolder, service: ServiceDependency
-) -> SettingsView | JSONResponse:
+) -> SettingsView:
     """End the emergency stop that was seen at a revision; it takes a reason. Every role may.
 
     409 with the newest settings where that is another revision: somebody else may have stopped it.
     """
-    try:
-        return service.controller.release_emergency_stop(caller, robot, request)
-    except StaleRevisionError as error:
-        return _conflict_response(error)
+    return service.controller.release_emergency_stop(caller, robot, request)
 
 
 @router.get("/{robot}/leases")
@@ -340,8 +329,3 @@ def _roles_at(session: Session, caller: Principal, robot: str) -> frozenset[User
     """Return the roles of the caller at a robot: none where it is in no group of the caller."""
     is_near = is_within_reach(caller.groups, labels_of(session, robot))
     return caller.roles if is_near else frozenset()
-
-
-def _conflict_response(error: StaleRevisionError) -> JSONResponse:
-    conflict = RevisionConflict(error=str(error), help=error.help, newest=error.newest)
-    return JSONResponse(conflict.model_dump(mode="json"), status_code=HTTPStatus.CONFLICT)

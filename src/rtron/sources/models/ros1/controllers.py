@@ -23,23 +23,18 @@ _SPAWNER_COMMANDS = ("spawn", "load", "spawner")
 
 
 def controller_interface(
-    spawner: NodeSite,
-    parameters: ParameterTree,
-    namespace: str = "",
-    models: ModelCatalog | None = None,
+    spawner: NodeSite, parameters: ParameterTree, models: ModelCatalog | None = None
 ) -> NodeInterface:
     """Return what the controllers that `spawner` loads declare.
 
-    Their names are the spawner's arguments; they live below `namespace`, by default the spawner's
-    (or its `--namespace`). `spawner.remaps` do not matter: give the host's to the caller.
+    Their names are the spawner's arguments; they live below its `--namespace`, by default
+    its own. `spawner.remaps` do not matter: give the host's to the caller.
     """
-    controller_namespace = (
-        namespace or option(spawner.args, "--namespace -n") or spawner.name.rpartition("/")[0]
-    )
+    namespace = option(spawner.args, "--namespace -n") or spawner.name.rpartition("/")[0]
     models = models or load_models()
     site = replace(spawner, parameters=parameters, args=())
     interfaces = [
-        _controller(name, canonical_name(f"/{controller_namespace}"), site, models)
+        _controller(name, canonical_name(f"/{namespace}"), site, models)
         for name in _controller_names(spawner)
     ]
     return NodeInterface(

@@ -32,11 +32,9 @@ def name_arguments(arguments: Arguments) -> list[Value]:
     ]
 
 
-def template_message_type(machine: AbstractMachine, arguments: Arguments, at: int = 0) -> str:
-    """Return the message of a template argument; empty where there is none."""
-    if len(arguments.types) <= at:
-        return ""
-    return message_type_of(machine, arguments.types[at], arguments)
+def template_message_type(machine: AbstractMachine, arguments: Arguments) -> str:
+    """Return the message of the first template argument; empty where there is none."""
+    return message_type_of(machine, next(iter(arguments.types), None), arguments)
 
 
 def message_type_of(machine: AbstractMachine, type: TypeRef | None, arguments: Arguments) -> str:

@@ -114,6 +114,6 @@ def camera_info_topic(machine: AbstractMachine, image: Value) -> Value:
     return name_below(name, "..", "camera_info")
 
 
-def resolve_private(machine: AbstractMachine, name: str = "~") -> Value:
-    """Return a name resolved in the node itself."""
-    return resolve_name(machine, Scalar(name))
+def resolve_private(machine: AbstractMachine) -> Value:
+    """Return the namespace of the node itself."""
+    return resolve_name(machine, Scalar("~"))
