@@ -1,6 +1,6 @@
 # `make help` lists what this can do.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo check test test-all test-durations test-ros2 test-pythons test-arm64 lint coverage mutation fuzz steady bench bench-fleet soak eval study docs lock check-locks
+.PHONY: help setup demo check lint-types lint-tests lint-rest test test-all test-durations test-ros2 test-pythons test-arm64 lint coverage mutation fuzz steady bench bench-fleet soak eval study docs lock check-locks
 
 BIN := .venv/bin
 PYTHON := $(BIN)/python
@@ -24,11 +24,21 @@ demo: ## Attack a simulated robot, guard it, attack it again, and show it (ROS 2
 	@scripts/setup.sh demo
 	@.venv-ros2/bin/rtron demo all --ros 2 --speed 3 --console
 
-lint: setup ## Check style, types, names, sizes, imports and whether the generated docs are fresh (1 minute)
+lint: setup ## Check style, types, names, sizes, imports, tests and whether the generated docs are fresh (1 minute)
+	@$(MAKE) -j 2 --no-print-directory --output-sync=target lint-types lint-tests lint-rest
+
+lint-types:
+	$(BIN)/mypy
+
+# Also compiles the tests, which each of pytest's processes would do by itself in a fresh clone.
+lint-tests:
+	@mkdir -p build
+	$(PYTHON) -m pytest -q --collect-only tests >build/collected.txt 2>&1 || { tail -n 40 build/collected.txt; exit 1; }
+
+lint-rest:
 	$(BIN)/ruff check $(CODE)
 	$(BIN)/ruff format --check $(CODE)
 	$(PYTHON) scripts/lint_structure.py
-	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(PYTHON) scripts/docs_rules.py --check
 	$(PYTHON) scripts/docs_policies.py --check

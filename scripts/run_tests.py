@@ -27,7 +27,7 @@ COVERAGE = (
     "--cov-report=term-missing:skip-covered",
     "--cov-fail-under=100",
 )
-STARTS_PROGRAMS = ("tests/service", "tests/survey", "tests/executors", "tests/packaging")
+STARTS_PROGRAMS = ("tests/service", "tests/survey", "tests/packaging")
 """Where the tests start servers, browsers and commands, and take longest."""
 PROCESSES = 3
 LONGEST_GROUP = 3600

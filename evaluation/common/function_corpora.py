@@ -8,7 +8,7 @@ from pathlib import Path
 from evaluation.common.datasets import Datasets, MissingDatasetError
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import Classification
-from rtron.functions.reading.corpus import read_corpus, read_readmes
+from rtron.functions.reading.repositories import read_corpus, read_readmes
 from rtron.functions.repository import SourceRepository
 
 _DATA = Path(__file__).parents[1] / "data"

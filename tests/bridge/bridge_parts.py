@@ -89,13 +89,7 @@ class Talk:
         self.types = types(known)
         self.approvals = Approvals()
         self._open = partial(
-            ClientSession,
-            client,
-            PlanTopics(known),
-            self.types,
-            ros,
-            ClientRates(),
-            self.approvals,
+            ClientSession, client, PlanTopics(known), self.types, ros, ClientRates(), self.approvals
         )
         self.session = self._open()
         self.now = 1000 * SECOND

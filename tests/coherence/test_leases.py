@@ -79,14 +79,8 @@ def test_what_can_be_leased_is_what_is_a_velocity_and_no_limit():
             {"type": "trajectory_msgs/JointTrajectory"},
             UNKNOWN.format("trajectory_msgs/JointTrajectory"),
         ),
-        (
-            {"type": ""},
-            UNKNOWN.format("type that is not named"),
-        ),
-        (
-            {"kind": StreamKind.STATE},
-            UNKNOWN.format("geometry_msgs/Twist"),
-        ),
+        ({"type": ""}, UNKNOWN.format("type that is not named")),
+        ({"kind": StreamKind.STATE}, UNKNOWN.format("geometry_msgs/Twist")),
         (
             {"flows": (replace(FLOWS[0], publisher="/teleop_*"),)},
             "Lease needs the full name of /teleop_*: two nodes would be one commander",

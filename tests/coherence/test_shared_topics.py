@@ -199,11 +199,7 @@ def test_the_order_in_the_file_does_not_matter():
 
 
 @pytest.mark.parametrize(
-    "modes",
-    [
-        {"general": "observe"},
-        {"mission": "observe", "robot": "observe"},
-    ],
+    "modes", [{"general": "observe"}, {"mission": "observe", "robot": "observe"}]
 )
 def test_what_observes_shares_nothing_with_what_enforces(modes):
     flow = "publisher: /other, silent_after: 1 s"

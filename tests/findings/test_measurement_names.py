@@ -29,7 +29,10 @@ def test_a_topic_is_measured_whoever_subscribes_it(topic):
 
 @pytest.mark.parametrize(
     "topic",
-    ["/cmd_vel", "/imu/cmd_vel", "/odom/set_command", "/motor/current", "/vel_raw", "/goal"],
+    [
+        *("/cmd_vel", "/imu/cmd_vel", "/odom/set_command", "/motor/current", "/vel_raw", "/goal"),
+        *("/gps_cmd_vel", "/current_setpoint"),
+    ],
 )
 def test_a_topic_that_a_driver_may_obey(topic):
     assert not is_measured(topic)

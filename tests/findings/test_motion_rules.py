@@ -104,6 +104,9 @@ class TestSeveralPublishers:
             ("nav2_controller", "teleop", True),
             ("nav2_controller", "moveit_servo", True),
             ("my_nav2_controller", "nav2_behaviors", True),
+            ("nav2_collision_monitor", "nav2_behaviors", True),
+            ("nav2_collision_monitor", "opennav_docking", False),
+            ("twist_mux", "opennav_docking", True),
         ],
     )
     def test_the_nodes_of_one_stack_take_turns(self, one, other, is_found):
@@ -230,13 +233,19 @@ class TestCommandTimeout:
 
     def test_a_driver_in_whose_source_nothing_looks_at_the_age_of_commands(self):
         device, aged = wiring_of("device", "CAN"), wiring_of("command_age", "age")
-        finding = the_finding("command_timeout", small_graph(BASE, wiring=(device,)))
+        kept = wiring_of("last_message", "unnoticed")
+        graph = small_graph(BASE)
+        ends = tuple(replace(each, evidence=kept.evidence) for each in graph.endpoints)
+        graph = replace(graph, endpoints=ends, wiring=(device, kept))
+        finding = the_finding("command_timeout", graph)
         assert finding.cause == (
             "its source opens hardware (CAN), and nothing in it looks at how old a command is"
         )
         assert (finding.severity, finding.level) == (Severity.HIGH, FindingLevel.REGULAR)
-        assert (finding.topics, finding.evidence) == (("/cmd_vel",), device.evidence)
-        assert not found("command_timeout", small_graph(BASE, wiring=(device, aged)))
+        assert (finding.topics, finding.evidence) == (("/cmd_vel",), device.evidence[:1])
+        for other in (aged, wiring_of("last_message", "stopped")):
+            assert not found("command_timeout", replace(graph, wiring=(device, kept, other)))
+        assert not found("command_timeout", replace(graph, wiring=(device,)))
 
     @pytest.mark.parametrize("type", ["std_msgs/msg/Float64", "sensor_msgs/msg/Imu"])
     def test_a_driver_that_obeys_no_velocity_may_keep_its_last_command(self, type):
@@ -361,6 +370,7 @@ class TestLostCommand:
         graph = small_graph(self.LOST + FIRMWARE, unread=("/firmware",))
         finding = the_finding("lost_command", graph)
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
+        assert finding.remedy.startswith("find out who should obey /cmd_vel; /")
 
     @pytest.mark.parametrize(
         "other",

@@ -63,3 +63,40 @@ def test_a_listener_may_be_a_node_of_its_own_in_the_process(process, more, level
     graph = small_graph(text, wiring=WIRING)
     nodes = (replace(node, process=process.get(node.name, "")) for node in graph.nodes)
     assert the_finding("stray_frame", replace(graph, nodes=tuple(nodes))).level == level
+
+
+def missing(near, kind="missing_frame"):
+    return small_graph(SCAN, wiring=with_fact(kind, "pico_1", near, "/slam").wiring)
+
+
+def test_a_frame_that_is_looked_up_is_likely_missing_where_a_near_one_is_there():
+    finding = the_finding("stray_frame", missing("pico"))
+    assert finding.summary == "/slam looks up the frame pico_1, which nobody broadcasts"
+    assert finding.cause == "the transforms of this launch have pico"
+    assert finding.remedy == "did you mean pico? Give the look-up and the transform one name"
+    assert finding.level is FindingLevel.REGULAR
+
+
+def test_without_a_near_one_another_launch_may_send_it():
+    finding = the_finding("stray_frame", missing("", "possible_missing_frame"))
+    told = (finding.cause, finding.remedy)
+    assert told == ("no node of this launch does", "start what broadcasts pico_1")
+    assert finding.level is FindingLevel.PEDANTIC
+
+
+def test_a_base_of_another_name_is_named_though_another_launch_may_send_it():
+    finding = the_finding("stray_frame", missing("base_link", "possible_missing_frame"))
+    assert finding.cause == "the transforms of this launch have base_link"
+    assert finding.level is FindingLevel.PEDANTIC
+
+
+def test_what_was_not_read_may_send_what_is_looked_up():
+    unread = small_graph(SCAN + FIRMWARE, unread=("/firmware",))
+    finding = the_finding("stray_frame", replace(unread, wiring=missing("pico").wiring))
+    assert finding.cause.endswith("have pico, unless /firmware (not read) does")
+    assert finding.level is FindingLevel.PEDANTIC
+
+
+def test_a_frame_of_messages_is_not_told_twice():
+    both = (*WIRING, *missing("pico").wiring)
+    assert "sends messages" in the_finding("stray_frame", replace(STRAY, wiring=both)).summary

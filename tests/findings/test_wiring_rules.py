@@ -134,6 +134,14 @@ class TestUnmatchedTopic:
         assert (finding.certainty, finding.level) == (Certainty.LIKELY, FindingLevel.REGULAR)
         assert finding.topics == ("/odometry/filterd", "/odometry/filtered")
 
+    def test_what_is_only_recorded_counts_too(self):
+        recorder = "/bag ros2bag third_party\n    sub /odometry/filterd \n"
+        only_recorded = self.MISSPELT[: self.MISSPELT.index("/nav ")] + recorder
+        finding = the_finding("unmatched_topic", small_graph(only_recorded))
+        assert finding.summary == "/bag subscribes /odometry/filterd, which nobody publishes"
+        both = recorder + "    sub /odometry/filtered \n"
+        assert not found("unmatched_topic", small_graph(only_recorded.replace(recorder, both)))
+
     def test_with_a_node_that_was_not_read_it_is_only_possible(self):
         graph = small_graph(self.MISSPELT + FIRMWARE, unread=("/firmware",))
         finding = the_finding("unmatched_topic", graph)
@@ -172,7 +180,26 @@ class TestUnmatchedTopic:
         text = self.MISSPELT + "/map map own\n sub /odometry/filtered nav_msgs/msg/Odometry\n"
         finding = the_finding("unmatched_topic", small_graph(text))
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
-        assert "did you mean /odometry/filtered?" in finding.remedy
+        told = "find out who should publish /odometry/filterd; /odometry/filtered may be another"
+        assert finding.remedy == f"{told} thing"
+
+    @pytest.mark.parametrize(
+        ("expected", "sent", "type", "reader", "is_advised"),
+        [
+            ("/safety/state", "/state", "a/B", "own", [True]),
+            ("/safety/e_stop", "/e_stop", "std_msgs/Bool", "own", [False]),
+            ("/detection", "/camera_detection", "a/B", "own", [False]),
+            ("/set_pose", "/pose", "geometry_msgs/PoseStamped", "third_party", []),
+            ("/map/initialpose", "/initialpose", "a/B", "third_party", [True]),
+        ],
+    )
+    def test_no_remap_is_advised_that_may_feed_a_node_with_something_else(
+        self, expected, sent, type, reader, is_advised
+    ):
+        text = f"/one one {reader}\n sub {expected} {type}\n/two two own\n pub {sent} {type}\n"
+        text += "/three three own\n sub /e_stop std_msgs/Bool\n"
+        remedies = [each.remedy for each in found("unmatched_topic", small_graph(text))]
+        assert ["Remap" in each for each in remedies] == is_advised
 
     def test_a_near_name_of_another_type_is_none(self):
         text = self.MISSPELT.replace("pub /odometry/filtered nav_msgs", "pub /odometry/filtered my")

@@ -118,10 +118,7 @@ def test_of_functions_that_are_not_sure_those_count_that_the_node_speaks_as(monk
     monkeypatch.setattr(
         node_functions, "classify_name", lambda name, _="": (F.PATH_PLANNING, F.RECOGNITION)
     )
-    links = (
-        ("/n", "->", "trajectory_msgs/JointTrajectory"),
-        ("/n", "<-", "sensor_msgs/Image"),
-    )
+    links = (("/n", "->", "trajectory_msgs/JointTrajectory"), ("/n", "<-", "sensor_msgs/Image"))
     row = app_profile(graph(Node(name="/n", package="both"), links=links))
     assert row.functions == {F.PATH_PLANNING: ("/n",)}
 

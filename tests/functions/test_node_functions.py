@@ -11,15 +11,7 @@ from rtron.functions.node_functions import (
     with_functions,
 )
 from rtron.functions.traffic_rules import NodeTraffic, functions_by_messages, node_traffic
-from rtron.vocabulary import (
-    Action,
-    ActionRole,
-    Direction,
-    Domain,
-    Endpoint,
-    InteractionGraph,
-    Node,
-)
+from rtron.vocabulary import Action, ActionRole, Direction, Domain, Endpoint, InteractionGraph, Node
 from rtron.vocabulary import FunctionType as F
 
 TWIST, SCAN, IMAGE = "geometry_msgs/Twist", "sensor_msgs/LaserScan", "sensor_msgs/Image"

@@ -70,8 +70,7 @@ def test_the_velocity_that_the_base_measures_makes_no_stage():
 
 
 @pytest.mark.parametrize(
-    ("how", "kind"),
-    [("web server", SourceKind.PERSON), ("MQTT", SourceKind.NETWORK)],
+    ("how", "kind"), [("web server", SourceKind.PERSON), ("MQTT", SourceKind.NETWORK)]
 )
 def test_a_page_is_for_persons_and_another_socket_for_a_network(how, kind):
     found = sources(SCRIPT)

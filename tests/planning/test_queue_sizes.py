@@ -26,8 +26,7 @@ def test_a_message_has_at_least_its_fixed_parts(text, size):
 
 @pytest.mark.parametrize("ros", [1, 2])
 @pytest.mark.parametrize(
-    "type",
-    ["sensor_msgs/Image", "sensor_msgs/PointCloud2", "nav_msgs/OccupancyGrid"],
+    "type", ["sensor_msgs/Image", "sensor_msgs/PointCloud2", "nav_msgs/OccupancyGrid"]
 )
 def test_pictures_clouds_and_maps_are_large(type, ros):
     assert usual_size(DefinitionRegistry(ros=ros).find(type)) >= BYTE_ARRAY_SIZE

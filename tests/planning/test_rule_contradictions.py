@@ -255,11 +255,7 @@ def found_in(mission: list[MissionRule]) -> list[tuple[ProblemLevel, MissionRule
         for topic, flows in FLOWS.items()
     )
     msrcn = MSRCN(
-        id="m",
-        mode=Mode.ENFORCE,
-        policy=PolicyName.BLOCK,
-        aflows=topics,
-        rules=tuple(mission),
+        id="m", mode=Mode.ENFORCE, policy=PolicyName.BLOCK, aflows=topics, rules=tuple(mission)
     )
     return list(contradictions(msrcn, {r.name: Condition(r.when, "abc") for r in mission}))
 

@@ -26,9 +26,7 @@ STOPS = [
     ({"angular_decel": 0.5, "within": 3 * SECOND}, []),
     (
         {"angular_decel": 0.4, "within": 10 * SECOND},
-        [
-            "a stop takes 2.5 s to end a turn of 1 rad/s: raise `angular_decel`, or lower `within`",
-        ],
+        ["a stop takes 2.5 s to end a turn of 1 rad/s: raise `angular_decel`, or lower `within`"],
     ),
     (
         {"decel": 0.01, "angular_decel": 0.01, "within": 10 * SECOND},

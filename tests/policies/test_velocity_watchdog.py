@@ -9,11 +9,7 @@ from hypothesis import strategies as st
 from policy_runs import TICK, often, watch_effects
 
 from rtron.policies.state_machine import TransitionEffect
-from rtron.policies.velocity_watchdog import (
-    VelocityRamp,
-    VelocityWatchdog,
-    WatchdogState,
-)
+from rtron.policies.velocity_watchdog import VelocityRamp, VelocityWatchdog, WatchdogState
 from rtron.vocabulary import SECOND, Flow, OnSilence, StopProfile, Velocity
 
 SILENT = SECOND // 2

@@ -67,10 +67,7 @@ CONTROL = {
     "/apollo/control": "pb_msgs/ControlCommand",
     "/to_vehicle": "my_msgs/VehicleCmd",
 }
-STOPS = {
-    "/base/estop": "std_msgs/Bool",
-    "/status/estop_request": "std_msgs/Bool",
-}
+STOPS = {"/base/estop": "std_msgs/Bool", "/status/estop_request": "std_msgs/Bool"}
 STOP_STATES = {
     "/status/estop": "spot_msgs/EStopStateArray",
     "/estop_channel": "x_msgs/EStopStatus",

@@ -57,8 +57,7 @@ def test_a_word_of_the_users_is_looked_for_too(lists_file, words, text, rule):
 
 
 @pytest.mark.parametrize(
-    "words",
-    ["ignored_topics: ['/x*']", "ignored_types: ['p/*']", "ignored_packages: ['c']"],
+    "words", ["ignored_topics: ['/x*']", "ignored_types: ['p/*']", "ignored_packages: ['c']"]
 )
 def test_what_the_user_ignores_is_ignored_too(lists_file, words):
     text = "/a a own\n pub /xy p/T\n/b b own\n pub /xy p/T\n/c c own\n sub /xy p/T\n"

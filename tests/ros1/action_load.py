@@ -13,10 +13,7 @@ FLOOD = 1000
 _LONGEST_MS = 4
 _OPEN = 100
 _LATE = SECOND // 4
-_QUEUE_PARAMETERS = (
-    "/actionlib_client_pub_queue_size",
-    "/act/actionlib_client_pub_queue_size",
-)
+_QUEUE_PARAMETERS = ("/actionlib_client_pub_queue_size", "/act/actionlib_client_pub_queue_size")
 
 
 class Load:

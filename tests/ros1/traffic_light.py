@@ -5,15 +5,7 @@ from dataclasses import replace
 from harness import wait_for
 from rostopic import say
 
-from rtron.vocabulary import (
-    MSRCN,
-    SECOND,
-    EventFlow,
-    GuardedTopic,
-    MissionRule,
-    Mode,
-    PolicyName,
-)
+from rtron.vocabulary import MSRCN, SECOND, EventFlow, GuardedTopic, MissionRule, Mode, PolicyName
 
 LIGHT = "/light"
 MSRCN_NODE = "/rtron/msrcn"

@@ -10,11 +10,7 @@ from rtron.bridge.rights.document import Approvers
 from rtron.bridge.server.approval_commands import ServiceApprovals
 from rtron.errors import WireError
 from rtron.guard.link.bridge_requests import LIST_REQUEST
-from rtron.wire.common.link_protocol import (
-    CommandResponse,
-    decode_open_requests,
-    encode_to_guard,
-)
+from rtron.wire.common.link_protocol import CommandResponse, decode_open_requests, encode_to_guard
 
 GOAL = {"pose": {"position": {"x": 1, "y": 3}}}
 APPROVERS = Approvers(roles=("end_user",), names=("dora",))

@@ -86,11 +86,7 @@ graphs = st.builds(
     endpoints=st.lists(endpoints).map(tuple),
     services=st.lists(
         st.builds(
-            Service,
-            node=st.sampled_from(NODES),
-            name=words,
-            type=words,
-            implicit=st.booleans(),
+            Service, node=st.sampled_from(NODES), name=words, type=words, implicit=st.booleans()
         )
     ).map(tuple),
     actions=st.lists(

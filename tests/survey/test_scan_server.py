@@ -10,9 +10,15 @@ from rtron.errors import SourceError
 from rtron.sources.workspace import share_workspaces, shared_workspace
 from rtron.survey import scan_server
 from rtron.survey.app_listing import AppToScan, ScanRequest, find_apps
-from rtron.survey.scan_client import ScanServers, scan_once
+from rtron.survey.scan_client import ScanServers
 from rtron.survey.scan_server import WorkspaceSharing, raise_timeout, scan_forked
 from rtron.vocabulary import RiskKind
+
+
+@pytest.fixture
+def servers():
+    with closing(ScanServers()) as opened:
+        yield opened
 
 
 @pytest.fixture
@@ -39,15 +45,15 @@ def test_one_process_scans_one_app_after_the_other(repositories):
     assert (two.survey.risks[RiskKind.GR_ST], two.error) == (1, "")
 
 
-def test_a_ros_2_app_is_read_with_the_repositories_that_it_needs(ros2_repositories):
+def test_a_ros_2_app_is_read_with_the_repositories_that_it_needs(servers, ros2_repositories):
     (app,) = find_apps(ros2_repositories, print)
-    result = scan_once(ScanRequest(app=app, seconds=60))
+    result = servers.scan(ScanRequest(app=app, seconds=60))
     assert result.error == ""
     assert (result.ros, result.survey.nodes) == (2, 2)
 
 
-def test_what_the_scan_complains_of_is_the_reason(repositories):
-    result = scan_once(request_of(repositories, "drive_base/launch/broken.launch"))
+def test_what_the_scan_complains_of_is_the_reason(servers, repositories):
+    result = servers.scan(request_of(repositories, "drive_base/launch/broken.launch"))
     assert result.survey is None
     assert result.error.startswith("drive/drive_base/launch/broken.launch:1: not XML")
     assert result.is_final

@@ -1,4 +1,4 @@
-"""`rtron survey`: here and on a cluster, ended and taken up again."""
+"""`rtron survey`: ended and taken up again."""
 
 import csv
 import json
@@ -12,7 +12,6 @@ from types import SimpleNamespace
 
 import pytest
 from harness import lives, wait_for
-from local_cluster import local_cluster
 from survey_repositories import FILES, write
 
 from rtron.cli.main import main
@@ -68,15 +67,11 @@ def test_each_app_is_a_line(repositories):
     assert "asks.launch: needs the arguments robot" in ran.stderr
 
 
-@pytest.mark.long
-def test_the_lines_of_processes_and_of_a_cluster_are_the_same(repositories):
-    pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
+def test_the_lines_of_two_processes_are_those_of_one(repositories):
     alone = survey(repositories, "--jobs", "1", "--no-cache")
-    with local_cluster() as address:
-        together = survey(repositories, "--cluster", address, "--no-cache")
-    processes = survey(repositories, "--jobs", "2", "--no-cache")
+    together = survey(repositories, "--jobs", "2", "--no-cache")
     assert alone.stdout.count("\n") == len(APPS)
-    assert lines(together.stdout) == lines(processes.stdout) == lines(alone.stdout)
+    assert lines(together.stdout) == lines(alone.stdout)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=["ctrl-c", "kill"])
@@ -164,9 +159,3 @@ def test_a_folder_without_apps_is_an_error(survey_here, tmp_path):
     ran = survey_here(tmp_path)
     assert (ran.returncode, ran.stdout) == (2, "")
     assert "no app can be scanned" in ran.stderr
-
-
-def test_both_a_cluster_and_processes_are_an_error(survey_here, repositories):
-    ran = survey_here(repositories, "--cluster", "tcp://127.0.0.1:1")
-    assert ran.returncode == 2
-    assert "both --cluster and --jobs" in ran.stderr

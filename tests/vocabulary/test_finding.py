@@ -2,14 +2,7 @@
 
 from dataclasses import replace
 
-from rtron.vocabulary import (
-    Certainty,
-    Consequence,
-    Evidence,
-    Finding,
-    FindingLevel,
-    Severity,
-)
+from rtron.vocabulary import Certainty, Consequence, Evidence, Finding, FindingLevel, Severity
 
 FINDING = Finding(
     rule="several_publishers",

@@ -37,12 +37,13 @@ def test_a_velocity_comes_from_the_flows_and_goes_out_by_guard_or_supervisor():
         "/rtron/cmd_vel/flow1": (("/nav",), (NODE,)),
         "/rtron/cmd_vel/flow2": (("/joy_*",), (NODE,)),
         "/rtron/cmd_vel/out": ((NODE, SUPERVISOR_NODE), ("/base",)),
-        T: ((NODE,), ("*",)),
+        T: ((NODE, SUPERVISOR_NODE), ("*",)),
     }
 
 
-def test_without_successors_the_supervisor_stops_who_listens_to_the_public_name():
-    made = planned(grcn(T, ["/nav"], [], block_unapproved=False))
+@pytest.mark.parametrize("successors", [[], ["/base"]])
+def test_the_supervisor_stops_who_listens_to_the_public_name(successors):
+    made = planned(grcn(T, ["/nav"], successors, block_unapproved=False))
     assert made[T] == ((NODE, SUPERVISOR_NODE, "*"), ("*",))
 
 
@@ -58,10 +59,6 @@ def test_the_stopper_of_a_cell_publishes_beside_the_supervisor_where_its_node_he
     assert made["/rtron/cmd_vel/out"] == ((NODE, SUPERVISOR_NODE, STOPPER_NODE), ("/base",))
     assert STOPPER_NODE not in made["/rtron/arm/out"][0]
     assert STOPPER_NODE not in planned(grcn(T, ["/nav"], []), cell=("/base",))[T][0]
-
-
-def test_where_strangers_may_speak_anybody_publishes_the_public_name():
-    assert planned(grcn(T, ["/nav"], ["/base"], block_unapproved=False))[T] == ((NODE, "*"), ("*",))
 
 
 def test_a_node_that_hears_its_own_topic_is_spoken_to_on_its_flow():

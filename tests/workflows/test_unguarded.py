@@ -134,7 +134,7 @@ def test_a_command_that_leaves_the_launch_is_guarded_and_the_way_past_it_told():
     assert proposed.omitted == ()
     (doubt,) = proposed.doubts
     assert doubt.location == "GRCN grcn_cmd_vel"
-    assert doubt.message == f"nobody in this launch obeys it: {PAST}"
+    assert doubt.message == f"which node obeys it on the robot is not known: {PAST}"
 
 
 def unread(text, *names):
@@ -158,8 +158,7 @@ def test_a_driver_that_was_not_read_may_obey_and_nobody_else(other):
     assert grcn.successors == ("/serial",)
     doubt = next(each.message for each in proposed.doubts if "guess" in each.message)
     past = PAST.replace("/cmd_vel", "/right/cmd_vel")
-    guess = f"that /serial (not read) obeys it is a guess; if not, {past}"
-    assert doubt == f"{guess}, and no stop reaches it when the guard dies"
+    assert doubt == f"that /serial (not read) obeys it is a guess; if not, {past}"
 
 
 def test_a_driver_that_was_not_read_is_told_beside_what_is_guarded():
@@ -173,6 +172,34 @@ def test_nobody_is_guessed_where_a_node_is_known_to_obey():
     proposed = propose(unread(NAV + BASE + "/camera cam own\n", "/camera"))
     assert [grcn.successors for grcn in proposed.plan.grcn] == [("/base",)]
     assert proposed.doubts == ()
+
+
+FIRMWARE = BASE + "/board rosserial_python own\n"
+
+
+@pytest.mark.parametrize(
+    ("others", "successors"),
+    [
+        (BASE, ("/base",)),
+        (FIRMWARE, ("/base", "/board")),
+        (FIRMWARE.replace("_python", "_arduino"), ("/base", "/board")),
+        (FIRMWARE.replace("/board", "/left/board"), ("/base", "/left/board")),
+        (BASE.replace("/base driver", "/ekf_filter robot_localization"), ()),
+        (FIRMWARE.replace("/base driver", "/ekf_filter robot_localization"), ("/board",)),
+    ],
+)
+def test_firmware_may_obey_beside_others_and_a_listener_does_not(others, successors):
+    proposed = propose(unread(NAV + others, "/board", "/left/board"))
+    assert [grcn.successors for grcn in proposed.plan.grcn] == [successors]
+    is_open = not successors or "board" in successors[-1]
+    assert [PAST in each.message for each in proposed.doubts] == [True] * is_open
+
+
+def test_no_remap_takes_firmware_behind_micro_ros_to_the_guard():
+    agent = "/agent micro_ros_agent own\n"
+    (doubt,) = propose(unread(NAV + BASE + agent, "/agent")).doubts
+    why = "firmware behind /agent may obey it, too, and no remap moves what it reads"
+    assert doubt.message == f"{why}: {PAST}"
 
 
 def test_a_node_that_publishes_what_it_obeys_is_told():

@@ -15,7 +15,7 @@ from rtron.coherence.flows import (
     used_component_problems,
 )
 from rtron.coherence.leases import lease_policy_problems
-from rtron.vocabulary import GRCN, PolicyName, Sharing, matches_node
+from rtron.vocabulary import GRCN, PolicyName, Sharing, patterns_overlap
 
 POLICIES = (
     PolicyName.BLOCK,
@@ -58,10 +58,6 @@ def grcn_policy_problems(grcn: GRCN) -> Iterator[CoherenceProblem]:
 def _shared_names(grcn: GRCN) -> Iterator[CoherenceProblem]:
     """Refuse a successor behind a pattern: it would hear its namesakes past the guard."""
     for flow, node in product(grcn.flows, grcn.successors[:MAX_FLOWS]):
-        if "*" in flow.publisher + node and _patterns_overlap(flow.publisher, node):
+        if "*" in flow.publisher + node and patterns_overlap(flow.publisher, node):
             why = f"{flow.publisher} and the successor {node} may be one node"
             yield flow, "publisher", f"{why}: give it a flow under its full name"
-
-
-def _patterns_overlap(one: str, other: str) -> bool:
-    return matches_node(one, other) or matches_node(other, one)

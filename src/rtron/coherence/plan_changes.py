@@ -8,16 +8,7 @@ plan calls mandatory, and all that it depends on.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 
-from rtron.vocabulary import (
-    GRCN,
-    MSRCN,
-    RSRCN,
-    EventFlow,
-    Flow,
-    FpsMonitor,
-    LeaseGroup,
-    Plan,
-)
+from rtron.vocabulary import GRCN, MSRCN, RSRCN, EventFlow, Flow, FpsMonitor, LeaseGroup, Plan
 
 _CHANGEABLE: Mapping[type, frozenset[str]] = {
     Plan: frozenset({"revision"}),

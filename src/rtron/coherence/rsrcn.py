@@ -18,12 +18,7 @@ from rtron.vocabulary import (
     normalise_type,
 )
 
-POLICIES = (
-    PolicyName.BLOCK,
-    PolicyName.SAFE,
-    PolicyName.CONSTRAIN,
-    PolicyName.SAFE_CONSTRAIN,
-)
+POLICIES = (PolicyName.BLOCK, PolicyName.SAFE, PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN)
 FRAME_RATE_POLICIES = (PolicyName.SAFE, PolicyName.SAFE_CONSTRAIN)
 VELOCITY_LIMIT_POLICIES = (PolicyName.CONSTRAIN, PolicyName.SAFE_CONSTRAIN)
 VELOCITY_TYPES = (

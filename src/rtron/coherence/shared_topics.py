@@ -23,6 +23,7 @@ from rtron.vocabulary import (
     action_name,
     is_action_type,
     matches_node,
+    patterns_overlap,
     ros1_topic_name,
     ros2_entity_name,
 )
@@ -163,6 +164,4 @@ def _publishers_overlap(one: Flow, other: Flow) -> bool:
     """Tell whether two flows may be of one node, as in the streams that are made of them."""
     if "*" not in one.publisher + other.publisher:
         return one.publisher == other.publisher
-    return matches_node(one.publisher, other.publisher) or matches_node(
-        other.publisher, one.publisher
-    )
+    return patterns_overlap(one.publisher, other.publisher)

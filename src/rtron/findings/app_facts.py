@@ -100,6 +100,17 @@ class AppFacts:
         facts = (fact for fact in self.graph.wiring if fact.kind is kind)
         return {fact.subject: place for fact in facts for place in fact.evidence}
 
+    def last_messages(self, node: str, topics: Collection[str]) -> list[WiringFact]:
+        """Return what becomes of the last messages that a node gets on topics (LAST_MESSAGE)."""
+        endpoints = (end for end in self.graph.subscribed_by(node) if end.topic in topics)
+        places = {place for end in endpoints for place in end.evidence}
+        return [fact for fact in self._last_messages if places.intersection(fact.evidence[:1])]
+
+    @cached_property
+    def _last_messages(self) -> tuple[WiringFact, ...]:
+        kind = WiringFactKind.LAST_MESSAGE
+        return tuple(fact for fact in self.graph.wiring if fact.kind is kind)
+
     @property
     def is_whole(self) -> bool:
         """Whether everything that could publish, subscribe or serve was read."""

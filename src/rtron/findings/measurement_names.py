@@ -13,8 +13,9 @@ MEASURED_TYPES = re.compile(r"sensor_msgs/(?!Joy)|nav_msgs/(?:Odometry|Occupancy
 _COMMANDED = re.compile(r"cmd|command|setpoint")
 """Words in the names of what is no measurement, whatever else they say."""
 _MEASURED = re.compile(
-    r"^(?:measured|estimated|actual|current|prev|previous|debug)_|_(?:actual|debug)$"
-    r"|^(?:gps|odom|imu)_(?!\w*(?:goal|waypoint|target|search))"
+    r"^(?:measured|estimated|actual|prev|previous|debug)_|_(?:actual|debug)$"
+    rf"|^current_(?!\w*(?:{_COMMANDED.pattern}))"
+    rf"|^(?:gps|odom|imu)_(?!\w*(?:{_COMMANDED.pattern}|goal|waypoint|target|search))"
 )
 _MEASURED_BELOW = re.compile(
     r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?"

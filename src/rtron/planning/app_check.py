@@ -130,9 +130,9 @@ def _app_problems(plan: Plan, app: _AppGraph) -> Iterator[PlanProblem]:
 def _rule_warnings(plan: Plan) -> Iterator[PlanProblem]:
     if not has_expressions(plan):
         return
-    from rtron.planning.expressions import rule_warnings  # noqa: PLC0415 - seldom needed
+    from rtron.planning.mission_warnings import mission_warnings  # noqa: PLC0415 - seldom needed
 
-    for name, message in rule_warnings(plan):
+    for name, message in mission_warnings(plan):
         yield PlanProblem(ProblemLevel.WARNING, f"MSRCN, {name}", message)
 
 

@@ -1,13 +1,10 @@
 """The expressions of a plan, checked before anything uses it: the guard refuses what is wrong."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from rtron.coherence.msrcn import (
-    MAX_EFLOWS,
-    MAX_EXPRESSIONS,
-    blocked_types,
-)
+from rtron.coherence.msrcn import MAX_EFLOWS, MAX_EXPRESSIONS, blocked_types
 from rtron.coherence.required_flows import self_fulfilling_problems
 from rtron.coherence.settings_bounds import MAX_RULES
 from rtron.errors import InputError
@@ -16,11 +13,10 @@ from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.common.definition_registry import DefinitionRegistry
 from rtron.messages.common.velocity import VELOCITY_TYPES
 from rtron.messages.expressions.condition import Condition
-from rtron.messages.expressions.constant_check import constant_value
+from rtron.messages.expressions.constant_check import MAX_STEPS, constant_value
 from rtron.messages.expressions.evaluator import check_expression
-from rtron.planning.mission_gaps import mission_gaps
 from rtron.planning.problem import ProblemLevel
-from rtron.planning.rule_contradictions import contradictions
+from rtron.planning.rule_contradictions import Contradiction, contradictions
 from rtron.vocabulary import (
     MSRCN,
     EventFlow,
@@ -35,60 +31,58 @@ ExpressionProblem = tuple[object, str, InputError]
 """A noun, its key, and what is wrong with it; the error's help says what to do about it."""
 
 
-def expression_problems(plan: Plan) -> Iterator[ExpressionProblem]:
-    """Yield what is wrong with message definitions, expressions, and the rules as a whole."""
+_DIFFERS_FROM_ITSELF = re.compile(r"(?<![\w.])(\w[\w.\[\]]*)\s*!=\s*\1(?![\w.\[(])")
+
+
+@dataclass(frozen=True, slots=True)
+class CheckedExpressions:
+    """What was found out about a plan's expressions.
+
+    `conditions` are those of the rules that are in order, by name; `always` are the eflows and
+    rules whose expression holds for every message.
+    """
+
+    problems: tuple[ExpressionProblem, ...]
+    conditions: Mapping[str, Condition]
+    contradictions: tuple[Contradiction, ...]
+    always: tuple[EventFlow | MissionRule, ...]
+
+
+def expression_problems(plan: Plan) -> tuple[ExpressionProblem, ...]:
+    """Return what is wrong with message definitions, expressions, and the rules as a whole."""
+    return check_expressions(plan).problems
+
+
+def check_expressions(plan: Plan) -> CheckedExpressions:
+    """Check all expressions of a plan, with the types that are installed now."""
     definitions = DefinitionRegistry(plan.messages, ros=plan.ros)
-    for message in plan.messages:
-        yield from _definition(message, definitions)
-    if plan.msrcn is None:
-        return
-    for flow in [flow for flow in plan.msrcn.eflows if flow.when][:MAX_EXPRESSIONS]:
-        yield from _event(flow, plan.msrcn, definitions)
-    for rule in plan.msrcn.rules[:MAX_RULES]:
-        yield from _action(rule, plan.msrcn, definitions)
-    yield from _rules(plan.msrcn)
-
-
-def rule_warnings(plan: Plan) -> Iterator[tuple[str, str]]:
-    """Yield what may be meant although it looks odd: the rule or eflow, and what is odd."""
+    problems = [each for message in plan.messages for each in _definition(message, definitions)]
     msrcn = plan.msrcn
     if msrcn is None:
-        return
-    conditions, _ = _conditions(msrcn)
-    for level, rule, message in contradictions(msrcn, conditions):
-        if level is ProblemLevel.WARNING:
-            yield f"rule {rule.name}", message
-    yield from mission_gaps(plan, conditions)
-    definitions = DefinitionRegistry(plan.messages, ros=plan.ros)
-    for flow in [flow for flow in msrcn.eflows if flow.when][:MAX_EXPRESSIONS]:
-        if _always_holds(flow.when, {flow.type}, "event", definitions):
-            help = "leave `when` out, and say with `present` how long a message counts"
-            yield flow.name, f"`when` holds for every message of {flow.topic}: {help}"
-    for rule in [rule for rule in msrcn.rules[:MAX_RULES] if rule.action]:
-        if _always_holds(rule.action, blocked_types(rule, msrcn), "action", definitions):
-            yield f"rule {rule.name}", "`action` holds for every message: leave it out"
+        return CheckedExpressions(tuple(problems), {}, (), ())
+    checker = _ExpressionChecker(msrcn, definitions)
+    problems += checker.problems()
+    conditions, faults = _conditions(msrcn)
+    found = tuple(contradictions(msrcn, conditions))
+    problems += [*faults, *_self_fulfilling(msrcn, conditions)]
+    problems += [
+        (rule, "when", InputError(message))
+        for level, rule, message in found
+        if level is ProblemLevel.ERROR
+    ]
+    return CheckedExpressions(tuple(problems), conditions, found, tuple(checker.always))
 
 
-def _always_holds(
-    text: str, types: Collection[str], subject: str, definitions: DefinitionRegistry
-) -> bool:
-    known = [definition for type in types if (definition := definitions.find(type))]
-    return len(known) == 1 and constant_value(text, known[0], subject) is True
-
-
-def _rules(msrcn: MSRCN) -> Iterator[ExpressionProblem]:
-    conditions, problems = _conditions(msrcn)
-    yield from problems
+def _self_fulfilling(
+    msrcn: MSRCN, conditions: Mapping[str, Condition]
+) -> Iterator[ExpressionProblem]:
     for rule in msrcn.rules:
         if rule.require and rule.name in conditions:
-            event_names = conditions[rule.name].names
+            names = conditions[rule.name].names
             for part, key, message in self_fulfilling_problems(
-                rule, event_names, msrcn.eflows[:MAX_EFLOWS]
+                rule, names, msrcn.eflows[:MAX_EFLOWS]
             ):
                 yield part, key, InputError(message)
-    for level, rule, message in contradictions(msrcn, conditions):
-        if level is ProblemLevel.ERROR:
-            yield rule, "when", InputError(message)
 
 
 def _definition(
@@ -117,50 +111,60 @@ def _is_same(one: Definition | None, other: Definition | None) -> bool:
     )
 
 
-def _event(
-    flow: EventFlow, msrcn: MSRCN, definitions: DefinitionRegistry
-) -> Iterator[ExpressionProblem]:
-    if flow.type:
-        yield from _expression(flow, "when", flow.type, msrcn, definitions)
-    else:
-        message = "the type is needed to check the expression"
-        yield flow, "when", InputError(message, help="give the eflow's `type`")
+class _ExpressionChecker:
+    """Checks the expressions of a mission over messages; `always` are those that always hold."""
 
+    def __init__(self, msrcn: MSRCN, definitions: DefinitionRegistry) -> None:
+        self._msrcn = msrcn
+        self._definitions = definitions
+        self._events = [flow for flow in msrcn.eflows if flow.when][:MAX_EXPRESSIONS]
+        self._rules = [rule for rule in msrcn.rules[:MAX_RULES] if rule.action]
+        self._steps = MAX_STEPS // max(1, len(self._events) + len(self._rules))
+        self.always: list[EventFlow | MissionRule] = []
 
-def _action(
-    rule: MissionRule, msrcn: MSRCN, definitions: DefinitionRegistry
-) -> Iterator[ExpressionProblem]:
-    types = blocked_types(rule, msrcn) if rule.action else set()
-    if len(types) == 1 and types != {""}:
-        yield from _expression(rule, "action", types.pop(), msrcn, definitions)
+    def problems(self) -> Iterator[ExpressionProblem]:
+        """Yield what is wrong with the expressions."""
+        for flow in self._events:
+            if flow.type:
+                yield from self._expression(flow, "when", flow.when, flow.type)
+            else:
+                message = "the type is needed to check the expression"
+                yield flow, "when", InputError(message, help="give the eflow's `type`")
+        for rule in self._rules:
+            types = blocked_types(rule, self._msrcn)
+            if len(types) == 1 and types != {""}:
+                yield from self._expression(rule, "action", rule.action, types.pop())
 
-
-def _expression(
-    part: EventFlow | MissionRule,
-    key: str,
-    message_type: str,
-    msrcn: MSRCN,
-    definitions: DefinitionRegistry,
-) -> Iterator[ExpressionProblem]:
-    try:
-        definition = definitions.find(message_type)
-    except InputError as error:
-        if not definitions.defines(message_type):
+    def _expression(
+        self, part: EventFlow | MissionRule, key: str, text: str, message_type: str
+    ) -> Iterator[ExpressionProblem]:
+        definitions, subject = self._definitions, "event" if key == "when" else key
+        try:
+            definition = definitions.find(message_type)
+        except InputError as error:
+            if not definitions.defines(message_type):
+                yield part, key, _with_key(key, error)
+            return  # the plan's own is told there
+        if definition is None:
+            yield part, key, _unknown_type(key, message_type, definitions.ros)
+            return
+        try:
+            check_expression(definition, text, subject, self._msrcn.areas, frame=part.frame)
+        except InputError as error:
             yield part, key, _with_key(key, error)
-        return  # the plan's own is told there
-    if definition is None:
-        yield part, key, _unknown_type(key, message_type, definitions.ros)
-        return
-    text, subject = (part.when, "event") if isinstance(part, EventFlow) else (part.action, key)
-    try:
-        check_expression(definition, text, subject, msrcn.areas, frame=part.frame)
-    except InputError as error:
-        yield part, key, _with_key(key, error)
-        return
-    if constant_value(text, definition, subject) is False:
-        what = f"{part.name} blocks nothing" if key == "action" else f"{part.name} is never 1"
-        message = f"{key}: {text} holds for no message: {what}"
-        yield part, key, InputError(message, help="correct what it compares, or leave it out")
+            return
+        value = constant_value(text, definition, subject, self._steps)
+        if value is False:
+            yield part, key, _never_holds(part.name, key, text)
+        elif value:
+            self.always.append(part)
+
+
+def _never_holds(name: str, key: str, text: str) -> InputError:
+    what = f"{name} blocks nothing" if key == "action" else f"{name} is never 1"
+    same = _DIFFERS_FROM_ITSELF.search(text)
+    help = f"ask math.isNaN({same[1]})" if same else "correct what it compares, or leave it out"
+    return InputError(f"{key}: {text} holds for no message: {what}", help=help)
 
 
 def _unknown_type(key: str, type: str, ros: int) -> InputError:

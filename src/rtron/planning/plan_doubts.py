@@ -1,6 +1,6 @@
 """What in a valid plan has no effect, stops late or is a guess, and where it leaves a way past."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from rtron.coherence.duration_bounds import duration_doubts
 from rtron.planning.app_topics import action_servers, is_large
@@ -145,24 +145,30 @@ def order_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
 def open_way_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
     """Yield a warning for each way past the guard of commands that it stands before."""
     unread = frozenset(node.name for node in graph.nodes if node.unread)
+    agents = [node.name for node in graph.nodes if node.package == "micro_ros_agent"]
     for stream in build_streams(plan):
         if stream.mode is Mode.ENFORCE and stream.is_command:
             known = {end.node for end in graph.subscribers(stream.topic)}
             where = f"{stream.stages[0].coordination_kind} {stream.stages[0].id}"
-            ways = (*_unclosed_outputs(stream, unread - known), *_self_deliveries(stream))
+            unclosed = _unclosed_outputs(stream, unread - known, agents)
+            ways = (*unclosed, *_self_deliveries(stream))
             yield from (_warning(where, way) for way in ways)
 
 
-def _unclosed_outputs(stream: Stream, unread: frozenset[str]) -> Iterator[str]:
-    successors = stream.successors
+def _unclosed_outputs(
+    stream: Stream, unread: frozenset[str], agents: Sequence[str]
+) -> Iterator[str]:
+    guessed = sorted(unread.intersection(stream.successors))
     reads = f"whoever subscribes reads the public {stream.topic}"
     public = f"{reads}; any node can publish there, and the guard only warns of it"
-    if not successors:
-        yield f"nobody in this launch obeys it: {public}"
-    elif unread.issuperset(successors):
-        verb = conjugate(successors, "obey")
-        guess = f"that {join_names(successors)} (not read) {verb} it is a guess"
-        yield f"{guess}; if not, {public}, and no stop reaches it when the guard dies"
+    if not stream.successors:
+        yield f"which node obeys it on the robot is not known: {public}"
+    elif guessed:
+        verb = conjugate(guessed, "obey")
+        yield f"that {join_names(guessed)} (not read) {verb} it is a guess; if not, {public}"
+    if stream.successors and agents:
+        may_obey = f"firmware behind {join_names(agents)} may obey it, too"
+        yield f"{may_obey}, and no remap moves what it reads: {public}"
 
 
 def _self_deliveries(stream: Stream) -> Iterator[str]:

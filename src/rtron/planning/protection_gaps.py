@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from rtron.coherence.flows import duplicates
 from rtron.coherence.rsrcn import FRAME_RATE_POLICIES, VELOCITY_LIMIT_POLICIES
+from rtron.messages.common.velocity import MOTION_TYPES
 from rtron.planning.app_topics import is_large
 from rtron.planning.plan_file.fields import NODE_NAME
 from rtron.vocabulary import (
@@ -18,18 +19,11 @@ from rtron.vocabulary import (
     Stream,
     StreamKind,
     build_streams,
-    matches_node,
     normalise_type,
+    patterns_overlap,
 )
 from rtron.wording import join_names
 
-MOTION_TYPES = (
-    "geometry_msgs/Twist",
-    "geometry_msgs/TwistStamped",
-    "ackermann_msgs/AckermannDrive",
-    "ackermann_msgs/AckermannDriveStamped",
-)
-"""The velocities, as ROS 1 spells them, that the guard can make the robot stop with."""
 _LIMITING = (*FRAME_RATE_POLICIES, *VELOCITY_LIMIT_POLICIES)
 _FASTEST = {
     "max_vel_limit": (50, "m/s"),
@@ -73,21 +67,21 @@ def _stream_gaps(stream: Stream, plan: Plan) -> Iterator[str]:
         help = "if it moves nothing, say `kind: state` or `kind: action`"
         yield f"{why}: no stop follows when the publisher falls silent; {help}"
     passing = [flow for flow in stream.flows if not flow.block]
-    if stream.is_command and moves and passing and all(map(_may_be_silent, passing)):
+    if stream.is_command and moves and passing and all(map(_releases_on_silence, passing)):
         what = "the robot goes on at its last velocity, unless its base stops by itself"
         yield f"every flow says `on_silence: release`: when all fall silent, {what}"
     if stream.uses and "linear.x" not in stream.uses:
         used = join_names(stream.uses)
         yield f"`uses` has {used} only: the guard sets linear.x to 0, so it never drives forward"
     for flow in passing:
-        if is_everybody(flow.publisher):
+        if matches_every_node(flow.publisher):
             why = "no node is a stranger, and none is kept out"
             yield f"{flow.publisher} of {flow.name} is every node: {why}; name the nodes"
     for node in duplicates(stream.successors, lambda node: node):
         yield f"the successor {node} stands twice: was another node meant?"
 
 
-def is_everybody(publisher: str) -> bool:
+def matches_every_node(publisher: str) -> bool:
     """Return whether a pattern means every node, or every one in a namespace."""
     return not publisher.strip("/*")
 
@@ -103,7 +97,7 @@ def _is_limit(stream: Stream, plan: Plan) -> bool:
     return stream.topic in limits or is_large(stream.type)
 
 
-def _may_be_silent(flow: Flow) -> bool:
+def _releases_on_silence(flow: Flow) -> bool:
     return flow.on_silence is OnSilence.RELEASE
 
 
@@ -123,7 +117,7 @@ def _limit_gaps(plan: Plan) -> Iterator[str]:
     yield from _unlimited_commands(rsrcn, [g for g in plan.grcn if g.mode is Mode.ENFORCE])
     yield from _unlimited_turns(rsrcn)
     if rsrcn.policy in FRAME_RATE_POLICIES:
-        yield from _own_frames(plan, rsrcn)
+        yield from _self_counted_frames(plan, rsrcn)
 
 
 def _only_watched(topics: Iterable[GuardedTopic], plan: Plan, what: str) -> Iterator[str]:
@@ -140,7 +134,9 @@ def _unlimited_commands(rsrcn: RSRCN, enforced: Iterable[GRCN]) -> Iterator[str]
     limited = {topic.topic for topic in rsrcn.vflows}
     sources = [flow.publisher for topic in rsrcn.vflows for flow in topic.flows]
     for grcn in enforced:
-        leads_there = any(_overlap(one, other) for one in grcn.successors for other in sources)
+        leads_there = any(
+            patterns_overlap(one, other) for one in grcn.successors for other in sources
+        )
         if is_motion(grcn.type) and grcn.topic not in limited and not leads_there:
             yield f"no limit holds on {grcn.topic}, a {grcn.type}: add it to `vflows`"
 
@@ -153,10 +149,12 @@ def _unlimited_turns(rsrcn: RSRCN) -> Iterator[str]:
             yield f"no limit holds for turning on {topic.topic}: set `max_turn_limit`, in rad/s"
 
 
-def _own_frames(plan: Plan, rsrcn: RSRCN) -> Iterator[str]:
+def _self_counted_frames(plan: Plan, rsrcn: RSRCN) -> Iterator[str]:
     drivers = [(flow.publisher, topic) for topic in rsrcn.vflows for flow in topic.flows]
     for monitor in plan.fps_monitor:
-        topics = [topic.topic for publisher, topic in drivers if _overlap(publisher, monitor.node)]
+        topics = [
+            topic.topic for publisher, topic in drivers if patterns_overlap(publisher, monitor.node)
+        ]
         if topics and monitor.camera is None:
             why = f"the more frames it publishes, the faster it may drive on {join_names(topics)}"
             yield f"{monitor.node} counts for its own limit: {why}; give {monitor.id} a `camera`"
@@ -173,7 +171,3 @@ def _accepted_in_vain(plan: Plan) -> Iterator[str]:
 def _node_names(stream: Stream) -> Iterator[str]:
     yield from stream.successors
     yield from (flow.publisher for flow in stream.flows)
-
-
-def _overlap(one: str, other: str) -> bool:
-    return matches_node(one, other) or matches_node(other, one)

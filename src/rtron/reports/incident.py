@@ -97,10 +97,7 @@ def incident_text(
 
 
 def _lines(
-    name: str,
-    account: IncidentAccount,
-    alternative: ComparedAlternative | None,
-    page: TextPage,
+    name: str, account: IncidentAccount, alternative: ComparedAlternative | None, page: TextPage
 ) -> Iterator[Text]:
     yield line((name, "bold"))
     yield from paragraph(_summary(account.header, account.span), page)

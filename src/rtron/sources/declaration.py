@@ -207,11 +207,37 @@ class FrameBroadcast:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FrameStamp:
-    """A frame that a node writes into the header of a message, and where."""
+class FrameUse:
+    """A frame that a node writes into the header of a message, or looks up, and where."""
 
     frame: str
     evidence: Evidence
+    is_look_up: bool = False
+
+
+class LastMessageFate(StringEnum):
+    """What a node does with the last message of a topic when no more come."""
+
+    STOPPED = "stopped"
+    """It compares the time of the message with now, and stops something."""
+    CHECKED = "checked"
+    """It may notice: it compares that time, restarts a timer, or sets a mark that is tested."""
+    REPEATED = "repeated"
+    """It publishes what it kept of the message again and again."""
+    UNNOTICED = "unnoticed"
+    """Nothing in its source notices."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LastMessageUse:
+    """What becomes of a subscription's last message, after so many seconds if they are known.
+
+    `evidence` is where the subscription is made, then where its age is looked at.
+    """
+
+    fate: LastMessageFate
+    seconds: float | None = None
+    evidence: tuple[Evidence, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -230,7 +256,8 @@ class NodeInterface:
     """All that one node declares, and what of it could not be found out.
 
     `nodes` are those of a process of ROS 2, in the order they are made, `parameters` theirs.
-    `frames` are the transforms, `stamps` the frames of its messages as far as they are known,
+    `frames` are the transforms, `frame_uses` the frames of its messages and those that it looks up,
+    as far as they are known,
     `plugins` those classes that a model says to be loaded, and that have no model themselves: each
     has a note called like its class.
     """
@@ -241,9 +268,10 @@ class NodeInterface:
     unresolved: tuple[UnresolvedItem, ...] = ()
     parameters: tuple[NodeParameter, ...] = ()
     frames: tuple[FrameBroadcast, ...] = ()
-    stamps: tuple[FrameStamp, ...] = ()
+    frame_uses: tuple[FrameUse, ...] = ()
     plugins: tuple[LoadedPlugin, ...] = ()
     mistyped: tuple[MistypedParameter, ...] = ()
+    last_messages: tuple[LastMessageUse, ...] = ()
 
     def with_location(self, location: Evidence) -> "NodeInterface":
         """Return the interface with a plugin's place in its file before its model's evidence."""

@@ -1,17 +1,14 @@
-"""Hands apps to the processes that scan them, from threads or from a cluster's worker."""
+"""Hands apps to the processes that scan them, from threads."""
 
 import subprocess
 import sys
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import IO, TYPE_CHECKING, cast
+from typing import IO, cast
 
 from rtron.errors import SourceError
 from rtron.survey.app_listing import REQUEST_ADAPTER, ScanRequest
 from rtron.survey.app_survey import RESULT_ADAPTER, AppResult
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _COMMAND = (sys.executable, "-m", "rtron.survey.scan_server")
 
@@ -68,18 +65,3 @@ class ScanServers:
         """End all processes, and with them the scans that are under way."""
         for server in self._started:
             server.end()
-
-
-def scan_once(request: ScanRequest) -> AppResult:
-    """Return what became of an app, scanned by a process for it alone: for a cluster's worker."""
-    with _own_server() as server:
-        return server.scan(request)
-
-
-@contextmanager
-def _own_server() -> "Iterator[_ScanServer]":
-    server = _ScanServer()
-    try:
-        yield server
-    finally:
-        server.end()

@@ -1,19 +1,19 @@
 """A survey: the apps of a folder that have no result yet are scanned, several at a time."""
 
 from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
 
 from rtron.errors import InputError
-from rtron.executors import DaskExecutor, ItemFailure, ThreadExecutor
 from rtron.functions.reading.skipped_entries import SkippedEntry
 from rtron.sources.static.common.scan_options import Progress, default_workers
 from rtron.survey.app_listing import AppToScan, ScanRequest, find_apps
 from rtron.survey.app_survey import AppResult
 from rtron.survey.results_file import ResultsFile, results_file
-from rtron.survey.scan_client import ScanServers, scan_once
+from rtron.survey.scan_client import ScanServers
 
 DEFAULT_SECONDS = 120.0
 
@@ -22,13 +22,12 @@ DEFAULT_SECONDS = 120.0
 class SurveyOptions:
     """Where a survey works and for how long: `seconds` bound each app.
 
-    `jobs` processes scan side by side, by default one a core, or the workers of `cluster`. Without
-    `use_cache` nothing of earlier runs counts, and nothing is kept.
+    `jobs` processes scan side by side, by default one a core. Without `use_cache` nothing of
+    earlier runs counts, and nothing is kept.
     """
 
     seconds: float = DEFAULT_SECONDS
     jobs: int | None = None
-    cluster: str | None = None
     use_cache: bool = True
 
 
@@ -56,12 +55,8 @@ class Survey:
 def run_survey(folder: Path, options: SurveyOptions, progress: Progress) -> Survey:
     """Return the survey of the apps below a folder; Ctrl-C ends it with the results that it has.
 
-    Raise InputError for a folder that cannot be read or without apps, and if both processes and a
-    cluster are asked for; SourceError where the cluster does not answer.
+    Raise InputError for a folder that cannot be read or without apps.
     """
-    if options.cluster and options.jobs:
-        help = "leave one of the two out: a cluster has its own workers"
-        raise InputError("both --cluster and --jobs are given", help=help)
     started, left_out = monotonic(), list[SkippedEntry]()
     apps = list(find_apps(folder, left_out.append, progress))
     if not apps:
@@ -113,26 +108,27 @@ def _scan(
     ]
     if not requests:
         return
-    if options.cluster:
-        outcomes = DaskExecutor(options.cluster).map_unordered(scan_once, requests)
-        for request, outcome in outcomes:
-            yield request.app, _result(request, outcome)
-        return
     cores = default_workers()
-    executor = ThreadExecutor(min(options.jobs or cores, cores, len(requests)))
+    pool = ThreadPoolExecutor(min(options.jobs or cores, cores, len(requests)))
     with closing(ScanServers()) as servers:
-        for request, outcome in executor.map_unordered(servers.scan, requests):
-            yield request.app, _result(request, outcome)
+        try:
+            futures = {pool.submit(servers.scan, request): request for request in requests}
+            for future in as_completed(futures):
+                yield futures[future].app, _result(futures[future], future)
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _result(request: ScanRequest, outcome: AppResult | ItemFailure) -> AppResult:
-    if isinstance(outcome, AppResult):
-        return outcome
+def _result(request: ScanRequest, future: "Future[AppResult]") -> AppResult:
+    try:
+        return future.result()
+    except Exception as error:  # noqa: BLE001 - one app must not end the others
+        reason = str(error)
     return AppResult(
         app=request.app.name,
         repository=request.app.repository_name,
         ros=request.app.ros,
         seconds=0.0,
-        error=outcome.reason,
+        error=reason,
         is_final=False,
     )

@@ -58,6 +58,11 @@ def matches_node(pattern: str, node: str) -> bool:
     return pattern == node or fnmatchcase(node, pattern)
 
 
+def patterns_overlap(one: str, other: str) -> bool:
+    """Tell whether one of two nodes or patterns means the other."""
+    return matches_node(one, other) or matches_node(other, one)
+
+
 def snake_case(name: str) -> str:
     """Return a name with its words apart: `chassisCommand` as `chassis_command`."""
     return _WORD_START.sub("_", name).lower()

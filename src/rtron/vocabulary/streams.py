@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from rtron.vocabulary.action import action_name
 from rtron.vocabulary.enums import CoordinationKind, Decision, Mode, PolicyName, StreamKind
-from rtron.vocabulary.names import matches_node
+from rtron.vocabulary.names import patterns_overlap
 from rtron.vocabulary.plan import (
     GRCN,
     MSRCN,
@@ -260,7 +260,7 @@ def _with_blocks(stage: Stage, blocked: tuple[str, ...]) -> Stage:
     flows = tuple(
         replace(
             flow,
-            block=flow.block or any(_patterns_overlap(flow.publisher, name) for name in blocked),
+            block=flow.block or any(patterns_overlap(flow.publisher, name) for name in blocked),
         )
         for flow in stage.settings.flows
     )
@@ -268,11 +268,7 @@ def _with_blocks(stage: Stage, blocked: tuple[str, ...]) -> Stage:
 
 
 def _same_publisher(one: Flow, other: Flow) -> bool:
-    return _patterns_overlap(one.publisher, other.publisher)
-
-
-def _patterns_overlap(one: str, other: str) -> bool:
-    return matches_node(one, other) or matches_node(other, one)
+    return patterns_overlap(one.publisher, other.publisher)
 
 
 @dataclass(frozen=True, slots=True)

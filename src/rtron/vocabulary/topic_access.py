@@ -175,14 +175,13 @@ def _output_topics(
 ) -> Iterator[TopicAccess]:
     """Yield the private output and the public name; strangers speak there where they may.
 
-    Without subscribers whoever obeys listens to the public name, where the supervisor stops it.
+    Whoever obeys and is not in the plan listens to the public name: the supervisor stops it, too.
     """
     from_clients = topic.rpartition("/")[2] in ROS1_CLIENT_TOPICS if stream.action else True
     unplanned = (ANY_NODE,) if from_clients and not stream.block_unapproved else ()
     supervisor = (SUPERVISOR_NODE,) if stream.is_command else ()
-    public = unplanned if subscribers else (*supervisor, *unplanned)
     yield _access(stream, output_topic(topic), (node, *supervisor), subscribers)
-    yield _access(stream, topic, (node, *public), (ANY_NODE,))
+    yield _access(stream, topic, (node, *supervisor, *unplanned), (ANY_NODE,))
 
 
 def _access(

@@ -43,6 +43,10 @@ class WiringFactKind(StringEnum):
     """A TF frame in a loop; the value is a frame of the loop, too, which others broadcast."""
     STRAY_FRAME = "stray_frame"
     """A frame of messages of others that is in no transform; the value is a near one that is."""
+    MISSING_FRAME = "missing_frame"
+    """A frame that others look up and that is in no transform; the value is a near one that is."""
+    POSSIBLE_MISSING_FRAME = "possible_missing_frame"
+    """The same, where another launch may send it; the value may be meant, or is empty."""
     UNREAD_PUBLISHER = "unread_publisher"
     """A topic that code which was not understood may publish."""
     STATE_PUBLISHER = "state_publisher"
@@ -54,7 +58,10 @@ class WiringFactKind(StringEnum):
     SOCKET = "socket"
     """A node whose source joins a network beside ROS; the value says how: MQTT, a web server."""
     COMMAND_AGE = "command_age"
-    """A node whose source looks at how old a command is."""
+    """A node whose source has a name that tells of how old a command is."""
+    LAST_MESSAGE = "last_message"
+    """A node with a subscription at the first place; the value is what becomes of its last message
+    when no more come, others the seconds after which, and the second place where."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,7 +1,7 @@
 """The graph of functions: which packages of an ecosystem exchange which messages."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -26,31 +26,16 @@ from rtron.workflows.classification import classify_repositories
 _NO_TRAFFIC = PackageTraffic()
 
 
-@dataclass(frozen=True, slots=True)
-class FunctionGraphRequest:
-    """A corpus, a folder or a distribution, READMEs beside it, and where the work is done."""
-
-    source: Path
-    readmes: Path | None = None
-    jobs: int | None = None
-    cluster: str | None = None
-
-
 def build_function_graph(
-    request: FunctionGraphRequest, options: ScanOptions, note_skipped: SkippedHandler
+    source: Path, readmes: Path | None, options: ScanOptions, note_skipped: SkippedHandler
 ) -> AbstractGraph:
     """Return the graph of a corpus, a folder or a distribution; of a folder with its messages.
 
-    Of packages with one name the first counts; others, and all that cannot be read, go to
-    `note_skipped`. Raise InputError if nothing can be read.
+    READMEs may stand in a file beside it. Of packages with one name the first counts; others, and
+    all that cannot be read, go to `note_skipped`. Raise InputError if nothing can be read.
     """
-    source = request.source
-    repositories = read_repositories(source, request.readmes, note_skipped)
-    classified = list(
-        classify_repositories(
-            repositories, request.jobs, request.cluster, note_skipped, options.progress
-        )
-    )
+    repositories = read_repositories(source, readmes, note_skipped)
+    classified = list(classify_repositories(repositories, note_skipped, options.progress))
     first_packages = _first_of_each_name(repositories)
     traffic = WorkspaceTraffic(packages={})
     if source != STDIN and source.is_dir():

@@ -1,10 +1,10 @@
 """Make a plan: propose one for an app, or fit one to what a run measured."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtron.findings.inventory.node_roles import measured_topics
+from rtron.findings.inventory.node_roles import NodeRoles, measured_topics
 from rtron.planning.plan_file.loader import read_plan
 from rtron.planning.problem import PlanProblem
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
@@ -31,11 +31,10 @@ def propose(scan: ScanResult, *, every_risk: bool = False) -> ProposedPlan:
 
     With `every_risk` it has coordination nodes for the other risks, too, which only observe.
     """
-    commands = last_commands(scan)
     plan = propose_plan(
         scan.graph,
-        scan.report,
-        commands,
+        replace(scan.report, viewers=(*scan.report.viewers, *_listeners(scan))),
+        last_commands(scan),
         measured=measured_topics(scan.app),
         only_motion=not every_risk,
     )
@@ -44,6 +43,12 @@ def propose(scan: ScanResult, *, every_risk: bool = False) -> ProposedPlan:
     others = (each for each in unnamed if each.location not in known)
     omitted = (*others, *find_unguarded_commands(plan, scan))
     return ProposedPlan(plan, omitted, tuple(plan_doubts(plan, scan.graph)))
+
+
+def _listeners(scan: ScanResult) -> Iterator[str]:
+    """Yield the nodes that hear commands and obey none: they read the public names."""
+    obeys = NodeRoles(scan.app).obeys
+    return (node.name for node in scan.graph.nodes if not obeys(node.name))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -125,9 +125,7 @@ def find_enclaves(keystore: Path, graph: Path | None, plan: Plan) -> Enclaves:
     _require(Keystore(keystore), access)
     of_nodes = {node.node: process.name for process in access for node in process.nodes}
     return Enclaves(
-        keystore=keystore.resolve(),
-        of_nodes=of_nodes,
-        of_programs=_of_programs(app, of_nodes),
+        keystore=keystore.resolve(), of_nodes=of_nodes, of_programs=_of_programs(app, of_nodes)
     )
 
 

@@ -21,13 +21,15 @@ def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
     it commands motion: a driver hears, and sends, measurements, too. Where that is who obeys, a
     node that was not read may do it, if it is called like a driver and lies in a namespace of the
     topic's. No other: the remap would let what it publishes past the guard.
+    Firmware behind rosserial may obey whatever others obey, too.
     """
     moving = (mover for mover in scan.inventory if mover.thing not in NO_MOTION)
     commands = (each for mover in moving for each in mover.last_commands)
     topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
     unread = unread_drivers(scan.app)
+    firmware = [n for n in unread if scan.app.nodes[n].package.startswith("rosserial_")]
     return {
-        each.name: () if each.receivers else tuple(_within_reach(each.name, unread))
+        each.name: tuple(_within_reach(each.name, firmware if each.receivers else unread))
         for each in topics
         if (each.receivers and each.senders) or scan.app.is_motion(each.name)
     }

@@ -167,8 +167,7 @@ def _observed(incident: IncidentFile, decision: RecordedDecision) -> Observed:
         events = tuple((str(each["name"]), *_event(at, each)) for each in document["events"])
     except (KeyError, TypeError, ValueError, OverflowError, WireError):
         raise InputError(
-            "what it says of frames and events is not as a guard writes it",
-            path=str(incident.path),
+            "what it says of frames and events is not as a guard writes it", path=str(incident.path)
         ) from None
     return Observed(at, rates, events)
 

@@ -158,11 +158,7 @@ def test_what_a_client_may_not_do_it_is_told(ros1, bridge):
 
 
 def test_another_type_on_a_topic_is_told(ros1, bridge):
-    ros1.spawn(
-        "/usr/bin/python3",
-        NODES / "twist_publisher.py",
-        "/cmd_vel:=/chat",
-    )
+    ros1.spawn("/usr/bin/python3", NODES / "twist_publisher.py", "/cmd_vel:=/chat")
     process = bridge.client("web", "listen", "/chat", "std_msgs/String")
     wait_for(lambda: ros1.subscribers("/chat") == {"/bridge/web"})
     wait_for(lambda: "publishes geometry_msgs/Twist" in bridge.log)

@@ -177,10 +177,7 @@ def handshake(bridge, *headers, host=None):
 
 
 def test_no_more_clients_than_the_file_says():
-    with (
-        memory_bridge(RIGHTS + "max_clients: 1\n") as bridge,
-        bridge.connect(TOKEN),
-    ):
+    with memory_bridge(RIGHTS + "max_clients: 1\n") as bridge, bridge.connect(TOKEN):
         assert status_of(bridge, OTHER) == 401
 
 

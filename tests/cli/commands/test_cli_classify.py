@@ -1,14 +1,12 @@
 import json
 import os
 import re
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from rtron.cli.commands.explain_function import _complete
-from rtron.executors import ItemFailure, SerialExecutor
 
 REPOS = [
     {"repo": "indoor_localization", "packages": [{"name": "indoor_localization"}]},
@@ -120,10 +118,6 @@ def test_a_file_gets_the_lines(rtron, corpus, tmp_path):
     assert len(documents(path.read_text())) == 3
 
 
-def test_processes_find_the_same(rtron, corpus):
-    assert rtron("classify", corpus, "-j", "2").out == rtron("classify", corpus).out
-
-
 def test_what_is_left_out_is_told(rtron, corpus):
     corpus.write_text("\n".join(["{", '{"repo": "joystick_teleop"}', *["\x1b["] * 11]))
     ran = rtron("classify", corpus)
@@ -134,10 +128,10 @@ def test_what_is_left_out_is_told(rtron, corpus):
 
 
 def test_an_item_that_fails_is_told(rtron, corpus, monkeypatch):
-    def failing(_, __, items):
-        return (ItemFailure("ValueError: x") for _ in items)
+    def failing(_):
+        raise ValueError("x")
 
-    monkeypatch.setattr(SerialExecutor, "map", failing)
+    monkeypatch.setattr("rtron.workflows.classification.classify", failing)
     ran = rtron("classify", corpus)
     assert (ran.code, ran.out) == (0, "")
     assert ran.err.splitlines()[1] == "left out: zzz: ValueError: x"
@@ -149,7 +143,6 @@ def test_an_item_that_fails_is_told(rtron, corpus, monkeypatch):
         (["classify", "absent.jsonl"], "absent.jsonl: No such file or directory"),
         (["classify", "absent"], "absent: No such file or directory"),
         (["classify", "/dev/null"], "no repository could be read"),
-        (["classify", "x", "--jobs", "0"], "--jobs"),
         (["explain-function", "absent"], "'absent' is no folder"),
         (["explain-function", "x", "--from", "absent.jsonl"], "No such file or directory"),
     ],
@@ -158,19 +151,6 @@ def test_bad_input_is_2(rtron, words, said):
     ran = rtron(*words)
     assert (ran.code, ran.out) == (2, "")
     assert said in ran.err
-
-
-def test_a_cluster_has_its_own_jobs(rtron, corpus):
-    ran = rtron("classify", corpus, "--cluster", "tcp://127.0.0.1:1", "-j", "2")
-    assert ran.code == 2
-    assert "both --cluster and --jobs are given" in ran.err
-
-
-def test_without_dask_the_extra_is_named_in_the_help(rtron, corpus, monkeypatch):
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    ran = rtron("classify", corpus, "--cluster", "tcp://127.0.0.1:1")
-    assert (ran.code, ran.out) == (2, "")
-    assert 'help: pip install "rtron[cluster]"' in ran.err
 
 
 def test_the_evidence_of_a_folder(rtron, folder):

@@ -8,8 +8,6 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from rtron.executors import ProcessExecutor
-
 CORPUS = [
     {"repo": "laser_driver", "packages": [{"name": "laser_driver"}]},
     {"repo": "teleop_keyboard", "packages": [{"name": "teleop_keyboard"}]},
@@ -296,28 +294,9 @@ def test_readmes_count_in_the_graph(rtron, corpus, tmp_path):
     assert node["name"] == "Localization"
 
 
-def test_a_graph_is_the_same_from_processes(rtron, corpus, monkeypatch):
-    monkeypatch.setattr("rtron.sources.static.common.scan_options.default_workers", lambda: 2)
-    alone = rtron("functions", "graph", corpus)
-    started = []
-    map = ProcessExecutor.map
-    monkeypatch.setattr(
-        ProcessExecutor, "map", lambda self, *a: started.append(self) or map(self, *a)
-    )
-    assert rtron("functions", "graph", corpus, "-j", "2") == alone
-    assert [each.process_count for each in started] == [2]
-
-
 def test_a_graph_shows_how_far_it_is(rtron, corpus, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     assert "3/3" in rtron("functions", "graph", corpus).err
-
-
-def test_a_graph_from_a_cluster_that_does_not_answer_is_2(rtron, corpus):
-    pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
-    ran = rtron("functions", "graph", corpus, "--cluster", "nowhere")
-    assert (ran.code, ran.out) == (2, "")
-    assert "'nowhere' is no cluster's address" in ran.err
 
 
 def test_what_is_left_out_is_told_before_an_error_too(rtron, corpus):

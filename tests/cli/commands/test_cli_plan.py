@@ -138,7 +138,7 @@ def test_what_leaves_the_launch_is_guarded_and_the_way_past_it_told(rtron, graph
     plan_file = tmp_path / "leaving.yaml"
     ran = rtron("plan", graph_file, "-o", plan_file)
     assert (ran.code, ran.err, "\nNext\n" in ran.out) == (0, "", True)
-    doubt = "  warning  GRCN grcn_cmd_vel\n           nobody in this launch obeys it: whoever"
+    doubt = "  warning  GRCN grcn_cmd_vel\n           which node obeys it on the robot is not known"
     assert f"To decide (1)\n{doubt}" in ran.out
     checked = rtron("check", plan_file, "--graph", graph_file)
     assert (checked.code, doubt in checked.out, "1 problem" in checked.out) == (0, True, True)

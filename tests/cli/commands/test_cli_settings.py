@@ -91,10 +91,7 @@ def test_get_as_json(call):
 def test_set_changes_all_at_once(call, service):
     words = ["policy=Priority_Queue", "flow1.timeout=200ms", "flow2.block=true"]
     ran = call("settings", "set", "drive", *words, *WHY)
-    assert (ran.code, ran.out) == (
-        0,
-        "revision 1: sent; the guard has not answered yet\n",
-    )
+    assert (ran.code, ran.out) == (0, "revision 1: sent; the guard has not answered yet\n")
     sent = service.controller.handle_hello("r2", hello(plan())).nodes["drive"]
     assert sent.policy == "Priority_Queue"
     assert sent.flows["flow1"].timeout == 200_000_000

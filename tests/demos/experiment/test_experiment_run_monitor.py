@@ -6,7 +6,7 @@ import pytest
 from demo_runs import CORRIDOR, ROOM, corridor_drive
 
 from rtron.demos.cases import CASES, GR, MSR, RSR
-from rtron.demos.experiment.run_monitor import MAX_DURATION, RunMonitor
+from rtron.demos.experiment.session import MAX_DURATION, RunMonitor
 
 FIRST = corridor_drive()[0]
 

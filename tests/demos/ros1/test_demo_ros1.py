@@ -9,7 +9,7 @@ from rtron.demos.cases import AGENT, GR, MSR, RSR
 from rtron.demos.cases import CASES as ALL_CASES
 from rtron.demos.experiment.demonstration import are_as_expected
 from rtron.demos.metrics.case_run import Variant
-from rtron.demos.runtime.event_history import sum_decision_counts
+from rtron.demos.runtime.service import sum_decision_counts
 
 pytestmark = [pytest.mark.ros1, pytest.mark.long, pytest.mark.timeout(600)]
 CASES = ("msr", "agent")

@@ -5,12 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from launched_demo import (
-    SPEED,
-    check_guarded,
-    guarded_run,
-    wait_until_gone,
-)
+from launched_demo import SPEED, check_guarded, guarded_run, wait_until_gone
 from rmw_marks import RMW
 
 from rtron.demos.runtime.app_files import launch_file

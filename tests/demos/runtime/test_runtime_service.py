@@ -4,9 +4,13 @@ import os
 
 import pytest
 
-from rtron.demos.runtime.event_history import DecisionCounts, EventHistory, sum_decision_counts
 from rtron.demos.runtime.processes import ProcessGroup
-from rtron.demos.runtime.service import run_service
+from rtron.demos.runtime.service import (
+    DecisionCounts,
+    EventHistory,
+    run_service,
+    sum_decision_counts,
+)
 from rtron.errors import SourceError
 from rtron.workflows.service_client import SecurityServiceClient
 

@@ -16,12 +16,7 @@ from evaluation.common.function_confidence import (
     labelled_answers,
     learned_weights,
 )
-from evaluation.common.function_corpora import (
-    HELD_OUT,
-    SECOND,
-    LabelledCorpus,
-    read_repositories,
-)
+from evaluation.common.function_corpora import HELD_OUT, SECOND, LabelledCorpus, read_repositories
 from evaluation.common.function_labels import Label, read_labels
 from evaluation.common.reliability import reliability
 from rtron.functions.classifier.confidence import FEATURES

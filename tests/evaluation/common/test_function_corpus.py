@@ -9,7 +9,7 @@ import pytest
 from evaluation.common.function_corpora import classified
 from evaluation.common.function_labels import read_labels, score
 from rtron.functions.classifier.rule_trace import trace_rules
-from rtron.functions.reading.corpus import read_corpus, read_readmes
+from rtron.functions.reading.repositories import read_corpus, read_readmes
 from rtron.functions.rules.loader import load_rules
 
 CORPUS = Path(os.environ.get("RTRON_DATA", "")) / "corpus"

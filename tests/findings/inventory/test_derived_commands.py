@@ -18,6 +18,7 @@ BOARD = """
 /board p own
     sub /board/frames p/msg/Frame
 """
+CAN = WiringFact(kind=WiringFactKind.DEVICE, subject="/board", value="CAN")
 
 
 def last_commands(text, device=""):
@@ -70,3 +71,41 @@ def test_who_keeps_a_log_or_shows_obeys_no_command(name):
     graph = small_graph(NAV + base + listener)
     (mover,) = take_inventory(app_facts(graph))
     assert mover.drivers == ("/base_driver",)
+
+
+JOINTS = """
+/gait own own
+    pub {topic} {type}
+/robot_state_publisher rsp third_party
+    sub {topic} {type}
+/board own own
+    sub {topic} {type}
+"""
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "thing"),
+    [
+        ("/joint_states", "own/msg/joint_states", Thing.ARM),
+        ("/joint_states", "sensor_msgs/msg/JointState", Thing.ARM),
+        ("/leg_state", "own/msg/Angles", Thing.ARM),
+        ("/state", "own/msg/WheelStates", Thing.BASE),
+        ("/robot_state", "own/msg/RobotState", None),
+        ("/led/_motors", "std_msgs/msg/Int32", None),
+        ("/joint_states", "diagnostic_msgs/msg/DiagnosticArray", None),
+    ],
+)
+def test_states_of_joints_that_hardware_hears_from_who_has_none_are_commands(topic, type, thing):
+    text = JOINTS.format(topic=topic, type=type)
+    assert last_commands(text) == {}
+    assert last_commands(text, "/board") == ({topic: thing} if thing else {})
+    assert last_commands(text.replace("/gait own", "/gait mavros"), "/board") == {}
+    measured = text.replace("/board own own", "/board own own\n    pub /imu sensor_msgs/Imu")
+    assert last_commands(measured, "/board") == {}
+    (mover,) = take_inventory(app_facts(small_graph(text, wiring=(CAN,)))) if thing else (None,)
+    assert not mover or mover.drivers == ("/board",)
+
+
+def test_states_of_joints_that_nobody_here_sends_are_open():
+    text = "/board own own\n    sub /joint_states sensor_msgs/msg/JointState\n"
+    assert last_commands(text, "/board") == {"/joint_states": Thing.ARM}

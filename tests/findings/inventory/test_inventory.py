@@ -38,7 +38,9 @@ PLACE = (Evidence(file="driver.py", line=7),)
 
 
 def inventory(text, ros=2, **changes):
-    return take_inventory(app_facts(small_graph(text, ros=ros, **changes)))
+    graph = small_graph(text, ros=ros, **changes)
+    endpoints = tuple(replace(each, evidence=PLACE) for each in graph.endpoints)
+    return take_inventory(app_facts(replace(graph, endpoints=endpoints)))
 
 
 def the_mover(text, ros=2, **changes):
@@ -48,6 +50,14 @@ def the_mover(text, ros=2, **changes):
 
 def fact(kind, node, value):
     return WiringFact(kind=WiringFactKind(kind), subject=node, value=value, evidence=PLACE)
+
+
+def last(fate, *seconds):
+    """Return what becomes of the last messages of a node's topics."""
+    return replace(fact("last_message", "/base", fate), others=seconds)
+
+
+DRIVER, KEPT = fact("device", "/base", "CAN"), last("unnoticed")
 
 
 def names(commands):
@@ -215,7 +225,7 @@ def test_a_lock_of_an_arbiter_is_a_stop():
 def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
     assert inventory(SERVO) == ()
     mover = the_mover(SERVO, wiring=(fact("device", "/tools", "I2C"),))
-    assert (mover.thing, mover.hardware, mover.evidence) == (Thing.TOOL, ("I2C",), PLACE)
+    assert (mover.thing, mover.hardware, mover.evidence) == (Thing.TOOL, ("I2C",), PLACE * 2)
     assert names(mover.commands) == ["/brush"]
 
 
@@ -223,11 +233,21 @@ def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
     ("wiring", "values", "stops", "why"),
     [
         ((), (), Stops.UNKNOWN, "/base does not tell"),
-        ((fact("device", "/base", "CAN"),), (), Stops.NO, "nothing in the source of /base looks"),
+        ((DRIVER, KEPT), (), Stops.NO, "nothing in the source of /base looks"),
+        ((DRIVER,), (), Stops.UNKNOWN, "/base does not tell"),
+        (
+            (DRIVER, last("stopped", "0.5 s")),
+            (),
+            Stops.YES,
+            "/base looks at the age of commands, after 0.5 s, driver.py:7",
+        ),
+        ((DRIVER, last("checked")), (), Stops.UNKNOWN, "/base may look at the age of commands, d"),
+        ((last("repeated"),), (), Stops.NO, "/base sends its last command for ever"),
+        ((KEPT,), (), Stops.UNKNOWN, "/base does not tell"),
         ((fact("command_age", "/base", "age"),), (), Stops.UNKNOWN, "/base may look at the age"),
         ((), parameters("cmd_vel_timeout", base=0.5), Stops.YES, "/base: cmd_vel_timeout is 0.5"),
         (
-            (fact("device", "/base", "CAN"),),
+            (DRIVER, KEPT),
             parameters("cmd_vel_timeout", base=0.5),
             Stops.NO,
             "nothing in the source of /base looks",
@@ -243,10 +263,26 @@ def test_whether_it_stops(wiring, values, stops, why):
 
 def test_the_worst_of_two_drivers_counts():
     second = BASE.replace("/base", "/second")
-    facts = (fact("device", "/base", "CAN"), fact("command_age", "/base", "age"))
+    facts = (DRIVER, KEPT, fact("command_age", "/base", "age"))
     assert the_mover(BASE + second, wiring=facts).stops is Stops.UNKNOWN
     worse = (*facts, fact("device", "/second", "CAN"))
     assert the_mover(BASE + second, wiring=worse).stops is Stops.NO
+
+
+def test_who_forwards_the_last_command_for_ever_counts_for_the_driver():
+    relay = f"/relay relay own\n    sub /nav_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
+    wiring = (DRIVER, last("stopped", "0.5 s"))
+    graph = small_graph(f"/nav nav own\n    pub /nav_vel {TWIST}\n" + relay + BASE)
+    elsewhere = (Evidence(file="relay.py", line=3),)
+    endpoints = tuple(
+        replace(each, evidence=elsewhere if each.node == "/relay" else PLACE)
+        for each in graph.endpoints
+    )
+    for fate, stops in (("repeated", Stops.NO), ("stopped", Stops.YES), ("unnoticed", Stops.YES)):
+        facts = (*wiring, replace(last(fate), evidence=elsewhere))
+        (mover,) = take_inventory(app_facts(replace(graph, endpoints=endpoints, wiring=facts)))
+        assert mover.stops is stops
+    assert (mover.stop).startswith("/base looks")
 
 
 def test_what_is_documented_of_a_driver():
@@ -376,7 +412,7 @@ def test_topics_that_end_the_robot_are_a_line():
 
 @pytest.mark.parametrize(("link", "stops"), [("vehicle link", Stops.UNKNOWN), ("CAN", Stops.NO)])
 def test_an_autopilot_may_stop_by_itself(link, stops):
-    mover = the_mover(BASE, wiring=(fact("device", "/base", link),))
+    mover = the_mover(BASE, wiring=(fact("device", "/base", link), KEPT))
     assert mover.stops is stops
     assert (mover.thing is Thing.VEHICLE) == (link == "vehicle link")
 
@@ -922,3 +958,79 @@ def test_a_goal_by_gps_was_not_measured():
     action = "    server /gps_goal own_msgs/action/GpsGoal\n"
     found = inventory(TWO_DRIVERS + action + BASE)
     assert "/gps_goal" in [name for mover in found for name in names(mover.commands)]
+
+
+TWO_PARTS = BASE + "    sub /arm/goal own/msg/Arm\n    sub /flaps own/msg/Flaps\n"
+
+
+def test_what_a_driver_of_several_things_hears_has_a_line_of_its_own_where_no_word_tells():
+    movers = inventory(TWO_PARTS, wiring=(fact("device", "/base", "CAN"),))
+    assert {mover.thing: names(mover.commands) for mover in movers} == {
+        Thing.BASE: ["/cmd_vel"],
+        Thing.ARM: ["/arm/goal"],
+        Thing.DEVICE: ["/flaps"],
+    }
+
+
+def test_a_joystick_moves_nothing_where_what_is_made_of_it_reaches_nobody():
+    text = "/demux own own\n    pub /arm/joy own/Joy\n/teleop own own\n    sub /arm/joy own/Joy\n"
+    assert inventory(text) == ()
+    facts = (fact("device", "/teleop", "CAN"),)
+    assert names(the_mover(text, wiring=facts).commands) == ["/arm/joy"]
+
+
+def test_who_draws_the_joints_that_firmware_moves_does_not_obey():
+    text = "/arm own own\n    pub /elbow_cmd own/Servo\n"
+    text += "/servo_states own own\n    sub /elbow_cmd own/Servo\n"
+    text += "    pub /joints sensor_msgs/JointState\n"
+    assert the_mover(text).drivers == ("/servo_states",)
+    board = "/board rosserial_python third_party\n"
+    (arm, firmware) = inventory(text + board, unread=("/board",))
+    assert (arm.drivers, arm.unread) == ((), ("/board",))
+    assert firmware.drivers == ("/board",)
+    sends = "    pub /told std_msgs/String\n"
+    assert inventory(text + sends + board, unread=("/board",))[0].drivers == ("/servo_states",)
+
+
+def test_a_goal_to_wait_moves_nothing():
+    assert inventory("/nav nav own\n    server /wait nav2_msgs/action/Wait\n") == ()
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "thing"),
+    [
+        ("/arduino/pwm", "own/PWM", Thing.BASE),
+        ("/lift", "std_msgs/Float32", Thing.TOOL),
+        ("/controller", "std_msgs/Int16", Thing.DEVICE),
+        ("/plan", "own/Plan", None),
+        ("/distance", "std_msgs/Float32", None),
+        ("/goal_pose", "geometry_msgs/Pose", None),
+        ("/motor_status", "own/Status", None),
+        ("/wheel_speed_debug", "std_msgs/Float32", None),
+    ],
+)
+@pytest.mark.parametrize("package", ["rosserial_arduino", "micro_ros_agent"])
+def test_what_nobody_that_was_read_hears_goes_to_firmware(topic, type, thing, package):
+    text = f"{JOYSTICK}    pub {topic} {type}\n/board {package} third_party\n"
+    movers = {
+        tuple(names(each.last_commands)): each for each in inventory(text, unread=("/board",))
+    }
+    others = {topic: mover for topics, mover in movers.items() for topic in topics}
+    assert (others[topic].thing if topic in others else None) is thing
+    assert thing is None or others[topic].unread == ("/board",)
+    plain = inventory(text.replace(package, "own"), unread=("/board",))
+    told = {name for mover in plain for name in names(mover.last_commands)}
+    assert topic not in told or topic == "/lift"
+
+
+def test_who_obeys_a_velocity_makes_what_firmware_gets_of_it():
+    text = TWO_DRIVERS + BASE + "    pub /board/pwm own/PWM\n/board rosserial_python third_party\n"
+    (base, _) = inventory(text, unread=("/board",))
+    assert {each.name: each.hops for each in base.commands} == {"/board/pwm": 0, "/cmd_vel": 1}
+
+
+def test_what_the_launch_publishes_once_goes_to_firmware():
+    text = "/gains rostopic third_party\n    pub /left_motor/pid geometry_msgs/Vector3\n"
+    (base, _) = inventory(text + "/b rosserial_python third_party\n", unread=("/b",))
+    assert names(base.commands) == ["/left_motor/pid"]
+    assert inventory(text) == ()

@@ -83,7 +83,7 @@ def test_the_public_name_is_unapproved_even_for_a_planned_name_and_while_idle():
     [
         (peer(SUPERVISOR_NODE), (), True),
         (peer(SUPERVISOR_NODE, verified=False), (), False),
-        (peer(SUPERVISOR_NODE), ("/driver",), False),
+        (peer(SUPERVISOR_NODE), ("/driver",), True),
         (peer("/rogue"), (), False),
     ],
 )

@@ -15,8 +15,9 @@ pytestmark = pytest.mark.ros1
 TYPE = "geometry_msgs/Twist"
 
 
-def test_a_base_apart_hears_the_app_through_the_guard_and_a_stranger_beside_it(ros1):
-    guard = start_guard(ros1, leaving(1, TYPE), NODE)
+@pytest.mark.parametrize("bystanders", [(), ("/bystander",)])
+def test_a_base_apart_hears_the_app_through_the_guard_and_a_stranger_beside_it(ros1, bystanders):
+    guard = start_guard(ros1, leaving(1, TYPE, *bystanders), NODE)
     base = TopicEcho(ros1, "base", TOPIC)
     say(ros1, "nav", TOPIC, TYPE, TWIST % 0.5, 50, f"{TOPIC}:={INPUT}")
     base.wait_for(lambda rows: [0.5, 0, 0, 0, 0, 0] in rows, "the app's command")
@@ -27,8 +28,9 @@ def test_a_base_apart_hears_the_app_through_the_guard_and_a_stranger_beside_it(r
     assert not guard.ended, guard.log
 
 
-def test_when_the_guard_dies_the_supervisor_stops_a_base_apart(ros1):
-    guard = start_guard(ros1, leaving(1, TYPE), NODE)
+@pytest.mark.parametrize("bystanders", [(), ("/bystander",)])
+def test_when_the_guard_dies_the_supervisor_stops_a_base_apart(ros1, bystanders):
+    guard = start_guard(ros1, leaving(1, TYPE, *bystanders), NODE)
     base = TopicEcho(ros1, "base", TOPIC)
     say(ros1, "nav", TOPIC, TYPE, TWIST % 0.5, 50, f"{TOPIC}:={INPUT}")
     base.wait_for(lambda rows: [0.5, 0, 0, 0, 0, 0] in rows, "the app's command")

@@ -77,13 +77,14 @@ def test_the_robot_is_ramped_down_from_the_last_message_at_once_and_kept_at_rest
     assert len(braked.told) == 51
 
 
-def test_a_command_that_leaves_the_launch_is_stopped_on_its_public_topic():
-    made = Braked(successors=())
+@pytest.mark.parametrize(("successors", "private"), [((), []), (("/seen",), [0.8])])
+def test_who_obeys_and_is_not_in_the_plan_is_stopped_on_the_public_topic(successors, private):
+    made = Braked(successors=successors)
     base = made.transport.listen("/cmd_vel")
     made.says(twist(1.0))
     made.brake()
     made.page.close()
-    assert ([x for x, _ in speeds(base)], made.told) == (pytest.approx([0.8]), [])
+    assert ([x for x, _ in speeds(base)], made.told) == (pytest.approx([0.8]), private)
 
 
 def test_the_stop_ends_after_a_while_when_there_is_a_guard_again(braked):

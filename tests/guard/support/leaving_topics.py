@@ -1,4 +1,4 @@
-"""The plan that is proposed for a launch without its base, which is firmware or starts apart."""
+"""The plan for a launch without its base, which is firmware, or starts apart, or was not read."""
 
 from dataclasses import replace
 
@@ -13,8 +13,9 @@ NODE, LAST_NODE = "/rtron/grcn_cmd_vel", "/rtron/msrcn"
 REFUSED = "unapproved publisher /stranger under the public name"
 
 
-def leaving(ros, type):
-    """Return the plan of an app whose only node commands a base that is not in its launch."""
-    graph = graph_of("app", f"/nav nav own\n    pub {TOPIC} {type}\n", ros=ros)
+def leaving(ros, type, *bystanders):
+    """Return the plan of an app that commands a base unseen, and nodes that are taken for it."""
+    readers = "".join(f"{node} own own\n    sub {TOPIC} {type}\n" for node in bystanders)
+    graph = graph_of("app", f"/nav nav own\n    pub {TOPIC} {type}\n{readers}", ros=ros)
     waits = Supervision(stall_after=SECOND // 5)
     return replace(propose(scan_graph(graph)).plan, supervision=waits)

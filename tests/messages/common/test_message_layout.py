@@ -8,15 +8,7 @@ import pytest
 from google.protobuf.message_factory import GetMessageClass
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from message_samples import (
-    ENCODINGS,
-    ROS1,
-    ROS2,
-    Generator,
-    encode,
-    header,
-    pose_stamped,
-)
+from message_samples import ENCODINGS, ROS1, ROS2, Generator, encode, header, pose_stamped
 
 from example_budget import examples
 from rtron.errors import WireError

@@ -94,8 +94,7 @@ def test_distance():
 
 
 @pytest.mark.parametrize(
-    ("yaw", "expected"),
-    [(0.0, (11.0, 20.0)), (math.pi / 2, (10.0, 21.0)), (math.pi, (9.0, 20.0))],
+    ("yaw", "expected"), [(0.0, (11.0, 20.0)), (math.pi / 2, (10.0, 21.0)), (math.pi, (9.0, 20.0))]
 )
 def test_first_turned_then_moved(yaw, expected):
     moved = planar_transform(Transform(source="a", target="b", x=10.0, y=20.0, yaw=yaw)).apply(

@@ -103,10 +103,7 @@ def test_everything_about_a_mission():
             GuardedTopic(
                 topic="/goal",
                 type="geometry_msgs/PoseStamped",
-                flows=(
-                    Flow(name="a1", publisher="/search"),
-                    Flow(name="a2", publisher="/user"),
-                ),
+                flows=(Flow(name="a1", publisher="/search"), Flow(name="a2", publisher="/user")),
             ),
             GuardedTopic(
                 topic="/cmd_vel",
@@ -203,12 +200,7 @@ def test_it_is_written_to_be_read():
         ("silent: 500 ms", "silent: 0 s", 21, "silent: '0 s' is not between 0.01 s and"),
         ("max_age: 5 s", "max_age: 0", 17, "max_age: '0' is not between 0.01 s and"),
         ("on_silence: keep", "on_silence: kep", 18, "unknown word 'kep': did you mean keep?"),
-        (
-            "on_error: set",
-            "on_error: drop",
-            19,
-            "unknown word 'drop': choose from",
-        ),
+        ("on_error: set", "on_error: drop", 19, "unknown word 'drop': choose from"),
         ("frame: base", "frame: the base", 21, "frame: 'the base' is not a frame like map"),
         (LOW, "event.percent < 0.2", 16, "when: column "),
         (LOW, "event.percent < 0.2", 16, "has no field 'percent'"),
@@ -241,12 +233,7 @@ def test_it_is_written_to_be_read():
         ("[/goal, a3]", "[/gaol]", 26, "no aflow or topic /gaol in the MSRCN: did you mean /goal?"),
         ("[/goal, a3]", "[a33]", 26, "no aflow or topic a33 in the MSRCN: did you mean a3?"),
         ("[/goal, a3]", "[low]", 26, "no aflow or topic low in the MSRCN"),
-        (
-            "[/goal, a3]",
-            "[/go al]",
-            26,
-            "block: '/go al' is not a full topic name like /cmd_vel",
-        ),
+        ("[/goal, a3]", "[/go al]", 26, "block: '/go al' is not a full topic name like /cmd_vel"),
         ("require: /alert", "require: /alrt", 27, "no flow or topic /alrt in the MSRCN: did you"),
         ("require: /alert", "require: /goal", 27, "the rule itself blocks /goal, so it could nev"),
         ("require: /alert", "require: a1", 27, "the rule itself blocks a1"),
@@ -261,28 +248,13 @@ def test_it_is_written_to_be_read():
         ("require: /alert", "require: blnd", 27, "no flow or topic blnd in the MSRCN: did you m"),
         ("require: /alert", "require: /scann", 27, "no flow or topic /scann in the MSRCN: did"),
         ("      block: [/goal, a3]\n", "", 24, "a rule needs block"),
-        (
-            "      reason",
-            "      resaon",
-            28,
-            "unknown key 'resaon' in a rule: did you mean",
-        ),
+        ("      reason", "      resaon", 28, "unknown key 'resaon' in a rule: did you mean"),
         ("[a1, a2]", "[a1, a3]", 30, "the blocked topics have different types (geometry_msgs/Pose"),
         ("[a1, a2]", "[a1, a4]", 30, "one that is not given"),
-        (
-            "[a1, a2]",
-            "[a4]",
-            30,
-            "the type of the blocked topic is needed: give the",
-        ),
+        ("[a1, a2]", "[a4]", 30, "the type of the blocked topic is needed: give the"),
         ("position, kitchen", "position, kitchn", 30, "nothing is called 'kitchn'"),
         ("position, kitchen", "position, kitchn", 30, "did you mean kitchen?"),
-        (
-            "inside(action.pose.position",
-            "inside(action.pose",
-            30,
-            "inside takes a Point and",
-        ),
+        ("inside(action.pose.position", "inside(action.pose", 30, "inside takes a Point and"),
         ("inside(action.pose", "inside(event.pose", 30, "nothing is called 'event'"),
         ("frame: map\n      block", "frame: odom\n      block", 30, "are in different frames"),
         ("geometry_msgs/PoseStamped", "geometry_msgs/Pose", 30, "geometry_msgs/Pose has no field"),
@@ -293,12 +265,7 @@ def test_it_is_written_to_be_read():
         ("name: kitchen", "name: event", 35, "event means something else in expressions"),
         ("name: kitchen", "name: inside", 35, "inside means something else in expressions"),
         ("name: kitchen", "name: null", 35, "name: 'null' is no text: put it in quotes"),
-        (
-            "name: kitchen",
-            "name: var",
-            35,
-            "name: 'var' is not a word of letters",
-        ),
+        ("name: kitchen", "name: var", 35, "name: 'var' is not a word of letters"),
         ("      frame: map\n      polygon", "      polygon", 35, "an area needs frame"),
         ("        - {x: 0, y: 0}\n", "", 37, "an area has 3 to 100 corners"),
         ("{x: 0, y: 0}", "{x: 4, y: 0}", 0, ""),
@@ -316,12 +283,7 @@ def test_it_is_written_to_be_read():
         # A message definition
         ("type: my_msgs/Wear\n    def", "type: ''\n    def", 44, "type: '' is not a message type"),
         ("bool worn", "worn", 45, "line 1: neither a field nor a constant: 'worn'"),
-        (
-            "bool worn",
-            "Other worn",
-            45,
-            "my_msgs/Other of worn is not",
-        ),
+        ("bool worn", "Other worn", 45, "my_msgs/Other of worn is not"),
         ("bool worn", "bool is_worn", 22, "has no field 'worn'"),
         ("    definition: |", "    definiton: |", 45, "did you mean definition?"),
         (
@@ -345,10 +307,7 @@ def test_a_slip_is_told_with_its_line(old, new, line, fault):
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        (
-            LOW,
-            "|\n        event.percentage < 0.2 ||\n        event.percentage > 2.0",
-        ),
+        (LOW, "|\n        event.percentage < 0.2 ||\n        event.percentage > 2.0"),
         ("type: sensor_msgs/BatteryState", "type: sensor_msgs/msg/BatteryState"),
         ("require: /alert", "require: a4"),
         ("require: /alert", "require: bad"),

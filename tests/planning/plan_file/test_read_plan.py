@@ -159,9 +159,7 @@ def test_everything_that_a_plan_can_hold():
             policy=PolicyName.BLOCK,
             aflows=(
                 GuardedTopic(
-                    topic="/cmd_vel",
-                    type="",
-                    flows=(Flow(name="aflow1", publisher="/move_base"),),
+                    topic="/cmd_vel", type="", flows=(Flow(name="aflow1", publisher="/move_base"),)
                 ),
             ),
             eflows=(

@@ -177,13 +177,14 @@ msrcn:
       flows: [{{name: nav, publisher: /nav}}]
   rules: [{{name: battery, when: low, action: {action}, block: [/cmd_vel]}}]
 """
-LOW_WARNING = "warning: MSRCN, low: `when` holds for every message of /battery"
+LOW_WARNING = "warning: MSRCN, eflow low: `when` holds for every message of /battery"
 LOW, FAST = "event.percentage < 0.2", "action.linear.x > 0.5"
 CONDITIONS = [
     (LOW, FAST, ""),
     ("false", FAST, "low is never 1"),
     ("event.percentage > 2.0 && event.percentage < 1.0", FAST, "low is never 1"),
     ("event.present && !event.present", FAST, "low is never 1"),
+    ("event.voltage != event.voltage", FAST, "low is never 1"),
     (LOW, "false", "battery blocks nothing"),
     (LOW, "action.linear.x > 0.5 && action.linear.x < 0.5", "battery blocks nothing"),
     (LOW, "action.linear.x > 0.5 && action.linear.x < 0.6", ""),
@@ -198,6 +199,19 @@ def test_an_expression_that_holds_for_no_message(when, action, fault):
             parse_plan(text)
     else:
         assert parse_plan(text)
+
+
+@pytest.mark.parametrize(
+    ("when", "help"),
+    [
+        ("event.voltage != event.voltage && event.present", "ask math.isNaN(event.voltage)"),
+        ("event.voltage < event.voltage", "correct what it compares, or leave it out"),
+    ],
+)
+def test_what_differs_from_itself_is_no_number(when, help):
+    with pytest.raises(PlanError) as caught:
+        parse_plan(MISSION.format(when=f'"{when}"', action=f'"{FAST}"'))
+    assert caught.value.help == help
 
 
 @pytest.mark.parametrize(

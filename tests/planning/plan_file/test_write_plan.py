@@ -79,12 +79,7 @@ flows = st.builds(
 watched = st.builds(WatchedFlow, name=words, topic=topics, publisher=nodes)
 used = listed(st.sampled_from(TWIST_COMPONENTS))
 guarded = st.builds(
-    GuardedTopic,
-    topic=topics,
-    type=types,
-    flows=listed(flows),
-    successors=listed(nodes),
-    uses=used,
+    GuardedTopic, topic=topics, type=types, flows=listed(flows), successors=listed(nodes), uses=used
 )
 grcns = st.builds(
     GRCN,
@@ -156,13 +151,7 @@ judged = st.builds(
 )
 polygons = st.tuples(
     st.floats(-1e7, 1e7), st.floats(-1e7, 1e7), st.floats(0.1, 9), st.floats(0.1, 9)
-).map(
-    lambda c: (
-        Point(x=c[0], y=c[1]),
-        Point(x=c[0] + c[2], y=c[1]),
-        Point(x=c[0], y=c[1] + c[3]),
-    )
-)
+).map(lambda c: (Point(x=c[0], y=c[1]), Point(x=c[0] + c[2], y=c[1]), Point(x=c[0], y=c[1] + c[3])))
 areas = st.builds(Area, name=variables, frame=frames, polygon=polygons)
 transforms = st.builds(
     Transform,
@@ -180,11 +169,7 @@ stops = st.builds(
     period=within("period"),
     repeat=within("repeat"),
 )
-audits = st.builds(
-    Audit,
-    period=within("Audit.period"),
-    on_foreign=st.sampled_from(OnForeign),
-)
+audits = st.builds(Audit, period=within("Audit.period"), on_foreign=st.sampled_from(OnForeign))
 bounds = st.builds(
     Supervision,
     stall_after=within("stall_after"),

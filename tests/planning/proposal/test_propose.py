@@ -168,9 +168,7 @@ class TestAutoRace:
     def test_the_camera_is_the_one_image_that_the_node_hears(self):
         cameras = {monitor.node: monitor.camera for monitor in AUTORACE_PLAN.fps_monitor}
         assert cameras["/detect_sign"] == WatchedFlow(
-            name="camera",
-            topic="/camera/image_compensated",
-            publisher="/camera/image_compensation",
+            name="camera", topic="/camera/image_compensated", publisher="/camera/image_compensation"
         )
 
     def test_own_nodes_drive_before_those_of_others(self):
@@ -224,9 +222,7 @@ class TestOrder:
     def test_then_what_a_node_does(self):
         names = ("a_teleop", "b_shows", "c_speaks", "d_works", "e_plans", "f_serves")
         text = shared(
-            "/cmd_vel",
-            "geometry_msgs/Twist",
-            ",".join(f"/{name} x own" for name in names),
+            "/cmd_vel", "geometry_msgs/Twist", ",".join(f"/{name} x own" for name in names)
         )
         text += "/d_works x own\n sub /scan p/T\n/f_serves x own\n server /drive p/Drive\n"
         graph = graph_of("app", text)
@@ -250,9 +246,7 @@ class TestOrder:
     def test_the_function_of_a_stranger_puts_it_behind_never_before(self, trust):
         names = ("a_planner", "b_works", "c_teleop")
         text = shared(
-            "/cmd_vel",
-            "geometry_msgs/Twist",
-            ",".join(f"/{name} x {trust}" for name in names),
+            "/cmd_vel", "geometry_msgs/Twist", ",".join(f"/{name} x {trust}" for name in names)
         )
         text += f"/b_works x {trust}\n sub /scan p/T\n/c_teleop x {trust}\n sub /joy p/T\n"
         graph = graph_of("app", text)

@@ -371,9 +371,7 @@ HELD = RefusalStatistics(
 def test_max_age_is_shorter_if_all_that_waited_went_sooner(held, after):
     waits = took(5 * SECOND, 100)
     figures = goals(
-        takes=took(9 * SECOND, 20, usual=SECOND),
-        waits=waits,
-        refusals=(replace(HELD, count=held),),
+        takes=took(9 * SECOND, 20, usual=SECOND), waits=waits, refusals=(replace(HELD, count=held),)
     )
     settings = GOALS | {"flows": FLOWS, "max_hold": 15 * SECOND}
     assert tuned_grcn(grcn(**settings), figures)[0].max_age == after * SECOND

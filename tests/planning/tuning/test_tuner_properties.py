@@ -5,16 +5,7 @@ from random import Random
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_tuner import (
-    GOALS,
-    MONITOR,
-    flow,
-    grcn,
-    limited,
-    mission,
-    run,
-    stream,
-)
+from test_tuner import GOALS, MONITOR, flow, grcn, limited, mission, run, stream
 
 from rtron.coherence import coherence_problems
 from rtron.coherence.duration_bounds import DURATION_RANGES, LONGEST_SILENCE

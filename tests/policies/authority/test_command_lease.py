@@ -264,11 +264,7 @@ class NaiveLease:
         offered = self.holder and self.offered == who and now < self.offered_until
         above = self.holder and known and RANK[who] < RANK[self.holder]
         free = known and self.holder is None
-        granted = {
-            "acquire": free,
-            "take_over": free or above,
-            "accept": offered,
-        }.get(verb, False)
+        granted = {"acquire": free, "take_over": free or above, "accept": offered}.get(verb, False)
         if granted:
             self.holder, self.until, self.offered = who, now + TTL, None
         return bool(granted)

@@ -144,11 +144,7 @@ def test_the_papers_risks_are_for_auditors(printed):
 
 def test_long_names_stay_whole(printed):
     name = "/" + "a_very_long_namespace/" * 8 + "node"
-    found = risk(
-        RiskKind.GR_ST,
-        role_nodes={RiskRole.PUBLISHER: (name, "/b")},
-        topics=(name,),
-    )
+    found = risk(RiskKind.GR_ST, role_nodes={RiskRole.PUBLISHER: (name, "/b")}, topics=(name,))
     told = risk(RiskKind.RSR, severity=Severity.HIGH, reason=f"{name} outruns its eyes")
     rows = printed(scan_of(report=report_of(found, told))).splitlines()
     assert sum(name in row for row in rows) == 3

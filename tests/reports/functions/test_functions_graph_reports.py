@@ -112,11 +112,7 @@ def test_what_is_assumed_is_lighter_than_what_was_read():
     senders = [use("a", F.PATH_TRACKING, sends=[TWIST]), use("b", F.TELEOPERATION)]
     text = functions_to_svg(abstract_graph([*senders, use("c", F.MOBILE, hears=[TWIST])]))
     read, words = look_of(text, "Path Tracking", "Mobile")
-    assert words == {
-        TWIST: None,
-        "ackermann_msgs/": "italic",
-        "AckermannDriveStamped": "italic",
-    }
+    assert words == {TWIST: None, "ackermann_msgs/": "italic", "AckermannDriveStamped": "italic"}
     assumed, words = look_of(text, "Teleoperation", "Mobile")
     assert words == {TWIST: "italic"}
     assert assumed < read

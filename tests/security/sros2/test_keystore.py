@@ -7,16 +7,7 @@ import subprocess
 from datetime import datetime, timedelta, timezone
 
 import pytest
-from keystores import (
-    NOW,
-    YEAR,
-    access_of,
-    change_of,
-    changed,
-    changes,
-    settings,
-    write,
-)
+from keystores import NOW, YEAR, access_of, change_of, changed, changes, settings, write
 
 from rtron.errors import InputError
 from rtron.security.sros2 import layout

@@ -109,10 +109,7 @@ def staying(folder, domain, *words, tmp_path):
     log = tmp_path / f"{len([*tmp_path.glob('*.out')])}.out"
     given = {"stdin": subprocess.PIPE, "env": environ()}
     line = command(folder, domain, *words)
-    with (
-        log.open("w") as out,
-        subprocess.Popen(line, stdout=out, stderr=out, **given) as process,
-    ):
+    with log.open("w") as out, subprocess.Popen(line, stdout=out, stderr=out, **given) as process:
         try:
             wait_for(lambda: log.read_text() or process.poll() is not None, 20, "a participant")
             yield log.read_text

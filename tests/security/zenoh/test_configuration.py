@@ -7,12 +7,7 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.security.access.app_access import app_access
-from rtron.security.zenoh.configuration import (
-    TlsFiles,
-    ZenohRouter,
-    router_config,
-    session_config,
-)
+from rtron.security.zenoh.configuration import TlsFiles, ZenohRouter, router_config, session_config
 from rtron.security.zenoh.key_expressions import DomainKeys
 from rtron.vocabulary import InteractionGraph
 
@@ -89,8 +84,7 @@ def test_only_the_router_listens_and_only_by_tls(router):
 
 
 @pytest.mark.parametrize(
-    ("host", "endpoint"),
-    [("robot.local", "tls/robot.local:7447"), ("::1", "tls/[::1]:7447")],
+    ("host", "endpoint"), [("robot.local", "tls/robot.local:7447"), ("::1", "tls/[::1]:7447")]
 )
 def test_an_address_is_written_as_zenoh_reads_it(host, endpoint):
     assert ZenohRouter(host=host).endpoint == endpoint

@@ -4,17 +4,7 @@ import pytest
 
 zenoh = pytest.importorskip("zenoh", reason="needs eclipse-zenoh (extra `dev`)")
 
-from zenoh_robot import (  # noqa: E402
-    BASE,
-    GUARD,
-    MAPPER,
-    NAV,
-    OPERATOR,
-    OUTPUT,
-    ZenohRobot,
-    until,
-    without,
-)
+from zenoh_robot import BASE, GUARD, MAPPER, NAV, OPERATOR, OUTPUT, ZenohRobot, until, without  # noqa: E402
 
 END = b"end"
 

@@ -9,7 +9,7 @@ from sqlalchemy import text
 from webhook_receiver import run_receiver
 
 from rtron.errors import InputError, SourceError
-from rtron.service.alerts import worker
+from rtron.service.alerts import dispatcher
 from rtron.service.alerts.dispatcher import DuplicateFilter
 from rtron.service.alerts.webhook_call import signature
 from rtron.service.alerts.webhook_url import parse_webhook_url, resolve_address
@@ -125,7 +125,7 @@ def test_the_same_alarm_is_not_repeated_within_a_minute(clock, hook, tell, recei
 
 
 def test_it_is_sent_again_until_it_is_taken(monkeypatch, hook, tell, receiver, client, admin):
-    monkeypatch.setattr(worker, "RETRY_DELAYS_S", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(dispatcher, "RETRY_DELAYS_S", (0.0, 0.0, 0.0))
     hook()
     receiver.answers = [500, 429, 503]
     tell()
@@ -134,7 +134,7 @@ def test_it_is_sent_again_until_it_is_taken(monkeypatch, hook, tell, receiver, c
 
 
 def test_what_is_given_up_is_shown_and_counted(monkeypatch, hook, tell, receiver, client, admin):
-    monkeypatch.setattr(worker, "RETRY_DELAYS_S", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(dispatcher, "RETRY_DELAYS_S", (0.0, 0.0, 0.0))
     hook()
     receiver.answers = [500, 404, 500, 418]
     tell()
@@ -149,7 +149,7 @@ def test_what_is_given_up_is_shown_and_counted(monkeypatch, hook, tell, receiver
 
 
 def test_no_redirect_is_followed(monkeypatch, hook, tell, receiver, client, admin):
-    monkeypatch.setattr(worker, "RETRY_DELAYS_S", ())
+    monkeypatch.setattr(dispatcher, "RETRY_DELAYS_S", ())
     hook()
     receiver.answers = [302]
     tell()
@@ -169,8 +169,8 @@ def test_who_does_not_answer_does_not_hold_up_the_others(
 
 
 def test_a_flood_fills_no_memory(monkeypatch, hook, tell, receiver, client, admin):
-    monkeypatch.setattr(worker, "RETRY_DELAYS_S", ())
-    monkeypatch.setattr(worker, "_MAX_QUEUED", 2)
+    monkeypatch.setattr(dispatcher, "RETRY_DELAYS_S", ())
+    monkeypatch.setattr(dispatcher, "_MAX_QUEUED", 2)
     hook()
     for each in range(50):
         tell(id=each, topic=f"/{each}")
@@ -210,7 +210,7 @@ def test_a_webhook_in_place_of_another_gets_the_alerts_and_the_other_none(
 
 def test_tls_is_checked_under_the_hosts_name(monkeypatch, tell, client, admin, certificate):
     """The address was looked up before; the certificate is for the name, and is not trusted."""
-    monkeypatch.setattr(worker, "RETRY_DELAYS_S", ())
+    monkeypatch.setattr(dispatcher, "RETRY_DELAYS_S", ())
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(*certificate)
     with run_receiver(context) as receiver:
@@ -297,7 +297,7 @@ def test_another_alarm_is_news(key):
 
 def test_alerts_outlive_a_failing_database(app, clock, monkeypatch, hook, tell, receiver):
     """Neither the look at the webhooks nor the note of a failure may end them."""
-    monkeypatch.setattr(worker, "RETRY_DELAYS_S", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(dispatcher, "RETRY_DELAYS_S", (0.0, 0.0, 0.0))
     hook()
     tell(id=1, topic="/a")
     assert number(receiver) == 1

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from rtron.service.api.export_files import csv_lines, json_array
+from rtron.service.api.routes.exports import csv_lines, json_array
 
 
 def cell(value, name="reason"):

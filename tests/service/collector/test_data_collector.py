@@ -334,10 +334,7 @@ def test_too_many_events_end_the_connection(small):
 
 @pytest.mark.parametrize(
     ("values", "code"),
-    [
-        ({"protocol": 2}, CloseCode.PROTOCOL),
-        ({"robot": "two"}, CloseCode.WRONG_ROBOT),
-    ],
+    [({"protocol": 2}, CloseCode.PROTOCOL), ({"robot": "two"}, CloseCode.WRONG_ROBOT)],
 )
 def test_a_hello_that_does_not_fit(small, values, code):
     with small.guard() as proper, small.connect() as socket:

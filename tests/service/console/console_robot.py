@@ -180,10 +180,7 @@ class GuardModel:
         passed, dropped = (
             (passed + step, dropped)
             if owns or node.mode is Mode.OBSERVE
-            else (
-                passed,
-                dropped + step // 2,
-            )
+            else (passed, dropped + step // 2)
         )
         self.counts[key] = passed, dropped
         return VerdictCounts(passed=passed, dropped=dropped, modified=passed // 9)

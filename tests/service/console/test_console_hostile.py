@@ -10,13 +10,7 @@ from console_robot import plan
 from incident_reports import NAME, a_report
 from leased_guard import SERVED_PLAN, LeasedGuard
 
-from rtron.vocabulary import (
-    EventKind,
-    GuardEventLevel,
-    LeaseStatus,
-    OpenRequest,
-    OpenRequests,
-)
+from rtron.vocabulary import EventKind, GuardEventLevel, LeaseStatus, OpenRequest, OpenRequests
 from rtron.wire.common.incident_report import IncidentReport
 from rtron.wire.common.link_protocol import IncidentSaved
 

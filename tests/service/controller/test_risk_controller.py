@@ -141,11 +141,7 @@ def test_a_change_is_stored_sent_and_told(controller_on_each_database):
     assert nodes(controller_on_each_database)[0].policy_settings["policy"] == "Block"
     detail = dict(audit(controller_on_each_database)[-1].detail)
     assert detail.pop("settings")["revision"] == 1
-    assert detail == {
-        "revision": 0,
-        "nodes": '{"drive": {"policy": "Block"}}',
-        "reason": "why",
-    }
+    assert detail == {"revision": 0, "nodes": '{"drive": {"policy": "Block"}}', "reason": "why"}
     assert audit(controller_on_each_database)[-1].address == "10.0.0.7"
 
 

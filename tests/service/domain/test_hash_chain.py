@@ -115,10 +115,7 @@ def test_any_swap_of_entries_is_found(log, data):
     a = data.draw(st.integers(0, len(links) - 2))
     b = data.draw(st.integers(a + 1, len(links) - 1))
     assume(canonical_json(log[a]) != canonical_json(log[b]))
-    links[a], links[b] = (
-        replace(links[a], content=log[b]),
-        replace(links[b], content=log[a]),
-    )
+    links[a], links[b] = (replace(links[a], content=log[b]), replace(links[b], content=log[a]))
     assert [fault.split()[1] for fault in faults_of(links, head)] == [str(a + 1), str(b + 1)]
 
 

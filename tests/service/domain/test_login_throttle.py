@@ -139,8 +139,7 @@ def test_guesses_of_other_names_delay_nobody_at_a_known_address():
 
 
 @pytest.mark.parametrize(
-    ("guesser", "elsewhere"),
-    [("2001:db8:1:{:x}::1", "2001:db8:2::1"), ("10.0.0.{}", "10.0.1.1")],
+    ("guesser", "elsewhere"), [("2001:db8:1:{:x}::1", "2001:db8:2::1"), ("10.0.0.{}", "10.0.1.1")]
 )
 def test_who_has_a_whole_network_comes_after_the_others(guesser, elsewhere):
     """Each of its addresses is new, and so many that none is remembered."""

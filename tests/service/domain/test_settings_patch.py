@@ -9,14 +9,7 @@ from hypothesis import strategies as st
 
 from rtron.errors import InputError
 from rtron.service.domain.settings_patch import MAX_BLOCKED, MAX_USER_RULES, merge_patch
-from rtron.vocabulary import (
-    SECOND,
-    FlowSettings,
-    NodeSettings,
-    PolicyName,
-    RuleSettings,
-    Settings,
-)
+from rtron.vocabulary import SECOND, FlowSettings, NodeSettings, PolicyName, RuleSettings, Settings
 
 PLAN = plan()
 DAY = 24 * 3600 * SECOND

@@ -146,10 +146,7 @@ class LinkedGuard:
         """Connect, again and again, until it is cancelled."""
         with closing(Spool(self._options.spool_file)) as spool:
             connection = ServiceConnection(
-                self._options,
-                spool,
-                self._take_settings,
-                HeadsFile(self._options.audit_heads_file),
+                self._options, spool, self._take_settings, HeadsFile(self._options.audit_heads_file)
             )
             connection.announce(hello(plan(), app="app"))
             await connection.run()

@@ -97,9 +97,7 @@ def connect_as_stranger(url):
     return pg8000.dbapi.connect(STRANGER, place.host, place.database, place.port)
 
 
-def test_who_may_only_connect_to_the_database_neither_forges_notices_nor_hears_any(
-    throttles,
-):
+def test_who_may_only_connect_to_the_database_neither_forges_notices_nor_hears_any(throttles):
     first, _second, heard, clock = throttles
     url = first.queue._database.url.render_as_string(hide_password=False)
     with closing(connect_as_stranger(url)) as stranger:

@@ -352,9 +352,7 @@ def test_who_lost_the_rights_changes_no_further_robot(site):
         (caller(name="nobody"), NODES, ForbiddenError),
         (
             Principal(
-                name="tom",
-                roles=frozenset({UserRole.DEVELOPER}),
-                groups=frozenset({"hall-a"}),
+                name="tom", roles=frozenset({UserRole.DEVELOPER}), groups=frozenset({"hall-a"})
             ),
             NODES,
             ForbiddenError,

@@ -63,9 +63,7 @@ def authority(tmp_path):
 def config(database_file, authority, certificate):
     cert, key = certificate
     return ServiceConfig(
-        database=database_file,
-        tls=Tls(cert=cert, key=key),
-        client_ca=authority.certificate,
+        database=database_file, tls=Tls(cert=cert, key=key), client_ca=authority.certificate
     )
 
 
@@ -102,10 +100,7 @@ def options(tmp_path, port, trusted, shown=(None, None)):
 def guard(url, headers, tls=None):
     """A guard that said hello; as in the product, one thread writes and reads its TLS."""
     connection = connect(url, additional_headers=headers, ssl=tls, proxy=None, open_timeout=LIMIT_S)
-    with (
-        start_blocking_portal() as portal,
-        portal.wrap_async_context_manager(connection) as socket,
-    ):
+    with start_blocking_portal() as portal, portal.wrap_async_context_manager(connection) as socket:
         portal.call(partial(socket.send, encode_from_guard(hello(plan())), text=True))
         assert isinstance(decode_to_guard(portal.call(socket.recv)), NewSettings)
         yield socket

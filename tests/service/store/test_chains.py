@@ -2,14 +2,7 @@ import pytest
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 from service_app import SIGNER
 from sqlalchemy import delete, select, text, update
-from store_data import (
-    age_partitions,
-    make_event,
-    make_verdict,
-    new_robot,
-    prune,
-    store_events,
-)
+from store_data import age_partitions, make_event, make_verdict, new_robot, prune, store_events
 
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.hash_chain import GENESIS, Head, Witness, next_head

@@ -105,8 +105,7 @@ def test_code_that_is_not_seen_is_noted(tmp_path, line):
 
 
 @pytest.mark.parametrize(
-    "line",
-    ["source /opt/ros/noetic/setup.bash", ". devel/setup.sh", "X=$(date)", "echo $X"],
+    "line", ["source /opt/ros/noetic/setup.bash", ". devel/setup.sh", "X=$(date)", "echo $X"]
 )
 def test_usual_lines_are_not_noted(tmp_path, line):
     script = tmp_path / "run.sh"

@@ -2,12 +2,7 @@
 
 import pytest
 
-from rtron.sources.gazebo import (
-    PluginScope,
-    Sensor,
-    plugin_library,
-    read_plugins,
-)
+from rtron.sources.gazebo import PluginScope, Sensor, plugin_library, read_plugins
 from rtron.sources.xacro import parse_element
 from rtron.vocabulary import Evidence
 

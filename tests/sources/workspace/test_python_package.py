@@ -74,3 +74,14 @@ def test_scripts_of_setup_are_programs_though_they_are_not_executable(tmp_path):
     assert found.executable("p", "go").sources == (path / "bin/go",)
     assert found.executable("p", "none") is None
     assert found.program_names("p") == ("go", "x")
+
+
+def test_the_modules_folder_of_a_package_needs_no_init_file(tmp_path):
+    """PEP 420; ROS 1 keeps its modules in `src`, whatever scripts lie beside it."""
+    setup = "setup(packages=['p'], entry_points={'console_scripts': ['n = p.node:main']})"
+    path = package(tmp_path / "p", {"setup.py": setup, "p/node.py": "", "p/part.py": ""})
+    package(tmp_path / "q", {"q/script.py": "", "src/q/part.py": ""})
+    found = workspace(tmp_path)
+    assert found.executable("p", "n").sources == (path / "p/node.py",)
+    assert found.python_module("p.part", "p", path / "p/node.py") == path / "p/part.py"
+    assert found.python_module("q.part", "q", path / "x.py") == tmp_path / "q/src/q/part.py"

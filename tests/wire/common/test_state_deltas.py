@@ -71,9 +71,7 @@ def test_other_streams_need_the_whole_state():
         StateDelta(state=GuardState(at=1, revision=1), unchanged=("streams",)),
         StateDelta(
             state=GuardState(
-                at=1,
-                revision=1,
-                streams=(StreamState(topic="/x", nodes=(), mode=Mode.ENFORCE),),
+                at=1, revision=1, streams=(StreamState(topic="/x", nodes=(), mode=Mode.ENFORCE),)
             )
         ),
     ],

@@ -47,10 +47,7 @@ NAMES = {
             "reserve": "",
         },
     ),
-    "RequestId": (
-        "rmw_request_id_t",
-        {"guid": "writer_guid", "number": "sequence_number"},
-    ),
+    "RequestId": ("rmw_request_id_t", {"guid": "writer_guid", "number": "sequence_number"}),
     "ServiceInfo": ("rmw_service_info_t", {}),
     "SerializedMessage": (
         "rcutils_uint8_array_t",

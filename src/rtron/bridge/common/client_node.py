@@ -5,12 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from rtron.bridge.protocol.effects import (
-        CancelGoal,
-        RequestParameter,
-        RequestService,
-        SendGoal,
-    )
+    from rtron.bridge.protocol.effects import CancelGoal, RequestParameter, RequestService, SendGoal
     from rtron.bridge.protocol.frames import Document
     from rtron.bridge.rights.document import ClientRights
     from rtron.errors import RTronError

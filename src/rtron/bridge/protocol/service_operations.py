@@ -145,13 +145,7 @@ class ServiceOperations:
         return decode_response(call.response, self._state.types.encoding, answer)
 
     def _answer(
-        self,
-        service: str,
-        id: object,
-        values: object,
-        *,
-        is_success: bool,
-        fragment: int = _LARGE,
+        self, service: str, id: object, values: object, *, is_success: bool, fragment: int = _LARGE
     ) -> None:
         document: Document = {"op": "service_response", "service": service, "values": values}
         document["result"] = is_success

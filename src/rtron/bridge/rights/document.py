@@ -29,15 +29,13 @@ NamePattern = Annotated[
 TypeName = Annotated[str, Field(pattern=f"^{_WORD}/((msg|srv|action)/)?{_WORD}$", max_length=255)]
 ClientName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=60)]
 TokenHash = Annotated[
-    str,
-    Field(pattern="^sha256:[0-9a-f]{64}$", description="`rtron bridge token NAME` makes one"),
+    str, Field(pattern="^sha256:[0-9a-f]{64}$", description="`rtron bridge token NAME` makes one")
 ]
 Rate = Annotated[float, Field(gt=0, le=10_000, description="at most so many a second")]
 Size = Annotated[int, Field(ge=64, le=1 << 26, description="bytes")]
 WebOrigin = Annotated[str, Field(pattern=r"^https?://[^/\s]+$", max_length=255)]
 Approval = Annotated[
-    bool,
-    Field(description="a person must approve each message: `rtron bridge approve`"),
+    bool, Field(description="a person must approve each message: `rtron bridge approve`")
 ]
 PersonName = Annotated[str, Field(min_length=1, max_length=200)]
 HostName = Annotated[str, Field(pattern=r"^[A-Za-z0-9._:-]+$", max_length=255)]

@@ -21,8 +21,7 @@ _DEFAULT_PORT = 9090
 """rosbridge's own."""
 
 bridge = typer.Typer(
-    name="bridge",
-    help="Let web pages and programs take part, each with rights of its own.",
+    name="bridge", help="Let web pages and programs take part, each with rights of its own."
 )
 
 BridgePlan = Annotated[Path, typer.Option("--plan", metavar="rtron.yaml", help="The plan.")]

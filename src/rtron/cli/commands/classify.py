@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rtron.cli.support.options import ClusterAddress, Output, ProcessCount, Readmes
+from rtron.cli.support.options import Output, Readmes
 from rtron.cli.support.outcome import STDOUT, Outcome
 from rtron.cli.support.progress import show_progress
 from rtron.cli.support.skipped_report import report_skipped
@@ -31,8 +31,6 @@ def classify(
     table: Annotated[
         bool, typer.Option("--table", help="Print the paper's two tables instead.")
     ] = False,
-    jobs: ProcessCount = None,
-    cluster: ClusterAddress = None,
     output: Output = STDOUT,
 ) -> Outcome:
     """Find the robot functions of repositories.
@@ -46,7 +44,6 @@ def classify(
     $ rtron classify src --table                     a folder of them
     $ rtron classify kinetic.jsonl --readmes readmes.jsonl -o classes.jsonl
     $ rtron classify humble/distribution.yaml        by names only
-    $ rtron classify all.jsonl --cluster tcp://10.0.0.7:8786
 
     Entries that cannot be read are skipped and listed on standard error.
 
@@ -57,7 +54,7 @@ def classify(
 
     with report_skipped() as note_skipped, show_progress() as progress:
         repositories = read_repositories(source, readmes, note_skipped)
-        classified = classify_repositories(repositories, jobs, cluster, note_skipped, progress)
+        classified = classify_repositories(repositories, note_skipped, progress)
         classifications = [each for _, each in classified]
     if table:
         from rtron.functions.classifier.tables import build_tables

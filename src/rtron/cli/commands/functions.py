@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtron.cli.support.options import (
-    ClusterAddress,
+    Jobs,
     NoCache,
     Output,
-    ProcessCount,
     Readmes,
     TextOrJson,
 )
@@ -61,8 +60,7 @@ def graph(
     ] = None,
     output: Output = STDOUT,
     readmes: Readmes = None,
-    jobs: ProcessCount = None,
-    cluster: ClusterAddress = None,
+    jobs: Jobs = None,
     no_cache: NoCache = False,
 ) -> Outcome:
     """Draw the interaction graph of functions: which exchange which messages.
@@ -79,13 +77,12 @@ def graph(
 
     See docs/functions_graph.md. Exit code: 0 drawn, 2 bad input.
     """
-    from rtron.workflows.function_graph import FunctionGraphRequest, build_function_graph
+    from rtron.workflows.function_graph import build_function_graph
     from rtron.workflows.source_app import static_scan_options
 
-    request = FunctionGraphRequest(source, readmes, jobs, cluster)
     with report_skipped() as note_skipped, show_progress() as progress:
         options = static_scan_options(jobs, use_cache=not no_cache, progress=progress)
-        drawn = build_function_graph(request, options, note_skipped)
+        drawn = build_function_graph(source, readmes, options, note_skipped)
     return Outcome(_RENDERERS[format or _format_from_suffix(output)](drawn), to=output)
 
 

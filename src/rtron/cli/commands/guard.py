@@ -129,8 +129,7 @@ def guard(  # noqa: PLR0913 - one for each option
         typer.Option(metavar="RUN.json", help="Write the measurements of a dry run to a file."),
     ] = None,
     control_socket: Annotated[
-        Path | None,
-        typer.Option(metavar="SOCKET", help="The socket for `rtron override`."),
+        Path | None, typer.Option(metavar="SOCKET", help="The socket for `rtron override`.")
     ] = None,
     service: ServiceOption = "",
     token_file: TokenOption = None,

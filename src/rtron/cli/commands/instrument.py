@@ -35,10 +35,7 @@ def instrument(  # noqa: PLR0913 - one for each option
     output: Annotated[
         Path,
         typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT.launch",
-            help="The guarded launch file, of APP's kind.",
+            "--output", "-o", metavar="OUT.launch", help="The guarded launch file, of APP's kind."
         ),
     ],
     graph: Annotated[

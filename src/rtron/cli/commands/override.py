@@ -23,8 +23,7 @@ def override(
     *,
     plan: PlanOption,
     duration: Annotated[
-        str,
-        typer.Option("--for", metavar="TIME", help="Duration: 30 s, 2 min; 0 cancels it."),
+        str, typer.Option("--for", metavar="TIME", help="Duration: 30 s, 2 min; 0 cancels it.")
     ],
     reason: Annotated[str, typer.Option(metavar="TEXT", help="The reason, for the log.")] = "",
     control_socket: ControlSocketOption = None,
@@ -194,11 +193,7 @@ def give(
 
 @lease.command()
 def end(
-    name: Name,
-    *,
-    plan: PlanOption,
-    reason: Reason,
-    control_socket: ControlSocketOption = None,
+    name: Name, *, plan: PlanOption, reason: Reason, control_socket: ControlSocketOption = None
 ) -> Outcome:
     """Take a lease from its holder; the robot stops, until somebody has it.
 

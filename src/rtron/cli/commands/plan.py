@@ -39,8 +39,7 @@ PlanOfRun = Annotated[
     Path | None, typer.Option("--plan", metavar="rtron.yaml", help="The plan of that run.")
 ]
 EveryRisk = Annotated[
-    bool,
-    typer.Option("--every-risk", help="Also observe what moves nothing: images, transforms."),
+    bool, typer.Option("--every-risk", help="Also observe what moves nothing: images, transforms.")
 ]
 Format = Annotated[TextOrJson, typer.Option(help="With --from-run: a report, or JSON.")]
 
@@ -175,8 +174,7 @@ def check(
     plan: Annotated[Path, typer.Argument(metavar="rtron.yaml", help="The plan.")],
     *,
     graph: Annotated[
-        Path | None,
-        typer.Option(metavar="GRAPH.json", help="Also compare the plan with this app."),
+        Path | None, typer.Option(metavar="GRAPH.json", help="Also compare the plan with this app.")
     ] = None,
 ) -> Outcome:
     """Check a plan that you edited.

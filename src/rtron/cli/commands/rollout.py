@@ -204,11 +204,7 @@ def show(
 @rollout.command()
 @calls_service
 def pause(
-    client: "SecurityServiceClient",
-    id: Id,
-    *,
-    reason: Reason,
-    format: Format = TextOrJson.TEXT,
+    client: "SecurityServiceClient", id: Id, *, reason: Reason, format: Format = TextOrJson.TEXT
 ) -> Outcome:
     """Let no further robot get the change; it still goes back at a limit.
 
@@ -222,11 +218,7 @@ def pause(
 @rollout.command()
 @calls_service
 def resume(
-    client: "SecurityServiceClient",
-    id: Id,
-    *,
-    reason: Reason,
-    format: Format = TextOrJson.TEXT,
+    client: "SecurityServiceClient", id: Id, *, reason: Reason, format: Format = TextOrJson.TEXT
 ) -> Outcome:
     """Go on with a roll-out that is paused.
 

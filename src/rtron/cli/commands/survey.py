@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rtron.cli.support.options import ClusterAddress, NoCache, Output, ProcessCount
+from rtron.cli.support.options import Jobs, NoCache, Output
 from rtron.cli.support.outcome import INTERRUPTED, STDOUT, Outcome, as_json
 from rtron.cli.support.progress import show_progress
 from rtron.cli.support.skipped_report import print_to_stderr, report_skipped
@@ -28,7 +28,7 @@ class SurveyFormat(str, Enum):
     TABLE = "table"
 
 
-def survey(  # noqa: PLR0913 - one for each option
+def survey(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="A repository, or a folder of repositories.")
     ],
@@ -45,8 +45,7 @@ def survey(  # noqa: PLR0913 - one for each option
     seconds: Annotated[
         float, typer.Option("--timeout", min=1, metavar="S", help="Seconds for each app.")
     ] = 120.0,
-    jobs: ProcessCount = None,
-    cluster: ClusterAddress = None,
+    jobs: Jobs = None,
     no_cache: NoCache = False,
     output: Output = STDOUT,
 ) -> Outcome:
@@ -60,17 +59,15 @@ def survey(  # noqa: PLR0913 - one for each option
     $ rtron survey src --table
     $ rtron survey repositories/ -o apps.jsonl
     $ rtron survey repositories/ -o study.html     beside the paper's figures
-    $ rtron survey repositories/ --cluster tcp://10.0.0.7:8786
 
     Results are kept as they come: after an end, Ctrl-C for instance, the same
-    command goes on where it was, and scans again only what has changed. The
-    workers of a cluster must see the folder under the same path.
+    command goes on where it was, and scans again only what has changed.
 
     Exit code: 0 done, 2 no app could be scanned, 130 ended before.
     """
     from rtron.survey.survey_run import SurveyOptions, run_survey
 
-    options = SurveyOptions(seconds=seconds, jobs=jobs, cluster=cluster, use_cache=not no_cache)
+    options = SurveyOptions(seconds=seconds, jobs=jobs, use_cache=not no_cache)
     with show_progress() as progress:
         found = run_survey(folder, options, progress)
     with report_skipped() as note_skipped:

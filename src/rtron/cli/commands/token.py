@@ -54,13 +54,11 @@ def create(
         str | None, typer.Option(metavar="NAME", help="The robot of the guard.")
     ] = None,
     days: Annotated[
-        int,
-        typer.Option(min=1, max=3650, metavar="DAYS", help="Days until it expires."),
+        int, typer.Option(min=1, max=3650, metavar="DAYS", help="Days until it expires.")
     ] = 90,
     group: GroupOption = None,
     token_file: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Write it to this new file, mode 0600."),
+        Path | None, typer.Option(metavar="FILE", help="Write it to this new file, mode 0600.")
     ] = None,
     database: DatabaseOption = DEFAULT_DATABASE,
 ) -> Outcome:
@@ -100,10 +98,7 @@ def revoke(name: Name, *, database: DatabaseOption = DEFAULT_DATABASE) -> Outcom
 
 @token.command()
 def renew(
-    *,
-    service: ServiceOption = DEFAULT_SERVICE,
-    token_file: TokenOption = None,
-    ca: CaOption = None,
+    *, service: ServiceOption = DEFAULT_SERVICE, token_file: TokenOption = None, ca: CaOption = None
 ) -> Outcome:
     r"""Renew the token in a file, for as long as it was made for.
 

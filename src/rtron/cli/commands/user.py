@@ -31,8 +31,7 @@ class RoleOption(str, Enum):
 
 Name = Annotated[str, typer.Argument(metavar="NAME", help="The user.")]
 PasswordFile = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="Write it to this new file, mode 0600."),
+    Path | None, typer.Option(metavar="FILE", help="Write it to this new file, mode 0600.")
 ]
 
 
@@ -71,10 +70,7 @@ def add(
 
 @user.command()
 def password(
-    name: Name,
-    *,
-    password_file: PasswordFile = None,
-    database: DatabaseOption = DEFAULT_DATABASE,
+    name: Name, *, password_file: PasswordFile = None, database: DatabaseOption = DEFAULT_DATABASE
 ) -> Outcome:
     """Give a user a new password, and show the password once.
 

@@ -77,7 +77,7 @@ LaunchPython = Annotated[
 Jobs = Annotated[
     int | None,
     typer.Option(
-        "--jobs", "-j", min=1, metavar="N", help="Work on N nodes at a time; no more than cores."
+        "--jobs", "-j", min=1, metavar="N", help="Work in N processes; no more than cores."
     ),
 ]
 NoCache = Annotated[bool, typer.Option("--no-cache", help="Neither read nor write the cache.")]
@@ -117,10 +117,7 @@ LiveTimeout = Annotated[
 ]
 NameLists = Annotated[
     Path | None,
-    typer.Option(
-        metavar="FILE",
-        help="Your own message types and topic names for the rules.",
-    ),
+    typer.Option(metavar="FILE", help="Your own message types and topic names for the rules."),
 ]
 Output = Annotated[
     Path, typer.Option("--output", "-o", metavar="FILE", help="The file to write; - prints.")
@@ -135,16 +132,6 @@ Readmes = Annotated[
     typer.Option(
         metavar="FILE.jsonl", help="A line `{repo, readme}` for repositories without a README."
     ),
-]
-ProcessCount = Annotated[
-    int | None,
-    typer.Option(
-        "--jobs", "-j", min=1, metavar="N", help="Work in N processes; no more than cores."
-    ),
-]
-ClusterAddress = Annotated[
-    str | None,
-    typer.Option("--cluster", metavar="ADDRESS", help="Work on a Dask cluster that you trust."),
 ]
 
 

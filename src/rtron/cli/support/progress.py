@@ -19,13 +19,7 @@ LINE_INTERVAL_S = 30.0
 def show_progress() -> "Iterator[ProgressCallback]":
     """Yield a callback that shows the progress of a scan until the end of the block."""
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     console = Console(stderr=True)
     if not console.is_terminal:

@@ -71,10 +71,7 @@ def warn_if_unencrypted(service: str) -> None:
 
 
 def _connection_options(
-    *,
-    service: ServiceOption = DEFAULT_SERVICE,
-    token_file: TokenOption = None,
-    ca: CaOption = None,
+    *, service: ServiceOption = DEFAULT_SERVICE, token_file: TokenOption = None, ca: CaOption = None
 ) -> "SecurityServiceClient":
     return connect_to_service(service, token_file, ca)
 

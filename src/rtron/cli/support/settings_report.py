@@ -17,14 +17,7 @@ _OUTCOMES = {
     "refused": "REJECTED by the guard",
     "replaced": "superseded by a newer revision",
 }
-_SETTABLE = (
-    "policy",
-    "release_after",
-    "max_age",
-    "max_hold",
-    "threshold",
-    "max_vel_limit",
-)
+_SETTABLE = ("policy", "release_after", "max_age", "max_hold", "threshold", "max_vel_limit")
 _DURATIONS = ("release_after", "max_age", "max_hold", "timeout")
 _UNITS = {"threshold": "m/frame", "max_vel_limit": "m/s"}
 

@@ -16,13 +16,7 @@ REPORT = "report.html"
 PLAN = "rtron.yaml"
 LOG = "log"
 _COPIED = ("graph.json", "proposed.yaml", "bridge.yaml", LOG)
-_OF_A_CASE = (
-    "trajectories.png",
-    "velocity.png",
-    "verdicts.png",
-    "incident.png",
-    "incident.mcap",
-)
+_OF_A_CASE = ("trajectories.png", "velocity.png", "verdicts.png", "incident.png", "incident.mcap")
 _RESULTS_HEAD = re.compile(r'\s*\{\s*"schema":\s*"rtron\.demo/')
 _HEAD = 200
 _HELP = "choose a folder with -o"

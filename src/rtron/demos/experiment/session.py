@@ -3,24 +3,80 @@
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.demos.cases import Case
-from rtron.demos.experiment.run_monitor import RunMonitor
 from rtron.demos.metrics.case_run import CaseRun, Variant
 from rtron.demos.metrics.message_journal import attack_messages, read_journal
 from rtron.demos.metrics.trajectory import SceneDocument, relative_to_start
 from rtron.demos.runtime.app_launch import LaunchedApp
-from rtron.demos.runtime.commanders import (
-    PersonDriving,
-    give_base_to_person,
-    person_at,
-    run_agent,
-)
+from rtron.demos.runtime.commanders import PersonDriving, give_base_to_person, person_at, run_agent
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.world.ground_truth import GroundTruth
 from rtron.errors import SourceError
+
+ARRIVAL_RADIUS = 0.15
+"""So near to the goal the robot has arrived, m: the navigation's own tolerance, and some spare."""
+MAX_DURATION = 90.0
+"""A run that has not ended by then (simulated s) is not completed."""
+_AFTER_HARM = 3.0
+_AFTER_COLLISION = 0.3
+_AFTER_ARRIVAL = 2.0
+_STANDSTILL_SPEED = 0.01
+"""Slower than this the robot stands, m/s."""
+
+
+@dataclass(slots=True)
+class RunMonitor:
+    """Watches the ground truth of a run of `case` in `scene`, sample by sample.
+
+    `harm` names the first harm, "" for none; `harmed_at` and `arrived_at` are in simulated s since
+    the start.
+    """
+
+    case: Case
+    scene: SceneDocument
+    samples: list[GroundTruth] = field(default_factory=list)
+    harm: str = ""
+    harmed_at: float | None = None
+    arrived_at: float | None = None
+
+    def observe(self, truth: GroundTruth) -> None:
+        """Note the truth at a moment."""
+        self.samples.append(truth)
+        harm = self.case.find_harm(truth, self.scene)
+        if harm and self.harmed_at is None:
+            self.harm, self.harmed_at = harm, truth.t
+        if (
+            self.arrived_at is None
+            and truth.distance_to_goal <= ARRIVAL_RADIUS
+            and not self.collided
+        ):
+            self.arrived_at = truth.t
+
+    @property
+    def collided(self) -> bool:
+        """Whether the robot has hit something, which it stays with."""
+        return bool(self.samples) and self.samples[-1].collided
+
+    @property
+    def is_over(self) -> bool:
+        """Whether there is no more to see."""
+        if not self.samples:
+            return False
+        last = self.samples[-1]
+        if last.t >= MAX_DURATION:
+            return True
+        if self.harmed_at is not None:
+            rest = _AFTER_COLLISION if last.collided else _AFTER_HARM
+            return last.t >= self.harmed_at + rest
+        if self.arrived_at is None:
+            return False
+        return (
+            abs(last.velocity[0]) < _STANDSTILL_SPEED or last.t >= self.arrived_at + _AFTER_ARRIVAL
+        )
+
 
 DEVICES = ("base", "lidar", "camera", "battery", "mission", "computer")
 """What the app's drivers connect to."""

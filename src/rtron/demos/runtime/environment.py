@@ -2,6 +2,8 @@
 
 import json
 import os
+import secrets
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -20,9 +22,8 @@ from rtron.demos.runtime.isolation import (
     shared_environ,
 )
 from rtron.demos.runtime.polling import wait_for
-from rtron.demos.runtime.processes import CompletedCommand, ProcessGroup, StartedProcess
+from rtron.demos.runtime.processes import Command, CompletedCommand, ProcessGroup, StartedProcess
 from rtron.demos.runtime.ros_installation import find_ros_python
-from rtron.demos.runtime.world import run_world
 from rtron.demos.world.client import WorldClient
 from rtron.errors import SourceError
 from rtron.workflows.live_app import master_answers
@@ -30,6 +31,7 @@ from rtron.workflows.live_app import master_answers
 _NAME = "/rtron_demo"
 _ANSWER_TIMEOUT_S = 2.0
 _BEGIN_TIMEOUT_S = 20.0
+_LIMIT = 60.0
 
 
 @contextmanager
@@ -233,3 +235,20 @@ def _write_json(path: Path, value: Mapping[str, Any]) -> None:
     temporary = path.with_suffix(".new")
     temporary.write_text(json.dumps(value), encoding="utf-8")
     os.replace(temporary, path)  # noqa: PTH105 - says that what is there is replaced
+
+
+@contextmanager
+def run_world(
+    processes: ProcessGroup, socket: Path, speed: float, environ: Mapping[str, str]
+) -> Iterator[WorldClient]:
+    """Run a world of simulated seconds a second `speed`, in the caller's Python; give its owner.
+
+    SourceError if it does not come up, with what it said.
+    """
+    key = secrets.token_hex()
+    command: Command = [sys.executable, "-m", "rtron.demos.world", socket, "--speed", f"{speed:g}"]
+    with (
+        processes.running(command, {**environ, "DEMO_KEY": key}, name="world"),
+        WorldClient.connect(socket, key, _LIMIT) as owner,
+    ):
+        yield owner

@@ -1,6 +1,11 @@
-"""Starts processes and ends them again, whatever happens; touches no others."""
+"""Starts processes and ends them again, whatever happens; touches no others.
 
+A mark tells what our processes have started themselves, wherever it has gone.
+"""
+
+import os
 import shlex
+import signal
 import subprocess
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -9,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from signal import SIGINT, SIGKILL, SIGTERM
 from types import TracebackType
+from uuid import uuid4
 
-from rtron.demos.runtime.descendants import MARK, kill_descendants, new_mark
 from rtron.demos.runtime.signals import defer_signals, interrupt_on_signals
 from rtron.errors import SourceError
 
@@ -19,6 +24,10 @@ Command = Sequence[str | Path]
 _TERMINATION_STEPS = ((SIGINT, 10.0), (SIGTERM, 5.0), (SIGKILL, 10.0))
 _COMMAND_LIMIT = 120.0
 _SHOWN = 2000
+MARK = "RTRON_STARTED_BY"
+"""The variable of the environment that holds the mark."""
+_LIMIT = 10.0
+_PAUSE = 0.02
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,3 +175,51 @@ def _wait(started_processes: Iterable[StartedProcess], limit: float) -> None:
     for started in started_processes:
         with suppress(subprocess.TimeoutExpired):  # what still runs is killed next
             started.popen.wait(max(0.0, deadline - time.monotonic()))
+
+
+def new_mark() -> str:
+    """Return a mark that nobody else has."""
+    return uuid4().hex
+
+
+def kill_descendants(marks: Collection[str]) -> None:
+    """Kill every process that has one of the marks, and wait until they are gone."""
+    markers = {f"{MARK}={mark}".encode() for mark in marks}
+    deadline = time.monotonic() + _LIMIT
+    while _kill_marked(markers) and time.monotonic() < deadline:
+        time.sleep(_PAUSE)
+
+
+def _kill_marked(markers: Collection[bytes]) -> bool:
+    """Kill those that are there; tell whether there were any."""
+    found = False
+    for folder in Path("/proc").glob("[0-9]*"):
+        if _has_marker(folder, markers):
+            found |= _kill(int(folder.name), markers)
+    return found
+
+
+def _kill(pid: int, markers: Collection[bytes]) -> bool:
+    with suppress(ProcessLookupError), _open_pidfd(pid) as handle:
+        # A pid may have been given to another process meanwhile; the handle stays with one.
+        if _has_marker(Path("/proc", str(pid)), markers):
+            signal.pidfd_send_signal(handle, signal.SIGKILL)
+            return True
+    return False
+
+
+@contextmanager
+def _open_pidfd(pid: int) -> Iterator[int]:
+    handle = os.pidfd_open(pid)
+    try:
+        yield handle
+    finally:
+        os.close(handle)
+
+
+def _has_marker(folder: Path, markers: Collection[bytes]) -> bool:
+    """Tell whether a process has a mark; one that is gone, or a zombie, has none."""
+    try:
+        return not set((folder / "environ").read_bytes().split(b"\0")).isdisjoint(markers)
+    except OSError:
+        return False

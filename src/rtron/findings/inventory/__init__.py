@@ -93,7 +93,7 @@ def _merged(
         ]
         if thing in NO_MOTION:
             lines[thing, ()] += found
-        elif thing is Thing.DEVICE and beside:
+        elif thing is Thing.DEVICE and len(beside) == 1:
             lines[beside[0]] += found
         elif (thing, receivers) in moved:
             lines[thing, receivers] += found
@@ -129,11 +129,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     everything = _distinct([*last, *(command for _, command in behind), *goals])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
-    end = (
-        stopping(app, drivers, [c.name for c in topics])
-        if streamed and thing not in _HOLDING
-        else None
-    )
+    end = stopping(app, drivers, topics, behind) if streamed and thing not in _HOLDING else None
     senders = _nodes(each.senders for each in everything)
     endpoints = [end for each in topics for end in app.graph.subscribers(each.name)]
     return Mover(

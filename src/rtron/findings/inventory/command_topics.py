@@ -12,6 +12,7 @@ from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import may_be_command, thing_of, thing_of_node
 from rtron.findings.measurement_names import may_be_measured
 from rtron.findings.motion.arbiter import arbiters, priorities
+from rtron.findings.motion.several_publishers import ONE_SHOT_PACKAGES
 from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, normalise_type
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Thing
 from rtron.vocabulary.names import snake_case
@@ -24,6 +25,9 @@ _ORDERS = SIGNALS | {"std_msgs/String"}
 _SETS = re.compile(r"^set_|_cmd$|_command$|^cmd_|^command_")
 """How the names of commands begin or end; `set` alone is vague."""
 _NUMBER = re.compile(r"std_msgs/(?:U?Int|Float)\d+")
+_WHOLE = re.compile(r"std_msgs/U?Int\d+")
+_OF_ALL = re.compile(r"(?:std|geometry|sensor|nav|actionlib|action|trajectory)_msgs/")
+"""Packages of types that say more about what is measured or planned than about firmware."""
 _RELEASES = re.compile(r"^(?:control_)?(?:en|dis)able$|^(?:stop|cancel|abort)_")
 """How the names of signals begin that stop what moves, or let it begin."""
 _PARTS = frozenset({Thing.GRIPPER, Thing.TOOL, Thing.HEAD, Thing.THRUSTERS})
@@ -51,7 +55,7 @@ class CommandTopics:
             means=Means.TOPIC,
             name=topic,
             type=facts.type,
-            receivers=tuple(node for node in facts.successors if self.roles.obeys(node)),
+            receivers=self._deriving.receivers(topic),
             senders=facts.publishers,
             hops=hops,
         )
@@ -141,7 +145,11 @@ class CommandTopics:
         """What nodes make of the commands that their types and names tell, with what it moves."""
         known = {t: self._things[t] for t in self.app.motion_topics if not self.app.is_stop(t)}
         moving = {topic: thing for topic, thing in known.items() if thing}
-        return DerivedCommands(self.app, self.roles).find(moving)
+        return self._deriving.find(moving)
+
+    @cached_property
+    def _deriving(self) -> DerivedCommands:
+        return DerivedCommands(self.app, self.roles)
 
     def _is_joy_command(self, topic: str) -> bool:
         """Return whether a message of a joystick's type is a command by its name, as DJI's are."""
@@ -172,12 +180,46 @@ class CommandTopics:
         type, senders = self.app.facts.topic(topic).type, self.app.publishers(topic)
         thing, last = self._things[topic], snake_case(topic.rpartition("/")[2])
         is_open = bool(senders) and not self.app.readers(topic) and not REPORTS.search(last)
+        if topic in self.to_firmware:
+            return True
         if not is_open or thing in {None, Thing.DEVICE, *NO_MOTION}:
             return False
         is_set = _SETS.search(last) and thing in _PARTS and _NUMBER.fullmatch(type)
         is_plain = type in SIGNALS and thing in _PARTS and "_" not in last
         is_number = _NUMBER.match(type) and not may_be_measured(topic)
         return bool(is_set or ((is_number or is_plain) and all(map(self._only_commands, senders))))
+
+    @cached_property
+    def to_firmware(self) -> frozenset[str]:
+        """The topics that nobody here hears, and that likely go to firmware of this launch."""
+        topics = self.app.explicit_topics if self.roles.firmware else ()
+        return frozenset(filter(self._may_reach_firmware, topics))
+
+    def _may_reach_firmware(self, topic: str) -> bool:
+        """Return whether what nobody here hears is sent as if to firmware.
+
+        What the launch publishes once, numbers or messages of one's own that move something, or
+        whole numbers beside commands, as those of buttons are.
+        """
+        type, senders = self.app.facts.topic(topic).type, self.app.publishers(topic)
+        is_report = REPORTS.search(topic.rpartition("/")[2]) or not may_be_command(topic, type)
+        if is_report or self.app.readers(topic) or not senders or "{" in topic:
+            return False
+        thing = self._things[topic]
+        is_moving = thing not in {None, Thing.DEVICE, *NO_MOTION}
+        nodes = [self.app.nodes[name] for name in senders if name in self.app.nodes]
+        if is_moving and any(node.package in ONE_SHOT_PACKAGES for node in nodes):
+            return True
+        if not all(map(self._hands_on, senders)):
+            return False
+        is_order = _WHOLE.fullmatch(type) and all(map(self._only_commands, senders))
+        return bool(is_order or (is_moving and (_NUMBER.match(type) or not _OF_ALL.match(type))))
+
+    def _hands_on(self, node: str) -> bool:
+        """Return whether a node drives nothing, and sends or obeys commands of motion."""
+        inputs = (end.topic for end in self.app.graph.subscribed_by(node))
+        is_moved = any(map(self.app.is_motion, inputs)) and self.roles.obeys(node)
+        return self._only_commands(node) or (is_moved and not self.roles.drives(node))
 
     def _only_commands(self, node: str) -> bool:
         """Return whether a node commands motion and drives nothing itself."""

@@ -51,11 +51,16 @@ class AppCommands:
             is_sent = command.senders and (thing not in SWITCHES or _is_of_autopilot(topic))
             is_report = self._is_reading(command) or self._is_echo(command)
             is_command = not (is_report or self.forwarding.is_feedback(topic))
-            has_sides = bool(receivers or is_sent) and is_command
+            has_sides = bool(receivers or is_sent) and is_command and not self._is_operated(command)
             if topic in self.topics.locks | self.topics.releases or (
                 has_sides and not (is_vague or self._is_forwarded(command))
             ):
                 yield self._as_driven(thing, command)
+
+    def _is_operated(self, command: Command) -> bool:
+        """Return whether a person's joystick sends what no hardware here obeys: it is behind."""
+        is_joystick = command.type.endswith("/Joy") and not COMMAND_NAMES.search(command.name)
+        return is_joystick and not self._any_drives(command.receivers)
 
     def _is_reading(self, command: Command) -> bool:
         """Return whether what nobody here obeys is a reading: its senders measure their motion."""

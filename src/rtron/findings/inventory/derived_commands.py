@@ -4,15 +4,19 @@ A node obeys a known command and does not stand next to hardware: then what it s
 a command, too, though neither name nor type says so. Where nobody in the app hears what it sends,
 arrays of numbers with a name that moves something leave the app, for firmware; a single number may
 be a reading, unless the node is called like a driver.
+
+States of joints that a node without hardware sends to one with hardware are what the joints get.
 """
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles
-from rtron.findings.inventory.things import may_be_derived, thing_of
+from rtron.findings.inventory.things import may_be_derived, part_of_states, thing_of
 from rtron.vocabulary import Endpoint, normalise_type
 from rtron.vocabulary.inventory import NO_MOTION, Means, Thing
 
@@ -36,9 +40,9 @@ class DerivedCommands:
 
         What is made of several moves the first of `Thing`.
         """
-        found: dict[str, Thing] = {}
+        found = dict(self._demanded_states)
         order = list(Thing)
-        pending = [(t, thing) for t, thing in known.items() if thing not in NO_MOTION]
+        pending = [(t, x) for t, x in {**known, **found}.items() if x not in NO_MOTION]
         pending.sort(key=lambda each: order.index(each[1]), reverse=True)
         while pending:
             topic, thing = pending.pop()
@@ -46,6 +50,23 @@ class DerivedCommands:
                 found[end.topic] = self._thing(end, thing)
                 pending.append((end.topic, found[end.topic]))
         return found
+
+    def receivers(self, topic: str) -> tuple[str, ...]:
+        """Return who obeys a topic: of states, the nodes with hardware alone."""
+        obeys = self.roles.moves_hardware if topic in self._demanded_states else self.roles.obeys
+        return tuple(filter(obeys, self.app.readers(topic)))
+
+    @cached_property
+    def _demanded_states(self) -> dict[str, Thing]:
+        """The states that nodes with hardware hear, sent by none that measures them."""
+        inputs = chain.from_iterable(map(self.app.graph.subscribed_by, self.roles.with_device))
+        found = {e.topic: part_of_states(e.topic, e.type) for e in filter(_is_free, inputs)}
+        return {topic: part for topic, part in found.items() if part and self._is_demand(topic)}
+
+    def _is_demand(self, topic: str) -> bool:
+        senders = self.app.publishers(topic)
+        is_obeyed = any(map(self.roles.moves_hardware, self.app.readers(topic)))
+        return is_obeyed and not any(map(self.roles.drives, senders))
 
     def _made_of(self, topic: str, known: Iterable[str]) -> Iterator[Endpoint]:
         """Yield the endpoints that send what is made of a topic and was not known before."""

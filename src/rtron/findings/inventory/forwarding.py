@@ -94,13 +94,15 @@ class Forwarding:
     def _is_another(self, end: Endpoint, command: Command) -> bool:
         """Return whether what nobody here obeys is a command made of one.
 
-        Its type or name says so, or that an arbiter sends it, or that it is made of commands.
+        Its type or name says so, or that an arbiter sends it, or that it is made of commands, as
+        what firmware gets.
         """
         if end.topic == command.name:
             return False
         is_same = normalise_type(end.type) == command.type
         is_named = COMMAND_NAMES.search("/".join(end.topic.split("/")[-2:])) is not None
-        is_made = end.topic in self.topics.derived or end.node in self.topics.ranks
+        is_made = end.topic in self.topics.derived.keys() | self.topics.to_firmware
+        is_made |= end.node in self.topics.ranks
         return is_same or is_named or is_made
 
     @cached_property

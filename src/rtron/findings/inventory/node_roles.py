@@ -8,9 +8,12 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.measurement_names import is_called_sensor, is_measured, may_be_measured
 from rtron.findings.motion.network_bridge import carriers
 from rtron.findings.motion.several_publishers import moves
-from rtron.vocabulary import Node, WiringFact, WiringFactKind, normalise_type
+from rtron.vocabulary import Endpoint, Node, WiringFact, WiringFactKind, normalise_type
 
-FIRMWARE_PACKAGES = ("rosserial_python", "rosserial_server", "micro_ros_agent")
+FIRMWARE_PACKAGES = (
+    *("rosserial_arduino", "rosserial_python", "rosserial_server", "rosserial_xbee"),
+    "micro_ros_agent",
+)
 """Packages whose nodes speak for firmware, which no scan reads."""
 _DRIVER_PACKAGES = (
     *("diff_drive_controller", "ackermann_steering_controller", "mecanum_drive_controller"),
@@ -33,6 +36,7 @@ _LISTENERS = re.compile(
 )
 """Words in the names of nodes that hear commands and obey none."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
+_SHOWN = frozenset({"sensor_msgs/JointState", "tf2_msgs/TFMessage", "tf/tfMessage"})
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
 
 
@@ -101,14 +105,30 @@ class NodeRoles:
         return node not in self._listeners
 
     @cached_property
+    def firmware(self) -> frozenset[str]:
+        """The nodes that speak for firmware; what it obeys is not read."""
+        nodes = (node for node in self.app.unread_nodes if self.package(node) in FIRMWARE_PACKAGES)
+        return frozenset(node for node in nodes if not self.is_called_sensor(node))
+
+    def _only_shows(self, node: str) -> bool:
+        """Return whether a node only tells how joints would stand that firmware moves."""
+        types = {normalise_type(end.type) for end in self._sent(node)}
+        is_beside = bool(self.firmware) and not (self.drives(node) or node in self.app.unread_nodes)
+        return is_beside and "sensor_msgs/JointState" in types and types <= _SHOWN
+
+    def _sent(self, node: str) -> tuple[Endpoint, ...]:
+        return tuple(end for end in self.app.graph.published_by(node) if not end.implicit)
+
+    @cached_property
     def _listeners(self) -> frozenset[str]:
-        """The nodes whose names say that they obey nothing, and that command nothing."""
+        """The nodes that obey and command nothing, as their names say, or what they send."""
         named = {n.name for n in self.app.graph.nodes if _has_word(n, _LISTENERS)}
         showing = {n.name for n in self.app.graph.nodes if _has_word(n, re.compile(_SHOWING))}
         sends = self.app.graph.published_by
         commands = (n for n in named if any(self.app.is_motion(e.topic) for e in sends(n)))
         drivers = (n for n in named - showing if self.drives(n) or self.is_called_driver(n))
-        return frozenset(named.difference(commands, drivers))
+        shows = (node.name for node in self.app.graph.nodes if self._only_shows(node.name))
+        return frozenset(named.difference(commands, drivers)).union(shows)
 
     def only_measures(self, topic: str) -> bool:
         """Return whether a topic of motion commands nothing.
@@ -130,6 +150,11 @@ class NodeRoles:
         """Return whether a node stands next to hardware or a simulation."""
         is_driver = self.package(node) in _DRIVER_PACKAGES or node in self.with_device
         return is_driver or node in self._controller_hosts or self.is_controller(node)
+
+    def moves_hardware(self, node: str) -> bool:
+        """Return whether a node opens hardware and measures nothing with it."""
+        is_other = self.is_sensor(node) or self.measures_motion(node, is_driver=False)
+        return node in self.with_device and self.obeys(node) and not is_other
 
     def is_controller(self, node: str) -> bool:
         """Return whether a node is a controller of ros2_control, whose program is a plugin."""

@@ -7,8 +7,16 @@ from rtron.findings.inventory.things import may_be_command, thing_of
 from rtron.vocabulary import Action, ActionRole, InteractionGraph, Service, ServiceClient
 from rtron.vocabulary.inventory import Command, Means, Thing
 
-_COMPUTING = ("ComputePath", "SmoothPath", "LookupTransform", "ComputeRoute", "GetPlan", "GetMap")
-"""Actions that only compute."""
+_COMPUTING = (
+    "ComputePath",
+    "SmoothPath",
+    "LookupTransform",
+    "ComputeRoute",
+    "GetPlan",
+    "GetMap",
+    "/Wait",
+)
+"""Actions that only compute, or wait."""
 
 
 def services(

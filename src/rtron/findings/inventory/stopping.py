@@ -1,13 +1,18 @@
 """Whether what drivers move stops by itself when commands end, as far as it can be told."""
 
+import re
 from collections.abc import Collection, Iterable, Iterator
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.command_timeout import CLEVER_DEVICES, TIMEOUT_NAMES, is_off
 from rtron.vocabulary import WiringFact, WiringFactKind
-from rtron.vocabulary.inventory import Stops
+from rtron.vocabulary.inventory import Command, Stops
 
+_STREAMS = re.compile(
+    r"geometry_msgs/Twist|ackermann_msgs/|sensor_msgs/Joy|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)"
+)
+"""Types of commands that come again and again, by their names."""
 _KNOWN = {
     "diff_drive_controller": (Stops.YES, "cmd_vel_timeout, by default 0.5 s"),
     "mecanum_drive_controller": (Stops.YES, "reference_timeout"),
@@ -33,41 +38,83 @@ class Stopping(NamedTuple):
     why: str
 
 
-def stopping(app: AppFacts, drivers: tuple[str, ...], topics: Iterable[str]) -> Stopping:
-    """Return the worst that is known of the drivers.
+def stopping(
+    app: AppFacts,
+    drivers: tuple[str, ...],
+    commands: Collection[Command],
+    behind: Iterable[tuple[str, Command]],
+) -> Stopping:
+    """Return the worst that is known of the drivers, and of who forwards the commands behind.
 
     A controller of ROS 1 is no node: its topics and its parameters are below its name.
     """
     if not drivers:
         return Stopping(Stops.UNKNOWN, "what obeys is not in this launch")
+    topics = {command.name for command in commands}
     controllers = {topic.rpartition("/")[0] for topic in topics} - app.nodes.keys()
-    found = [_of_driver(app, node, controllers) for node in drivers]
+    found = [_of_driver(app, node, controllers, topics) for node in drivers]
+    types = {command.type for command in commands}
+    found += (
+        stop
+        for node, command in behind
+        if command.type in types or _STREAMS.search(command.type)
+        for stop in _of_forwarder(app, node, command.name)
+    )
     order = (Stops.NO, Stops.UNKNOWN, Stops.YES)
     return min(found, key=lambda each: order.index(each.stops))
 
 
-def _of_driver(app: AppFacts, node: str, controllers: Collection[str]) -> Stopping:
-    age = next(_facts(app, node, WiringFactKind.COMMAND_AGE), None)
-    devices = [fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)]
-    if devices and not age:
-        why = f"nothing in the source of {node} looks at the age of a command"
-        if CLEVER_DEVICES.isdisjoint(devices):
-            return Stopping(Stops.NO, why)
-        return Stopping(Stops.UNKNOWN, f"{why}; what it talks to may")
+def _of_forwarder(app: AppFacts, node: str, topic: str) -> Iterator[Stopping]:
+    """Yield that a node sends its last command for ever, where its source shows it."""
+    if any(each.value == "repeated" for each in app.last_messages(node, {topic})):
+        yield Stopping(Stops.NO, f"{node} sends its last command for ever when {topic} ends")
+
+
+def _of_driver(
+    app: AppFacts, node: str, controllers: Collection[str], topics: Collection[str]
+) -> Stopping:
+    package = app.nodes[node].package if node in app.nodes else ""
+    known = Stopping(*_KNOWN[package]) if package in _KNOWN else None
+    found = _by_parameter(app, node, controllers) or _by_source(app, node, topics) or known
+    return found or Stopping(Stops.UNKNOWN, f"{node} does not tell")
+
+
+def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Stopping | None:
+    """Return what a timeout says; a driver in whose source nothing is called so has none."""
+    kinds = {each.kind for each in app.graph.wiring if each.subject == node}
+    if WiringFactKind.DEVICE in kinds and WiringFactKind.COMMAND_AGE not in kinds:
+        return None
+    nodes = {node, *controllers}
     for parameter in app.graph.parameters:
         is_timeout = parameter.name.rpartition(".")[2] in TIMEOUT_NAMES
         is_number = isinstance(parameter.value, (int, float))
-        if parameter.node in {node, *controllers} and is_timeout and is_number:
-            is_endless = is_off(parameter.value)
-            stops = Stops.NO if is_endless else Stops.YES
+        if parameter.node in nodes and is_timeout and is_number:
+            stops = Stops.NO if is_off(parameter.value) else Stops.YES
             return Stopping(stops, f"{parameter.node}: {parameter.name} is {parameter.value}")
-    if age:
-        place = "".join(f", {at.file}:{at.line}" for at in age.evidence[:1])
-        return Stopping(Stops.UNKNOWN, f"{node} may look at the age of commands{place}")
-    package = app.nodes[node].package if node in app.nodes else ""
-    if package in _KNOWN:
-        return Stopping(*_KNOWN[package])
-    return Stopping(Stops.UNKNOWN, f"{node} does not tell")
+    return None
+
+
+def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | None:
+    last = {each.value: each for each in app.last_messages(node, topics)}
+    age = next(_facts(app, node, WiringFactKind.COMMAND_AGE), None)
+    devices = [fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)]
+    if set(last) == {"stopped"}:
+        after = "".join(f", after {seconds}" for seconds in last["stopped"].others)
+        place = _place(last["stopped"])
+        return Stopping(Stops.YES, f"{node} looks at the age of commands{after}{place}")
+    if hint := last.get("checked") or age:
+        return Stopping(Stops.UNKNOWN, f"{node} may look at the age of commands{_place(hint)}")
+    if last and devices and CLEVER_DEVICES.isdisjoint(devices):
+        why = f"nothing in the source of {node} looks at the age of a command"
+        return Stopping(Stops.NO, why)
+    if last and devices:
+        return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
+    is_repeated = "repeated" in last
+    return Stopping(Stops.NO, f"{node} sends its last command for ever") if is_repeated else None
+
+
+def _place(fact: WiringFact) -> str:
+    return "".join(f", {at.file}:{at.line}" for at in fact.evidence[-1:])
 
 
 def _facts(app: AppFacts, node: str, kind: WiringFactKind) -> Iterator[WiringFact]:

@@ -4,7 +4,7 @@ import re
 
 from rtron.findings.measurement_names import is_measured
 from rtron.vocabulary import normalise_type
-from rtron.vocabulary.inventory import SIGNALS, Means, Thing
+from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Means, Thing
 from rtron.vocabulary.names import snake_case
 
 _TYPES: tuple[tuple[str, Thing], ...] = (
@@ -14,7 +14,7 @@ _TYPES: tuple[tuple[str, Thing], ...] = (
     (r"moveit_msgs/", Thing.ARM),
     (r"mavros_msgs/|px4_msgs/|geographic_msgs/GeoPose", Thing.VEHICLE),
     (
-        r"controller_manager_msgs/(?:Switch|Load|Unload|Reload|Configure|SetHardware)",
+        r"controller_manager_msgs/(?:Switch|Load|Unload|Reload|Configure|Cleanup|SetHardware)",
         Thing.CONTROLLERS,
     ),
     (r"control_msgs/(?:Parallel)?GripperCommand", Thing.GRIPPER),
@@ -40,15 +40,16 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     ),
     (Thing.ARMING, "arming disarm unarm motors_on enable_motors"),
     (Thing.POWER, "power breaker charger poweroff shutdown reboot relay relays battery_switch"),
+    (Thing.ARM, "shoulder elbow wrist forearm pick pickup"),
     (Thing.TOOL, "blade mow mower cutter torpedo torpedoes dropper launcher shooter valve pump"),
     (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet"),
     (Thing.HORN, "horn buzzer siren beep"),
     (Thing.GRIPPER, "gripper grippers claw finger fingers hands grasp"),
-    (Thing.HEAD, "head pan tilt ptz gimbal neck mast camera_control camera_cmd"),
+    (Thing.HEAD, "head pan pano tilt ptz gimbal neck mast camera_control camera_cmd"),
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
     (Thing.CONTROLLERS, "switch_controller"),
-    (Thing.ARM, "arm moveit cartesian manipulator joint joints elbow wrist leg legs"),
+    (Thing.ARM, "arm moveit cartesian manipulator joint joints leg legs"),
     (
         Thing.BASE,
         "vel velocity drive chassis wheel wheels motor motors steer steering throttle brake",
@@ -65,46 +66,58 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
 """Words in names, the first that is there; the last parts of a name count before the others."""
 _STOP_PARTS = ("e_stop", "emergency", "run_stop")
 _PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
+_GENERIC = frozenset(
+    ("goal", "go", "goto", "move", "path", "speed", "motor", "motors", "servo", "servos", "pwm")
+)
+"""What any part of a robot may have: in `/arm/goal` the part before it is what moves."""
 _VAGUE = (None, Thing.DEVICE, Thing.MODE)
 """What a name may say that a type says better."""
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
-_ACTS = (
-    r"(?:\w*_)?(?:cmd|vel|velocity|move|execute|pick|place|go|goal|drive|arm|joints?|area|field"
-    r"|room)(?:_|$)"
+_ASKING = "get|list|query|is|has|check|read"
+_PREPARING = "save|describe|download|generate|connect|reconnect|compute|create|delete|advertise"
+"""Verbs that move nothing, whatever their object is; nobody prepares a command."""
+_INSPECTING, _PLACES = re.compile(r"^scan_|calibrat"), re.compile(r"_(?:area|field|room)")
+"""Verbs that move what they inspect, if it can move, or the robot about a place."""
+_READINGS = (
+    "map|costmap|odom|odometry|imu|gps|image|scan|parameters?|detections?|diagnostics|tf|status"
+    "|states?|running|saved|log|feedback|info|markers?|initialpose|clicked_point|measured"
+    "|estimated?"
 )
-"""Words by which a name moves something all the same: `scan_arm`, `compute_and_move`."""
-_HARMLESS = re.compile(
-    r"_get_|^(?:get|list|query|is|has|check|read|save|describe|download|generate|(?:re)?connect"
-    r")(?:_|$)|^(?:compute|create|delete|scan|advertise|publish)(?:_|$)(?!" + _ACTS + r")"
-    r"|^set_\w*(?:transform|frame)s?$"
-    r"|^clear_\w*maps?$|(?:^|_)(?:map|costmap|odom|odometry|imu|gps"
-    r"|image|camera_info|calibrat(?!\w*(?:motor|joint|axis|axes|servo))\w+|parameters?|logger\w*|detections?|diagnostics|tf|pose_estimate|status"
-    r"|(?<!component_)state|states|running|saved|log|feedback|info|marker\w*|initialpose|clicked_point|measured|estimated?|position_estimate)$"
+"""Last words of what is read, shown or estimated."""
+_READS = re.compile(
+    rf"^(?:{_ASKING})(?:_|$)|^(?:{_PREPARING})(?:_|$)(?!cmd)"
+    rf"|(?:^|_)(?:{_READINGS})$|_get_"
+    r"|^clear_\w*maps?$|^set_\w*(?:transform|frame)s?$"
 )
-"""Last names of what reads, shows or estimates."""
+_STATES = re.compile(r"_?states?$")
 _SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps|transform|frame))")
+_MANNER = re.compile(r"_(?:in|from|to|at|by|with|for)_\w+$")
+"""What follows a preposition: in `set_velocity_in_frame` no frame is set."""
 _ON_REQUEST = re.compile(
     r"(?:^|_)(?:request|leds?\d*|light\w*|config\w*|name|mode_request|info|text|sound|gps|alarms?"
-    r"|reports?|battery|colou?rs?|effects?|logs?"
-    r"|record\w*|snapshot|photo|video|camera|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
+    r"|reports?|battery|encoders?|ticks|colou?rs?|effects?|logs?"
+    r"|record\w*|snapshot|photo|video|camera(?!_(?:pan|tilt|angle|servo))|stream\w*|reset_(?:odom\w*|pose|encoders?|imu|map))(?:_|$)"
 )
 """Words in the names of what a driver hears that is no command."""
 _SHOWS = re.compile(
     r"(?:^|[/_])(?:led|leds|light|lights|lcd|oled|display|screen|sound|audio|map)(?:[/_]|$)"
 )
 """Words, anywhere in a name, of what only shows or sounds."""
+_HARMLESS_PACKAGES = (
+    "audio_common|bond|cartographer_ros|composition|composition_interfaces|diagnostic"
+    "|dynamic_reconfigure|gazebo|lifecycle|map|nav|nodelet|octomap|rcl_interfaces"
+    "|robot_localization|rosapi|rosbag2_interfaces|roscpp|rosgraph|rtabmap|rtcm|slam_toolbox"
+    "|sound_play|tf|tf2|topic_tools|tts|type_description_interfaces|visualization"
+)
 _HARMLESS_TYPES = re.compile(
-    r"(?:nodelet|lifecycle|rcl_interfaces|tf2|tf|diagnostic|map|slam_toolbox|nav|composition"
-    r"_interfaces|composition|sensor_msgs/(?!(?:JointState|Joy)\b)\w+|rosapi|roscpp|dynamic_reconfigure|topic_tools|bond|gazebo"
-    r"|visualization|rosgraph|robot_localization|cartographer_ros|rtabmap|octomap|audio_common"
-    r"|sound_play|tts|rtcm|mavros_msgs/Param(?!Set)|mavros_msgs/(?:RCIn|\w*State)\b|mavros_msgs/File|mavros_msgs/RTCM|rosbag2_interfaces"
-    r"|type_description_interfaces|rtcm_msgs|nav2_msgs/(?:Clear|Get|Is|Load|Save|Dump|Reload)"
-    r"|mavros_msgs/(?:StreamRate|MessageInterval|VehicleInfo|Waypoint(?:Pull|Clear)|Log\w+))"
-    r"(?:_msgs)?(?:/|\w*$)"
-    r"|\w+/(?:Get|Query|List|Check|Compute|Describe)[A-Z]|geometry_msgs/\w+WithCovariance"
-    r"|moveit_msgs/(?:Apply|Change|Set|Save|Load|Rename|Delete|Display|\w*PlanningScene|\w*CollisionObj)"
+    rf"(?:{_HARMLESS_PACKAGES})(?:_msgs)?/|sensor_msgs/(?!(?:JointState|Joy)$)"
+    r"|geometry_msgs/\w+WithCovariance|\w+/(?:Get|Query|List|Check|Compute|Describe)[A-Z]"
+    r"|mavros_msgs/(?:RCIn$|\w*State$|Param(?!Set)|File|RTCM|StreamRate$|MessageInterval$"
+    r"|VehicleInfo|Waypoint(?:Pull|Clear)|Log)"
+    r"|moveit_msgs/(?:Apply|Change|Set|Save|Load|Rename|Delete|Display"
+    r"|\w*(?:PlanningScene|CollisionObj))|nav2_msgs/(?:Clear|Get|Is|Load|Save|Dump|Reload)"
 )
 
 
@@ -132,11 +145,26 @@ def thing_of_node(name: str) -> Thing | None:
     return found if found in _PARTS else None
 
 
+def part_of_states(name: str, type: str) -> Thing | None:
+    """Return what is moved whose state a name or its type tells; None of types that only tell."""
+    names = [_last_part(name), _last_part(type)]
+    if _HARMLESS_TYPES.match(_plain_type(type)) or not any(map(_STATES.search, names)):
+        return None
+    named = filter(None, map(_by_words, names))
+    return next((each for each in named if each not in {Thing.DEVICE, *NO_MOTION}), None)
+
+
 def is_harmless(name: str, type: str) -> bool:
     """Return whether a name or a type says that something is read, shown or estimated."""
-    last = _last_part(name)
-    is_named = _HARMLESS.search(last) and not _SETS.match(last)
-    return bool(is_named or is_measured(name) or _HARMLESS_TYPES.match(_plain_type(type)))
+    only_reads = all(map(_reads, _last_part(name).split("_and_")))
+    return bool(only_reads or is_measured(name) or _HARMLESS_TYPES.match(_plain_type(type)))
+
+
+def _reads(clause: str) -> bool:
+    """Return whether a name, or the part of it before or behind an `and`, moves nothing."""
+    if _INSPECTING.search(clause):
+        return _by_words(clause) is None and not _PLACES.search(clause)
+    return bool(_READS.search(_MANNER.sub("", clause))) and not _SETS.match(clause)
 
 
 def may_be_command(name: str, type: str) -> bool:
@@ -147,7 +175,7 @@ def may_be_command(name: str, type: str) -> bool:
 
 def may_be_derived(name: str, type: str) -> bool:
     """Return whether what is made of a command may be one: states may be those that wheels get."""
-    return may_be_command(re.sub(r"_?states?$", "", name.rstrip("/")) or name, type)
+    return may_be_command(_STATES.sub("", name.rstrip("/")) or name, type)
 
 
 def _is_of_nav2(type: str) -> bool:
@@ -174,12 +202,15 @@ def _by_words(name: str) -> Thing | None:
         return Thing.ARM
     if parts[-1:] == ["stop"]:
         return Thing.STOP
-    found = None
+    found: Thing | None = None
     for part in reversed(parts):
         words = {part, *re.split(r"[_\d-]+", part)}
         if any(word in part for word in _STOP_PARTS):
             return Thing.STOP
-        found = next((t for t, known in _WORDS if not words.isdisjoint(known.split())), found)
-        if found not in {None, Thing.DEVICE}:
-            return found
+        thing = next((t for t, known in _WORDS if not words.isdisjoint(known.split())), None)
+        if thing not in {None, Thing.DEVICE} and (found is not Thing.BASE or thing in _PARTS):
+            found = thing
+            if words.isdisjoint(_GENERIC):
+                break
+        found = found or thing
     return found

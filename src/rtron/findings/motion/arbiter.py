@@ -48,6 +48,8 @@ _SOURCE = re.compile(r"(?P<kind>topics|locks)\.(?P<name>[^.]+)\.(?P<key>topic|pr
 """The parameters of an input or a lock (ROS package twist_mux)."""
 _SAFETY_PACKAGES = ("nav2_collision_monitor",)
 """Arbiters that keep the robot from harm: who passes one by matters in every stack."""
+_APPROACHING_PACKAGES = ("opennav_docking", "opennav_following")
+"""They drive up to what such an arbiter stops for, and look for collisions themselves."""
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
@@ -111,8 +113,9 @@ def arbiters(app: AppFacts) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]
 
 def is_one_stack(app: AppFacts, nodes: tuple[str, ...]) -> bool:
     """Return whether nodes belong to one stack, which lets one of them drive at a time."""
-    packages = {app.nodes[node].package if node in app.nodes else "" for node in nodes}
-    is_passed_by = len(nodes) > 1 and not packages.isdisjoint(_SAFETY_PACKAGES)
+    packages = [app.nodes[node].package if node in app.nodes else "" for node in nodes]
+    bound = [each for each in packages if each not in _APPROACHING_PACKAGES]
+    is_passed_by = len(bound) > 1 and not set(bound).isdisjoint(_SAFETY_PACKAGES)
     return are_one_stack(packages) and not is_passed_by
 
 

@@ -5,9 +5,9 @@
 A node whose parameter for the timeout of its commands (`cmd_vel_timeout` and its kin) is 0 or less,
 which turns the timeout off. The parameters are those of the launch; a running app tells its own.
 And a node that obeys velocities, whose source opens hardware, and in whose source nothing looks at
-how old a command is: no watchdog, no timeout, no time of the last command, no comparison of the
-time since something that it remembers. Then only the hardware could stop; whether it does, no scan
-sees. An autopilot or a vendor's base mostly does: no finding.
+how old a command is: no name tells of a watchdog or a timeout, it compares no time of a command
+with now, and a command starts no timer anew. Then only the hardware could stop; whether it does, no
+scan sees. An autopilot or a vendor's base mostly does: no finding.
 
 ## Why it matters
 
@@ -77,8 +77,9 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
     for fact in app.graph.wiring:
         opened[fact.subject].add(fact.value)
     for node in sorted(devices.keys() - aged.keys()):
-        endpoints = app.graph.subscribed_by(node)
-        if any(map(_is_velocity, endpoints)) and opened[node].isdisjoint(CLEVER_DEVICES):
+        velocities = {end.topic for end in app.graph.subscribed_by(node) if _is_velocity(end)}
+        last = {each.value for each in app.last_messages(node, velocities)}
+        if last and last <= {"unnoticed", "repeated"} and opened[node].isdisjoint(CLEVER_DEVICES):
             yield node, devices[node]
 
 

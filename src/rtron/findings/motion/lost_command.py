@@ -29,7 +29,7 @@ it. No node fails, and the log says nothing.
 
 ## Remedy
 
-Remap the topic to the one that is obeyed.
+Remap the topic to the one that is obeyed, if the finding is likely.
 
 ## Example
 
@@ -62,7 +62,9 @@ def _finding(app: AppFacts, topic: str, obeyed: str) -> Finding:
         "reaches nobody",
         cause=f"no node of this launch subscribes it{app.unread_hint if maybe_read else ''}; "
         f"{join_names(readers)} {conjugate(readers, 'obey')} {obeyed}{others}",
-        remedy=f"remap {topic} to {obeyed}",
+        remedy=f"find out who should obey {topic}; {obeyed} may be another thing"
+        if maybe_read
+        else f"remap {topic} to {obeyed}",
         consequence=Consequence.FAILURE,
         certainty=Certainty.POSSIBLE if maybe_read else Certainty.LIKELY,
         level=FindingLevel.PEDANTIC if maybe_read else FindingLevel.REGULAR,

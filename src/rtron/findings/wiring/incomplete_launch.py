@@ -24,10 +24,9 @@ A launch starts `/slam`, which subscribes `/scan`, and no driver of a laser.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.measurement_names import MEASURED_TYPES
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring.no_server import unserved_names
-from rtron.findings.wiring.unmatched_topic import unmatched_topics
+from rtron.findings.wiring.unmatched_topic import is_option, unmatched_topics
 from rtron.vocabulary import Certainty, Consequence, Finding
 from rtron.wording import conjugate, join_names
 
@@ -35,17 +34,10 @@ from rtron.wording import conjugate, join_names
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield one finding with all that nodes need and nobody of the launch publishes or offers."""
     topics = [topic for topic, near in unmatched_topics(app).items() if not near]
-    needed = [topic for topic in topics if _is_needed(app, topic)]
+    needed = [topic for topic in topics if not (is_option(app, topic) or app.is_motion(topic))]
     called = {name: each.nodes for name, each in unserved_names(app).items() if not each.near}
     if needed or called:
         yield _finding(app, needed, called)
-
-
-def _is_needed(app: AppFacts, topic: str) -> bool:
-    """Return whether a topic is no command, and more than an option of a node from elsewhere."""
-    is_own = any(app.facts.are_own([reader]) for reader in app.readers(topic))
-    is_measurement = bool(MEASURED_TYPES.match(app.facts.topic(topic).type))
-    return (is_measurement or is_own) and not app.is_motion(topic)
 
 
 def _finding(app: AppFacts, topics: list[str], called: dict[str, list[str]]) -> Finding:

@@ -35,7 +35,8 @@ _CALLED = ("/change_state", "/get_state")
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each manager that waits for nodes that are not there."""
     present = {*app.nodes, *_nodes(app.graph.services)}
-    managed = {each.name: _managed_nodes(app, each.name) for each in app.graph.nodes}
+    managers = [each.name for each in app.graph.nodes if each.package == _MANAGER]
+    managed = {manager: _managed_nodes(app, manager) for manager in managers}
     unmanaged = sorted(set(_nodes(app.graph.services)).difference(*managed.values()))
     for manager, names in managed.items():
         missing = [name for name in names if name not in present]

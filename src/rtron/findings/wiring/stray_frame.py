@@ -1,29 +1,38 @@
-"""Messages name a frame that is in no transform.
+"""A frame that is used is in no transform.
 
 ## What it finds
 
-A frame that the source of a node writes into the header of a message (`header.frame_id`), as a
-constant or from parameters with the values of the launch, and that no transform of the launch has,
-where a near one is there: with a suffix, a prefix or a namespace more or less, or a few letters
-off. In ROS 2 so is a frame with a slash before it, which tf2 does not take. In ROS 1 a transform
-may have the frame below a prefix, as `tf_prefix` makes it.
+A frame that a node looks up, and that no transform of the launch has: a text that the source gives
+tf or tf2 (`lookupTransform`, `can_transform`, `transformPose` and others), or a parameter of a node
+that RTron has a model of, such as `robot_base_frame` of Nav2. The finding names a near frame that a
+transform has; so it does for `base_link` and `base_footprint`, if other frames are below the one
+that is there. Without a near one another launch may send the transform, and the level is
+`pedantic`.
+
+A frame that the source of a node writes into the header of a message (`header.frame_id`), or into
+`child_frame_id` of an odometry, as a constant or from parameters with the values of the launch, and
+that no transform of the launch has, where a near one is there: with a suffix, a prefix or a
+namespace more or less, with the words in another order, or a few letters off. In ROS 2 so is a
+frame with a slash before it, which tf2 does not take. In ROS 1 a transform may have the frame below
+a prefix, as `tf_prefix` makes it.
 
 All transforms must be known: those of broadcasters in source, of `static_transform_publisher`, of
-the robot description and of the nodes that RTron has models of. Where one is not, where a node or
-a file was not read, or where transforms go to several topics, the rule is silent.
+the robot description and of the nodes that RTron has models of. Where one is not, or where
+transforms go to several topics, the rule is silent. Where a node or a file was not read, it may
+send the transform: what is looked up is `pedantic` then, and messages are not looked at.
 
-It is shown at the default level where each topic of a sender that others read has a reader that
-listens to transforms. Who works with the messages alone needs no frame: else the level is
-`pedantic`.
+A frame of messages is shown at the default level where each topic of a sender that others read has
+a reader that listens to transforms. Who works with the messages alone needs no frame: else the
+level is `pedantic`.
 
 ## Why it matters
 
 Whoever transforms the messages waits for a transform that never comes, and drops them: no map, no
-obstacles, a fused pose without the sensor.
+obstacles, a fused pose without the sensor. A look-up fails each time.
 
 ## Remedy
 
-Give the messages and the transform one name.
+Give the messages, or the look-up, and the transform one name.
 
 ## Example
 
@@ -39,16 +48,26 @@ from rtron.vocabulary import Certainty, Endpoint, Finding, WiringFactKind
 from rtron.vocabulary.names import TRANSFORM_TOPICS
 from rtron.wording import conjugate, join_names
 
+_LOOKED_UP = {
+    WiringFactKind.MISSING_FRAME: Certainty.LIKELY,
+    WiringFactKind.POSSIBLE_MISSING_FRAME: Certainty.POSSIBLE,
+}
 _PLAIN = ("std_msgs/", "std_srvs/")
 """Types without a header."""
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each frame of messages that is in no transform."""
+    """Yield a finding for each frame that is in no transform: of messages, else of look-ups."""
     listeners = _listeners(app)
-    for group in wiring_groups(app.graph, WiringFactKind.STRAY_FRAME) if app.is_whole else ():
+    stray = list(wiring_groups(app.graph, WiringFactKind.STRAY_FRAME)) if app.is_whole else []
+    for group in stray:
         is_transformed = any(_are_transformed(app, sender, listeners) for sender in group.others)
         yield _finding(group, is_transformed=is_transformed)
+    stamped = {group.subject for group in stray}
+    for kind, certainty in _LOOKED_UP.items():
+        for group in wiring_groups(app.graph, kind):
+            if group.subject not in stamped:
+                yield _missing(app, group, certainty if app.is_whole else Certainty.POSSIBLE)
 
 
 def _are_transformed(app: AppFacts, sender: str, listeners: set[str]) -> bool:
@@ -88,10 +107,27 @@ def _finding(group: WiringGroup, *, is_transformed: bool) -> Finding:
     )
 
 
+def _missing(app: AppFacts, group: WiringGroup, certainty: Certainty) -> Finding:
+    near, nodes = group.values[0], group.others
+    known = f"the transforms of this launch have {near}" if near else "no node of this launch does"
+    return fact_finding(
+        RULE.name,
+        group,
+        summary=f"{join_names(nodes)} {conjugate(nodes, 'look')} up the frame {group.subject}, "
+        "which nobody broadcasts",
+        cause=f"{known}{app.unread_hint}",
+        remedy=f"did you mean {near}? Give the look-up and the transform one name"
+        if near
+        else f"start what broadcasts {group.subject}",
+        certainty=certainty,
+        nodes=nodes,
+    )
+
+
 RULE = FindingRule(
     name="stray_frame",
-    title="Messages name a frame that is in no transform",
-    consequence="failure: likely where readers listen to transforms, else possible",
+    title="A frame that is used is in no transform",
+    consequence="failure: likely where it is looked up and a near one is there, else possible",
     since="0.2.0",
     check=check,
 )

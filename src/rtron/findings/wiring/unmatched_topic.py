@@ -8,8 +8,10 @@ odometry, a map) so has the only one below or above it, such as `/imu/data` of `
 reads that. It is likely if nobody else subscribes the other topic and all nodes were read. Else it
 is possible, and shown from the level `pedantic` on. No other topic is named that is made of this
 one, that another node forwards as a command, or where a publisher's name that is known in part may
-be this topic. What a lost command likely means is left to `lost_command`, and a topic without a
-near name to `incomplete_launch`.
+be this topic. A topic that is only recorded in a bag counts too, with any type. What a lost command
+likely means is left to `lost_command`, and a topic without a near name to `incomplete_launch`. What
+a node from elsewhere may be told (a pose to start from) is an option, and no name that says more or
+less (`set_pose`, `pose`) stands for it.
 
 ## Why it matters
 
@@ -17,7 +19,8 @@ The subscriber waits for ever, and no node fails. What it does with the messages
 
 ## Remedy
 
-Remap one of the names to the other.
+Find out who should publish the topic. Where the finding is likely, the types fit and the names say
+the same, remap one to the other; never a command or a stop, which may be meant for another robot.
 
 ## Example
 
@@ -27,8 +30,9 @@ Remap one of the names to the other.
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
-from rtron.findings.app_facts import AppFacts
+from rtron.findings.app_facts import AppFacts, says_more
 from rtron.findings.lost_commands import lost_commands
+from rtron.findings.measurement_names import MEASURED_TYPES
 from rtron.findings.motion.arbiter import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (
@@ -45,12 +49,34 @@ from rtron.vocabulary import (
 )
 from rtron.wording import conjugate, join_names
 
+_RECORDER_PACKAGE = "ros2bag"
+
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each topic that is subscribed, while a near one is published."""
-    for topic, near in unmatched_topics(app).items():
+    for topic, near in {**unmatched_topics(app), **_recorded(app)}.items():
         if near:
-            yield _finding(app, topic, near)
+            yield _finding(app, topic, near, app.readers(topic) or _recorders(app, topic))
+
+
+def _recorders(app: AppFacts, topic: str) -> tuple[str, ...]:
+    """Return the nodes that write a topic to a bag."""
+    nodes = (app.nodes.get(end.node) for end in app.graph.subscribers(topic) if not end.implicit)
+    return tuple(each.name for each in nodes if each and each.package == _RECORDER_PACKAGE)
+
+
+def _recorded(app: AppFacts) -> dict[str, list[str]]:
+    """Return the topics that are only recorded and not published, each with the near ones.
+
+    What is recorded beside it is not meant.
+    """
+    types = {type for topic in app.explicit_topics for type in app.types(topic, Direction.PUBLISH)}
+    topics = (each for each in app.explicit_topics if not _has_other_end(app, each))
+    near = {each: app.near_topics(each, types) for each in topics if _recorders(app, each)}
+    return {
+        topic: [other for other in others if not _recorders(app, other)]
+        for topic, others in near.items()
+    }
 
 
 @lru_cache(maxsize=1)
@@ -66,7 +92,18 @@ def _near(app: AppFacts, topic: str) -> list[str]:
         other
         for other in app.near_topics(topic, app.types(topic, Direction.SUBSCRIBE))
         if not is_one_stack(app, (*app.readers(topic), *app.publishers(other)))
+        and not (is_option(app, topic) and _is_other_word(topic, other))
     ]
+
+
+def is_option(app: AppFacts, topic: str) -> bool:
+    """Return whether a topic is no measurement, and only nodes from elsewhere subscribe it."""
+    is_own = any(app.facts.are_own([reader]) for reader in app.readers(topic))
+    return not (is_own or MEASURED_TYPES.match(app.facts.topic(topic).type))
+
+
+def _is_other_word(topic: str, other: str) -> bool:
+    return says_more(*(name.rpartition("/")[2] for name in (topic, other)))
 
 
 def _action_topics(graph: InteractionGraph) -> Iterator[str]:
@@ -78,17 +115,21 @@ def _action_topics(graph: InteractionGraph) -> Iterator[str]:
 
 def _is_unmatched(app: AppFacts, topic: str) -> bool:
     is_for_logs = app.facts.lists.ignores_topic(topic)
-    has_other_end = bool(app.publishers(topic)) or not app.readers(topic)
+    return not (_has_other_end(app, topic) or is_for_logs) and bool(app.readers(topic))
+
+
+def _has_other_end(app: AppFacts, topic: str) -> bool:
+    """Return whether a topic is published, as is one whose name is known in part, or hidden."""
     is_part_missing = "{" in topic or topic.rpartition("/")[2].startswith("_")
-    return not (has_other_end or is_for_logs or is_part_missing)
+    return is_part_missing or bool(app.publishers(topic))
 
 
-def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
-    readers = app.readers(topic)
+def _finding(app: AppFacts, topic: str, near: list[str], readers: tuple[str, ...]) -> Finding:
     maybe_elsewhere = app.may_have_other_end(topic, Direction.PUBLISH)
     unread_near = [other for other in near if not app.readers(other)]
     is_likely = bool(unread_near) and not maybe_elsewhere
     publishers = app.publishers(near[0])
+    is_doubtful = app.is_motion(topic) or app.is_stop(topic) or _is_other_word(topic, near[0])
     return make_finding(
         RULE.name,
         topic,
@@ -96,7 +137,9 @@ def _finding(app: AppFacts, topic: str, near: list[str]) -> Finding:
         "which nobody publishes",
         cause=f"no node of this launch publishes it{app.unread_publisher_hint([topic])}; "
         f"{join_names(publishers)} {conjugate(publishers, 'send')} {near[0]}",
-        remedy=f"did you mean {near[0]}? Remap one to the other",
+        remedy=f"did you mean {near[0]}? Remap one to the other"
+        if is_likely and not is_doubtful
+        else f"find out who should publish {topic}; {near[0]} may be another thing",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if is_likely else Certainty.POSSIBLE,
         level=FindingLevel.REGULAR if is_likely else FindingLevel.PEDANTIC,

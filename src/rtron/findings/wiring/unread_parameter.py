@@ -10,7 +10,8 @@ parameter that any node of the app declares or reads does not count, nor do node
 dynamic_reconfigure. A section of a parameter file for a name that no node has counts where a node
 that is given no parameters has a near name, or where one alone of these is given the file and
 declares most of the section, two names at least, or has the section's name unless its launch
-renames it. So does, in ROS 2, a parameter file with values and without `ros__parameters`.
+renames it, or as its program's file. So does, in ROS 2, a parameter file with values and without
+`ros__parameters`.
 
 ## Why it matters
 

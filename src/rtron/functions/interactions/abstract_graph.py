@@ -35,10 +35,7 @@ from rtron.vocabulary import (
 
 FUNCTIONS_SCHEMA = "rtron.functions/1"
 _NO_TRAFFIC = TypicalTraffic()
-_ORDER = [
-    *FunctionType,
-    *RecognitionSubfunction,
-]
+_ORDER = [*FunctionType, *RecognitionSubfunction]
 _PREPROCESSING = FunctionType.PREPROCESSING.value
 
 

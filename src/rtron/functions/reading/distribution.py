@@ -40,13 +40,18 @@ def read_distribution(path: Path, on_skipped: SkippedHandler) -> Iterator[Source
     for name, entry in listed.items():
         location = f"{path}: {str(name)[: fields.MAX_NAME]}"
         repository = read_or_skip(
-            on_skipped, location, _repository, {"repo": name, "entry": entry}, location, on_skipped
+            on_skipped,
+            location,
+            _listed_entry,
+            {"repo": name, "entry": entry},
+            location,
+            on_skipped,
         )
         if repository is not None:
             yield repository
 
 
-def _repository(listed: Document, location: str, on_skipped: SkippedHandler) -> SourceRepository:
+def _listed_entry(listed: Document, location: str, on_skipped: SkippedHandler) -> SourceRepository:
     name, entry = (
         fields.required_name(listed, "repo"),
         fields.required_object(listed["entry"], "the entry"),

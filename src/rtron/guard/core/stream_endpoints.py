@@ -236,7 +236,7 @@ class StreamEndpoints:
         return self._receiver_for(flow.name, peer)
 
     def _connect_stranger(self, peer: Peer, where: str) -> MessageHandler | None:
-        if peer.verified and peer.node == SUPERVISOR_NODE and not self.spec.successors:
+        if peer.verified and peer.node == SUPERVISOR_NODE:
             return None  # it stops who listens to the public name
         if not self.spec.block_unapproved and not self._learn_type(peer):
             return None

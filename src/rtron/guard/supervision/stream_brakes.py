@@ -21,9 +21,9 @@ log = logging.getLogger(__name__)
 
 
 class StreamBrake:
-    """One stream's output; every successor is connected before anything happens.
+    """One stream's outputs; every successor is connected before anything happens.
 
-    It is the private one, or the public topic where the plan names no successor.
+    Whoever obeys and is not a successor hears the public topic, as it hears the guard there.
     """
 
     def __init__(
@@ -33,17 +33,21 @@ class StreamBrake:
         self._stream = stream
         self._stopped = stopped
         self._transport = transport
-        topic = output_topic(stream.topic) if stream.successors else stream.topic
-        self._output: Output = transport.advertise(
-            SUPERVISOR_NODE, topic, stream.type, queue_size=stream.queue_size
-        )
-        self._output.match_subscribers(stream.successors)
-        self._output.offer(UNAPPROVED, QoS())
-        self._output.greet(self._greeting)
+        private = (output_topic(stream.topic),) if stream.successors else ()
+        self._outputs = tuple(map(self._open, (*private, stream.topic)))
         self._codec: VelocityCodec | None = None
         self._type_count = 0
         self._stopper: StopController | None = None
         self._braking_since = 0
+
+    def _open(self, topic: str) -> Output:
+        output = self._transport.advertise(
+            SUPERVISOR_NODE, topic, self._stream.type, queue_size=self._stream.queue_size
+        )
+        output.match_subscribers(() if topic == self._stream.topic else self._stream.successors)
+        output.offer(UNAPPROVED, QoS())
+        output.greet(self._greeting)
+        return output
 
     def prepare(self) -> None:
         """Read the type's standard definition, so that a stop does not wait for it."""
@@ -103,7 +107,8 @@ class StreamBrake:
         return self._codec.zero_message if self._codec and is_stopped else None
 
     def _send(self, _flow: str, message: bytes) -> None:
-        self._output.publish(message)
+        for output in self._outputs:
+            output.publish(message)
 
     def _standard(self) -> VelocityCodec | None:
         """Return how the stream's velocities are written by the standard, if nobody has told."""
@@ -113,8 +118,9 @@ class StreamBrake:
     def _codec_of(self, info: TypeInfo) -> VelocityCodec | None:
         """Return how velocities of a type are written; None if it has none that are known."""
         codec = codec_of(info, self._transport.encoding)
-        known = codec is not None and not codec.is_limit and self._output.learn_type(info)
-        return codec if known else None
+        if codec is None or codec.is_limit:
+            return None
+        return codec if all(output.learn_type(info) for output in self._outputs) else None
 
 
 class StreamBrakes:

@@ -11,11 +11,7 @@ from rtron.messages.common.encoding import PREFIX, Encoding
 from rtron.messages.common.layout import MessageLayout, Step, count_reader, skip_field
 
 POSE_TYPES = frozenset(
-    {
-        "geometry_msgs/PoseStamped",
-        "geometry_msgs/PoseWithCovarianceStamped",
-        "nav_msgs/Odometry",
-    }
+    {"geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovarianceStamped", "nav_msgs/Odometry"}
 )
 """Types whose messages tell where the robot is, or may."""
 _POSE = "geometry_msgs/Pose"

@@ -54,6 +54,8 @@ _SHAPES = {
 }
 VELOCITY_TYPES = frozenset(_SHAPES)
 """The message types that a velocity can be read from, in ROS 1 spelling."""
+MOTION_TYPES = frozenset(type for type, shape in _SHAPES.items() if not shape.is_limit)
+"""Those of them that a robot drives at: the guard can make it stop with them."""
 
 _FindFloats = Callable[[bytes], int]
 

@@ -15,7 +15,7 @@ from rtron.messages.common.definition import Definition
 from rtron.messages.expressions.functions import BRACKETS, CLOSING, TOKEN
 
 MAX_STEPS = 200_000
-"""How many combinations, times words, are tried; of an expression with more nothing is told."""
+"""How many combinations, times words, are tried for one plan: of more nothing is told."""
 _Value = bool | float | str
 _Test = Callable[[Mapping[str, _Value]], bool]
 _Words = Sequence[str]
@@ -40,10 +40,12 @@ _INTEGERS = {
 }
 
 
-def constant_value(text: str, definition: Definition, subject: str) -> bool | None:
+def constant_value(
+    text: str, definition: Definition, subject: str, most_steps: int = MAX_STEPS
+) -> bool | None:
     """Return what a boolean expression, which was checked, always is; None if that is not known.
 
-    It is about messages of this type, which it calls `subject`.
+    It is about messages of this type, which it calls `subject`. No more steps are taken than given.
     """
     words = [w for w in _TOKENS.findall(text) if not w.isspace() and not w.startswith("//")]
     reader = _ConditionReader()
@@ -52,7 +54,7 @@ def constant_value(text: str, definition: Definition, subject: str) -> bool | No
         _samples(values, _integer_bounds(term, definition, subject) or _real_bounds(term))
         for term, values in reader.values.items()
     ]
-    if not 0 < math.prod(map(len, samples)) * len(words) <= MAX_STEPS:
+    if not 0 < math.prod(map(len, samples)) * len(words) <= most_steps:
         return None
     results = (test(dict(zip(reader.values, case, strict=True))) for case in product(*samples))
     first = next(results)

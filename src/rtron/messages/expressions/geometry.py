@@ -79,10 +79,7 @@ class PlanarTransform:
 
     def apply(self, x: float, y: float) -> XY:
         """Return where a place comes to lie."""
-        return (
-            self.cosine * x - self.sine * y + self.x,
-            self.sine * x + self.cosine * y + self.y,
-        )
+        return (self.cosine * x - self.sine * y + self.x, self.sine * x + self.cosine * y + self.y)
 
     def inverse(self) -> "PlanarTransform":
         """Return the motion back."""

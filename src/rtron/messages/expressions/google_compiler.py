@@ -31,10 +31,7 @@ class GoogleCompiler:
         area_type = cel.cel.Type(protobuf_name(AREA))
         self._env = cel.cel.NewEnv(
             descriptor_pool=pool,
-            variables={
-                name: cel.cel.Type(protobuf_name(type)),
-                **dict.fromkeys(areas, area_type),
-            },
+            variables={name: cel.cel.Type(protobuf_name(type)), **dict.fromkeys(areas, area_type)},
             functions=declarations(cel.cel, points),
             extensions=[cel.ext.ext_math.ExtMath()],
         )

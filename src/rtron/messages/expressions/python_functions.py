@@ -19,14 +19,7 @@ from rtron.messages.expressions.geometry import (
     polygon_edges,
 )
 from rtron.messages.expressions.number_checks import NOT_A_NUMBER
-from rtron.messages.expressions.static_types import (
-    BOOL,
-    BYTES,
-    DOUBLE,
-    INT,
-    STRING,
-    StaticType,
-)
+from rtron.messages.expressions.static_types import BOOL, BYTES, DOUBLE, INT, STRING, StaticType
 from rtron.vocabulary import Area
 
 _LIMIT = 1 << 63

@@ -7,14 +7,7 @@ from rtron.errors import suggestion
 from rtron.planning.plan_file.problems import quoted
 from rtron.vocabulary import SECOND
 
-UNITS = {
-    "ns": 1,
-    "us": 1_000,
-    "ms": 1_000_000,
-    "s": SECOND,
-    "min": 60 * SECOND,
-    "h": 3600 * SECOND,
-}
+UNITS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": SECOND, "min": 60 * SECOND, "h": 3600 * SECOND}
 MAX_DURATION = 2**63 - 1
 _DURATION = re.compile(r"([0-9]{1,19}(?:\.[0-9]{1,18})?) ?([A-Za-zµ]*)")
 

@@ -58,11 +58,7 @@ def required_duration(figures: DurationStatistics) -> int:
 
 
 def fit_duration(
-    before: int,
-    measured: Sequence[DurationStatistics],
-    bounds: FitBounds,
-    *,
-    objection: str = "",
+    before: int, measured: Sequence[DurationStatistics], bounds: FitBounds, *, objection: str = ""
 ) -> DurationFit:
     """Return what a duration becomes that must outlast all that was `measured`, by whom each.
 

@@ -64,11 +64,19 @@ True
 left pass because its turn came after 0.10 s
 """
 
+from collections.abc import Mapping
+
+from rtron.policies.active_flows import ActiveFlows, FlowActivity
 from rtron.policies.queues.message_queue import TABLE, MessageQueue
 from rtron.policies.queues.output_lease import ExclusiveLease
-from rtron.policies.queues.priority_lease import PriorityLease
-from rtron.policies.verdicts import check_priorities
-from rtron.vocabulary import PolicySettings, StreamKind
+from rtron.policies.state_transfer import LeaseState, PolicyState
+from rtron.policies.verdicts import (
+    check_priorities,
+    goes_next_reason,
+    owns_output_reason,
+    with_priority,
+)
+from rtron.vocabulary import Flow, PolicySettings, StreamKind
 
 __all__ = ["TABLE", "PriorityQueue"]
 
@@ -81,3 +89,84 @@ class PriorityQueue(MessageQueue):
         commands = settings.kind is StreamKind.COMMAND
         turn = PriorityLease(settings) if commands else ExclusiveLease(settings, renewable=False)
         super().__init__(settings, turn, rank=lambda flow: -flow.priority)
+
+
+class PriorityLease:
+    """A flow that has spoken masks all lower ones until it is silent for its `timeout`.
+
+    `release_after` stands in for a timeout that is not set. A command that goes counts as spoken
+    at that moment: what the robot does just now is not overridden at once by a lower flow.
+    """
+
+    __slots__ = ("_active_flows", "_highest_active", "_owner")
+
+    def __init__(self, settings: PolicySettings) -> None:
+        default = settings.release_after
+        self._active_flows = ActiveFlows(
+            settings.flows, lambda flow: default if flow.timeout is None else flow.timeout
+        )
+        self._highest_active: FlowActivity | None = None
+        self._owner: FlowActivity | None = None
+
+    @property
+    def owner(self) -> Flow | None:
+        """The flow whose command went last, while it is fresh."""
+        return self._owner.flow if self._owner else None
+
+    def record_message(self, flow: Flow, now: int) -> None:
+        """Let `flow` mask the lower ones from now on."""
+        self._active_flows.record_message(self._active_flows.by_name[flow.name], now)
+        self._highest_active = self._active_flows.highest_priority(now)
+
+    def wait_reason(self, flow: Flow, first: Flow | None) -> str:
+        """Let a message go if no higher flow is fresh and none of a higher flow waits."""
+        active = self._highest_active
+        if active and active.flow.priority > flow.priority:
+            reason = owns_output_reason if active is self._owner else goes_next_reason
+            return with_priority(active.flow, reason(active.flow))
+        if first and first.priority > flow.priority:
+            return with_priority(first, goes_next_reason(first))
+        return ""
+
+    def grant(self, flow: Flow, now: int) -> None:
+        """Give the turn to `flow`, or renew it."""
+        self.record_message(flow, now)
+        self._owner = self._active_flows.by_name[flow.name]
+
+    def expire(self, now: int) -> None:
+        """Forget who fell silent."""
+        self._highest_active = self._active_flows.highest_priority(now)
+        if self._owner and now >= self._owner.expires_at:
+            self._owner = None
+
+    def forget(self, flow: str, now: int) -> None:
+        """Take the flow for silent."""
+        self._active_flows.forget(flow, now)
+
+    def release(self, now: int) -> None:
+        """Take the owner for silent."""
+        if self._owner:
+            self._owner.expires_at = now
+
+    def expiry(self) -> int | None:
+        """Return when the owner falls silent, or a flow that masks although its message is gone."""
+        active = self._owner or self._highest_active
+        return active.expires_at if active else None
+
+    def state(self) -> LeaseState | None:
+        """Return whose turn it is; of a command, only when it went last matters."""
+        owner = self._owner
+        if owner is None:
+            return None
+        sent_at = owner.expires_at - owner.timeout
+        return LeaseState(owner.flow.name, sent_at, sent_at)
+
+    def last_message_times(self, now: int) -> Mapping[str, int]:
+        """Return when each fresh flow spoke last."""
+        return self._active_flows.last_message_times(now)
+
+    def restore(self, owner: Flow | None, state: PolicyState) -> None:
+        """Know who spoke when; the owner stays the one whose command went last."""
+        self._active_flows.restore(state.last_message_times)
+        if owner and owner.name in state.last_message_times:
+            self._owner = self._active_flows.by_name[owner.name]

@@ -109,11 +109,7 @@ def _unresolved(item: UnresolvedItem, root: Path | None) -> dict[str, Any]:
 
 
 def _notification(id: str, index: int, text: str) -> dict[str, Any]:
-    return {
-        "descriptor": {"id": id, "index": index},
-        "level": "warning",
-        "message": message(text),
-    }
+    return {"descriptor": {"id": id, "index": index}, "level": "warning", "message": message(text)}
 
 
 def _order_of_unresolved(item: UnresolvedItem) -> tuple[list[tuple[str, int]], str, str]:

@@ -54,11 +54,7 @@ def verify_secured_domain(
     problems += [f"the enclave {VERIFY_NODE} may publish {each}: {_WIDE}" for each in accepted]
     proven = [f"the enclave {VERIFY_NODE} may not publish {each}" for each in refused]
     proven += [] if seen else ["a participant without a certificate sees nobody"]
-    return replace(
-        verification,
-        problems=(*verification.problems, *problems),
-        proven=tuple(proven),
-    )
+    return replace(verification, problems=(*verification.problems, *problems), proven=tuple(proven))
 
 
 def _seen_without_certificate(plan: Plan, domain: int) -> list[str]:

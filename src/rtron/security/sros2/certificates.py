@@ -132,9 +132,7 @@ def revocation_list_pem(revoked: x509.CertificateRevocationList) -> bytes:
 def key_pem(key: ec.EllipticCurvePrivateKey) -> bytes:
     """Return a private key as text; without a password, which a robot could not type."""
     return key.private_bytes(
-        serialization.Encoding.PEM,
-        serialization.PrivateFormat.PKCS8,
-        serialization.NoEncryption(),
+        serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
     )
 
 

@@ -118,11 +118,7 @@ def _config(mode: str, files: TlsFiles, side: str) -> dict[str, Any]:
     """
     return {
         "mode": mode,
-        "scouting": {
-            "delay": 0,
-            "multicast": {"enabled": False},
-            "gossip": {"enabled": False},
-        },
+        "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
         "timestamping": {"enabled": True},
         "queries_default_timeout": 600_000,
         "adminspace": {"enabled": False},

@@ -30,12 +30,7 @@ from rtron.security.sros2.certificates import (
     load_key,
 )
 from rtron.security.sros2.layout import CERTIFICATE, IDENTITY_CA, KEY, Keystore
-from rtron.security.zenoh.configuration import (
-    TlsFiles,
-    ZenohRouter,
-    router_config,
-    session_config,
-)
+from rtron.security.zenoh.configuration import TlsFiles, ZenohRouter, router_config, session_config
 
 ROUTER_FOLDER, ROUTER_FILE, SESSION_FILE = "zenoh", "router.json5", "zenoh.json5"
 _MAX_BYTES = 64 * 2**20

@@ -27,11 +27,7 @@ from rtron.service.controller.handshake import (
     is_known,
     perform_handshake,
 )
-from rtron.service.controller.revision_writer import (
-    ApplyChange,
-    RevisionWriter,
-    retry_conflicts,
-)
+from rtron.service.controller.revision_writer import ApplyChange, RevisionWriter, retry_conflicts
 from rtron.service.controller.robot_snapshot import (
     RobotSnapshot,
     active_settings,

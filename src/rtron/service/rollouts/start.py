@@ -106,10 +106,7 @@ def selected_robots(
     labels = labels_by_robot(session, [robot.id for robot, _ in found])
     return [
         SelectedRobot(
-            robot=robot,
-            app=app,
-            settings=load_settings(rows[app.id]),
-            labels=labels[robot.id],
+            robot=robot, app=app, settings=load_settings(rows[app.id]), labels=labels[robot.id]
         )
         for robot, app in found
         if app.id in rows

@@ -1,14 +1,20 @@
-"""The HTTP protocol of one connection: deadlines for requests and answers."""
+"""The HTTP protocol of one connection: deadlines for requests and answers.
+
+A client shows its certificate in TLS, or in the header of the proxy that speaks TLS.
+"""
 
 import asyncio
-from collections.abc import Callable
+import base64
+import binascii
+import ssl
+from collections.abc import Callable, Iterable
 from typing import Any
+from urllib.parse import unquote
 
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
-from rtron.service.server.client_certificate import STATE_KEY, shown_certificate
 from rtron.service.server.connection_limit import ConnectionLimit
 from rtron.service.server.handshake_limit import note_handshake
 
@@ -22,6 +28,9 @@ _READER_TIMEOUT_S = 60.0
 
 _READER, _END = object(), object()
 """What is awaited of a client beside parts of a request: to read, and to read what is the last."""
+HEADER = b"client-cert"
+STATE_KEY = "client_certificate"
+"""Under this key the state of a WebSocket has the certificate (DER), None if none is shown."""
 
 
 class LimitedHttpProtocol(H11Protocol):
@@ -173,3 +182,29 @@ class LimitedWebSocketProtocol(WebSocketsSansIOProtocol):
         if self._counted_address is not None:
             self._handshakes.release(self._counted_address)
             self._counted_address = None
+
+
+def shown_certificate(
+    transport: asyncio.BaseTransport, headers: Iterable[tuple[bytes, bytes]], *, is_proxy: bool
+) -> bytes | None:
+    """Return the certificate that a client shows, DER; None if it shows none.
+
+    What a proxy hands on counts from a proxy only, and what the proxy itself shows does not.
+    """
+    if is_proxy:
+        values = [value for name, value in headers if name.lower() == HEADER]
+        return _parse_header(values[0]) if len(values) == 1 else None
+    tls = transport.get_extra_info("ssl_object")
+    certificate: bytes | None = tls.getpeercert(binary_form=True) if tls else None
+    return certificate
+
+
+def _parse_header(value: bytes) -> bytes | None:
+    """Return what RFC 9440 (`:base64:`), or nginx' $ssl_client_escaped_cert (PEM), hands on."""
+    try:
+        text = value.decode("ascii").strip()
+        if text.startswith(":") and text.endswith(":"):
+            return base64.b64decode(text[1:-1], validate=True) or None
+        return ssl.PEM_cert_to_DER_cert(unquote(text)) if text else None
+    except (ValueError, binascii.Error):
+        return None

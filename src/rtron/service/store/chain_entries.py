@@ -70,11 +70,7 @@ def _events_query() -> Select[Any]:
 
 def _link_columns(entry_id: Any) -> list[Any]:  # noqa: ANN401 - a column
     link = ChainLinkRow
-    return [
-        link.number.label("link_number"),
-        link.hash.label("link_hash"),
-        entry_id.label("found"),
-    ]
+    return [link.number.label("link_number"), link.hash.label("link_hash"), entry_id.label("found")]
 
 
 def _link(row: Row[Any]) -> Link:

@@ -50,9 +50,7 @@ def _stored_hashes(
 
 
 def _contradiction(
-    chain: ChainRow | None,
-    head: Head,
-    hashes: Mapping[tuple[int, int], str],
+    chain: ChainRow | None, head: Head, hashes: Mapping[tuple[int, int], str]
 ) -> str:
     if chain is None:
         return "the chain is gone"

@@ -8,17 +8,7 @@ import json
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import (
-    BigInteger,
-    Connection,
-    cast,
-    column,
-    delete,
-    func,
-    select,
-    table,
-    text,
-)
+from sqlalchemy import BigInteger, Connection, cast, column, delete, func, select, table, text
 from sqlalchemy.orm import Session
 
 from rtron.service.store.tables import LiveGuardRow

@@ -158,8 +158,7 @@ def newest_settings_by_app(session: Session, app_ids: Collection[int]) -> dict[i
         .subquery()
     )
     query = select(SettingsRow).join(
-        last,
-        (SettingsRow.app_id == last.c.app_id) & (SettingsRow.revision == last.c.revision),
+        last, (SettingsRow.app_id == last.c.app_id) & (SettingsRow.revision == last.c.revision)
     )
     return {row.app_id: row for row in session.scalars(query)}
 

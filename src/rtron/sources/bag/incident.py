@@ -31,13 +31,7 @@ from rtron.vocabulary import (
     Velocity,
     normalise_type,
 )
-from rtron.wire.common.incident_format import (
-    DECISIONS,
-    FORMER_SETTINGS,
-    INCIDENT,
-    PLAN,
-    SETTINGS,
-)
+from rtron.wire.common.incident_format import DECISIONS, FORMER_SETTINGS, INCIDENT, PLAN, SETTINGS
 
 OUTPUT = "out"
 """The last part of the name of a stream's private output."""

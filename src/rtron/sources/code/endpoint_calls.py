@@ -13,7 +13,7 @@ ENDPOINT_METHODS = frozenset(
 )
 """Those that are methods or functions."""
 ENDPOINT_CALLS = ENDPOINT_METHODS | {
-    *("Publisher", "Subscriber", "SimpleActionClient", "SimpleActionServer"),
+    *("Publisher", "Subscriber", "SimpleActionClient", "SimpleActionServer")
 }
 ENDPOINT_CALL = re.compile(rf"\b(?:{'|'.join(sorted(ENDPOINT_METHODS))})\b(?=\s*[<(])")
 """One of the methods where C++ calls it."""

@@ -34,6 +34,7 @@ from rtron.sources.code.interpreter.execution.statements import EXECUTORS
 from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 from rtron.sources.code.ir import SourceProblem
+from rtron.sources.code.last_message import last_messages
 from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
 from rtron.sources.code.library_models.common.other_ros import (
     OTHER_CPP_CLASSES,
@@ -65,8 +66,8 @@ from rtron.sources.code.reachability import (
     joins_nodes,
     names_written_by_callbacks,
     note_unreached,
+    run_frame_users,
     run_pending,
-    run_stamping,
     run_transitions,
 )
 from rtron.sources.declaration import NodeInterface, NodeSite
@@ -269,8 +270,9 @@ def _run_to_fixpoint(
     own = ((n, f) for n, f in functions if f.name.rpartition("::")[0] not in other_components)
     note_unreached(machine, own)
     interface = machine.recorder.result()
-    run_stamping(machine)
-    return replace(interface, stamps=machine.recorder.result().stamps)
+    last = tuple(last_messages(machine))
+    run_frame_users(machine)
+    return replace(interface, frame_uses=machine.recorder.result().frame_uses, last_messages=last)
 
 
 def _create_cpp_machine(

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from itertools import islice
 
 from rtron.sources.code.endpoint_calls import ENDPOINT_CALLS
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -27,6 +28,7 @@ from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Function
 from rtron.sources.code.ir.references import called_names, written_names
+from rtron.sources.code.library_models.common.transforms import LOOK_UPS
 from rtron.vocabulary import Evidence
 
 ROS1_API = frozenset(
@@ -70,7 +72,7 @@ ROS2_PYTHON_API = _ROS2_API | {
     "create_lifecycle_publisher",
     *("Buffer", "Popen", "check_call", "create_sub_node", "ParameterEventHandler"),
 }
-_CONTAINER_METHODS = frozenset(
+CONTAINER_METHODS = frozenset(
     [
         *("get", "size", "begin", "end", "empty", "push_back", "emplace_back", "emplace", "clear"),
         *("front", "back", "at", "find", "insert", "erase", "c_str", "str", "reset", "lock"),
@@ -83,8 +85,8 @@ _EARLY_EXIT = "makes endpoints, but ends before the first of them by what is kno
 MAX_RUNS = 400
 MAX_PLACES = 200
 MAX_STEPS = 100_000
-MAX_STAMPING = 40
-MAX_STAMPING_STEPS = 10_000
+MAX_FRAME_USERS = 40
+MAX_FRAME_USERS_STEPS = 10_000
 MAX_ROS2_STEPS = 400_000
 """A lifecycle node of ROS 2 makes all that it has in one callback."""
 
@@ -113,23 +115,28 @@ def run_pending(machine: AbstractMachine) -> None:
         machine.recorder.add_unresolved(waiting.function.name, "more callbacks than are run", place)
 
 
-def run_stamping(machine: AbstractMachine) -> None:
-    """Run the first functions that name the frame of a message and joined no nodes.
+def run_frame_users(machine: AbstractMachine) -> None:
+    """Run the first functions that write or look up a frame, or call one that does.
 
-    What they declare comes too late to count.
+    Those that joined nodes ran before. What these declare comes too late to count.
     """
     instances = [each for each in machine.instances if isinstance(each, Instance)]
-    methods = (method for each in instances for method in _methods(machine, each))
-    waiting = {
-        each.function.key: each
-        for each in (*machine.pending_callbacks, *machine.passed_functions, *methods)
-        if STAMPED in written_names(each.function)
-    }
-    keys = [key for key in waiting if key not in machine.executed_functions]
-    for key in keys[:MAX_STAMPING]:
-        at = Arguments(frame=StackFrame(file=waiting[key].function.file))
-        with suppress(EndError, RecursionError), machine.step_budget(MAX_STAMPING_STEPS):
-            dispatch(machine, waiting[key], at)
+    methods = [method for each in instances for method in _methods(machine, each)]
+    called = (*machine.pending_callbacks, *machine.passed_functions, *methods)
+    found = {each.function.key: each for each in called}
+    users = {e.function.name.rpartition("::")[2] for e in called if _uses_frames(e.function)}
+    for key in machine.executed_functions & found.keys():
+        del found[key]
+    waiting = (e for e in found.values() if _uses_frames(e.function, users))
+    for each in islice(waiting, MAX_FRAME_USERS):
+        at = Arguments(frame=StackFrame(file=each.function.file))
+        with suppress(EndError, RecursionError), machine.step_budget(MAX_FRAME_USERS_STEPS):
+            dispatch(machine, each, at)
+
+
+def _uses_frames(function: Function, users: Iterable[str] = ()) -> bool:
+    names = LOOK_UPS.union(users)
+    return STAMPED in written_names(function) or not names.isdisjoint(called_names(function))
 
 
 def _run_deferred(machine: AbstractMachine) -> None:
@@ -290,7 +297,7 @@ def _reachable_functions(
     Without `include_unrelated`, those that are known to join no nodes are left out.
     """
     seen: set[tuple[str, int, str]] = set()
-    left_out = frozenset[str]() if machine.recorder.site.ros == 1 else _CONTAINER_METHODS
+    left_out = frozenset[str]() if machine.recorder.site.ros == 1 else CONTAINER_METHODS
     while queue:
         current = queue.pop()
         if current.key in seen:
@@ -390,4 +397,4 @@ def _wrappers(functions: Iterable[Function]) -> frozenset[str]:
         is_constructor = owner.rpartition("::")[2] == plain
         joins = bool(called_names(function) & ENDPOINT_CALLS) and not is_constructor
         joining[plain] = joining.get(plain, True) and joins
-    return frozenset(name for name, joins in joining.items() if joins) - _CONTAINER_METHODS
+    return frozenset(name for name, joins in joining.items() if joins) - CONTAINER_METHODS

@@ -10,12 +10,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
-from rtron.sources.declaration import (
-    Declaration,
-    DeclarationKind,
-    NodeInterface,
-    RuntimeStart,
-)
+from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, RuntimeStart
 from rtron.vocabulary import Evidence, UnresolvedItem
 from rtron.vocabulary.launch import resolve_name
 

@@ -47,10 +47,7 @@ def config_json_schema(rules: Collection[str]) -> dict[str, Any]:
         "properties": {
             "rule": {"enum": list(rules), "description": "The rule of the finding."},
             "topic": text
-            | {
-                "description": "The topic, service or node; * stands for anything.",
-                "default": "*",
-            },
+            | {"description": "The topic, service or node; * stands for anything.", "default": "*"},
             "reason": text | {"description": "Why it is no problem here."},
         },
         "required": ["rule", "reason"],

@@ -27,10 +27,7 @@ def target_program(target: BuildTarget, contents: PackageContents) -> Program:
 def script_program(path: Path, contents: PackageContents) -> Program:
     """Return a script as a program."""
     return Program(
-        name=path.name,
-        package=contents.name,
-        language=script_language(path),
-        sources=(path,),
+        name=path.name, package=contents.name, language=script_language(path), sources=(path,)
     )
 
 

@@ -38,8 +38,9 @@ class PythonPackage:
 def read_python_package(package: Path, name: str) -> PythonPackage:
     """Return what the setup.py and setup.cfg of a package say; what is not understood is noted.
 
-    In ROS 2 the modules' folder is called like the package and stands in its root; the folder of
-    the package itself may be called otherwise. In ROS 1 it lies in `src`.
+    In ROS 2 the modules' folder is called like the package and stands in its root, also without an
+    `__init__.py` (PEP 420); the folder of the package itself may be called otherwise. In ROS 1 it
+    lies in `src`.
     """
     setup, notes = _read_setup_script(package / "setup.py")
     configured, of_config = _read_setup_config(package / "setup.cfg")
@@ -51,7 +52,7 @@ def read_python_package(package: Path, name: str) -> PythonPackage:
     if not (is_known(value) and setup.is_complete):
         notes.append(_note(package / "setup.py", line, _ENTRIES_REASON))
     matched = (_ENTRY.match(text.replace(HOLE, "")) for text in written)
-    in_root = (package / name / "__init__.py").is_file()
+    in_root = not (package / "src" / name).is_dir() and any((package / name).glob("*.py"))
     folder = _root_folder(setup.arguments.get("package_dir", (None, 0))[0])
     return PythonPackage(
         folder=package / (folder or ("" if in_root else "src")),

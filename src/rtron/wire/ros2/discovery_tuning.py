@@ -41,10 +41,7 @@ period."""
 
 
 def configure_fast_dds(
-    rmw: str,
-    *,
-    shares_memory: bool | None = None,
-    environ: MutableMapping[str, str] = os.environ,
+    rmw: str, *, shares_memory: bool | None = None, environ: MutableMapping[str, str] = os.environ
 ) -> bool:
     """Give the participants that this process makes from now on a profile; tell whether they have.
 

@@ -105,6 +105,7 @@ class LatchedLink:
             subscription.update([], frozenset())
         self.workers = HeldWorkers()
         subscription.update(["http://localhost:2/"], frozenset())
+        self.close = subscription.close
 
     def _link(self, uri, options):
         receive = self.heard.append
@@ -140,25 +141,23 @@ class LatchedLink:
     ],
 )
 def test_a_command_that_was_latched_before_we_listened_is_dropped_and_counted(loop, kind, heard):
-    link = LatchedLink(loop, **kind)
-    with link.connect(b"old", b"new"):
+    with closing(LatchedLink(loop, **kind)) as link, link.connect(b"old", b"new"):
         assert link.words == heard
         assert len(link.missed) == 2 - len(heard)
 
 
 def test_what_was_latched_while_a_connection_was_gone_is_old(loop, monkeypatch):
     monkeypatch.setattr("rtron.guard.transport.ros1.subscription._FIRST_RETRY_S", 0)
-    link = LatchedLink(loop, was_there=False)
-    link.connect(b"one").close()
-    for _ in range(3):
-        loop.step(0)
-    with link.connect(b"two", b"three"):
-        assert link.words == [b"one", b"three"]
+    with closing(LatchedLink(loop, was_there=False)) as link:
+        link.connect(b"one").close()
+        for _ in range(3):
+            loop.step(0)
+        with link.connect(b"two", b"three"):
+            assert link.words == [b"one", b"three"]
 
 
 def test_the_first_command_of_one_who_had_latched_nothing_is_passed_on(loop, monkeypatch):
     monkeypatch.setattr("rtron.guard.transport.ros1.subscription._LATCHED_S", 0)
-    link = LatchedLink(loop)
-    with link.connect() as publisher:
+    with closing(LatchedLink(loop)) as link, link.connect() as publisher:
         link.say(publisher, b"first")
         assert link.words == [b"first"]

@@ -155,10 +155,7 @@ def test_a_topic_remapped_to_itself_is_guarded_under_that_spelling(guard):
 def test_of_two_spellings_of_a_name_both_are_placed_in_their_order(guard):
     both = '<remap from="~x" to="cmd_vel"/><remap from="/a/x" to="~y"/>'
     guarded = guard(f'<node pkg="p" type="t" name="a">{both}</node>', plan_of(grcn(T, ["/a"], [])))
-    assert remaps(guarded)[:2] == [
-        ("/a", "~x", "/rtron/cmd_vel/flow1"),
-        ("/a", "/a/x", "~y"),
-    ]
+    assert remaps(guarded)[:2] == [("/a", "~x", "/rtron/cmd_vel/flow1"), ("/a", "/a/x", "~y")]
 
 
 def test_an_exact_publisher_comes_before_a_pattern(guard):

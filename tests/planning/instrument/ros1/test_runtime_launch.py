@@ -159,8 +159,7 @@ def test_a_starter_in_a_started_launch_file_is_led_by_its_copy(app):
 
 
 @pytest.mark.parametrize(
-    ("own", "expected"),
-    [("", '"{}"'), (' launch-prefix="nice -n 3"', '"{}" nice -n 3')],
+    ("own", "expected"), [("", '"{}"'), (' launch-prefix="nice -n 3"', '"{}" nice -n 3')]
 )
 def test_the_starter_comes_before_the_nodes_own_prefix(app, own, expected):
     node = BODY.replace(' name="start"', f' name="start"{own}')

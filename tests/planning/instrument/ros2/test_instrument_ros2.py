@@ -106,10 +106,7 @@ def test_the_guard_is_the_first_thing_started(guard):
         ('<remap from="~/out" to="/cmd_vel"/>', {"/nav/controller/out": NAV}),
         ('<remap from="rostopic://out" to="/cmd_vel"/>', {"/nav/out": NAV}),
         ('<remap from="controller:out" to="/cmd_vel"/>', {"/nav/out": NAV}),
-        (
-            '<remap from="out" to="/x"/><remap from="out" to="/cmd_vel"/>',
-            {"/nav/out": "/x"},
-        ),
+        ('<remap from="out" to="/x"/><remap from="out" to="/cmd_vel"/>', {"/nav/out": "/x"}),
     ],
 )
 def test_own_remaps_that_lead_to_the_guarded_name(guard, tmp_path, inside, expected):
@@ -242,8 +239,7 @@ def test_an_unknown_condition_counts_as_true_and_is_noted(guard):
 
 
 @pytest.mark.parametrize(
-    "set_to",
-    ['<let name="n" value="$(command ls)"/>', '<arg name="n" default="$(command ls)"/>'],
+    "set_to", ['<let name="n" value="$(command ls)"/>', '<arg name="n" default="$(command ls)"/>']
 )
 def test_what_is_set_to_something_unknown_is_not_a_missing_argument(guard, set_to):
     pushed = '<push_ros_namespace namespace="$(var n)"/>'

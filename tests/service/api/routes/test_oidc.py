@@ -62,9 +62,7 @@ def changes():
 def app(database_file, provider, changes):
     roles = changes.pop("second_factor_roles", frozenset())
     config = ServiceConfig(
-        database=database_file,
-        oidc=config_for(provider, **changes),
-        second_factor_roles=roles,
+        database=database_file, oidc=config_for(provider, **changes), second_factor_roles=roles
     )
     with open_app(config) as app:
         yield app

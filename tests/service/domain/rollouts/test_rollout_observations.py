@@ -158,10 +158,7 @@ def test_what_others_have_set_since_stays():
     assert take_back(BEFORE, CHANGED, current) == {
         "speed": NodeSettings(max_vel_limit=0.2, threshold=0.01),
         "drive": NodeSettings(
-            flows={
-                "flow1": FlowSettings(priority=7, timeout=5),
-                "flow2": FlowSettings(priority=1),
-            }
+            flows={"flow1": FlowSettings(priority=7, timeout=5), "flow2": FlowSettings(priority=1)}
         ),
         "mission": NodeSettings(rules={"night": RuleSettings(selected=False)}),
     }

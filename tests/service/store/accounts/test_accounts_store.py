@@ -15,12 +15,7 @@ from rtron.service.store.accounts.secrets import secret_digest
 from rtron.service.store.accounts.tokens import TokenSpec, create_token, find_token, revoke_token
 from rtron.service.store.accounts.users import add_user, all_users, get_user, remove_user, set_roles
 from rtron.service.store.audit import record_event
-from rtron.service.store.webhooks import (
-    add_webhook,
-    all_webhooks,
-    remove_webhook,
-    store_failure,
-)
+from rtron.service.store.webhooks import add_webhook, all_webhooks, remove_webhook, store_failure
 from rtron.vocabulary import GuardEventLevel
 
 LIFETIME = SessionLifetime(idle=100, maximum=1000)

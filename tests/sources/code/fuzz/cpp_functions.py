@@ -215,7 +215,7 @@ def written_through(w: Writer):
     e, name = w.endpoint(), w.unused("f")
     names = w.names(e, 2)
     w.top += [
-        f'void {name}(std::string & a, std::string * b) {{ a = "{names[0]}"; *b += "{names[1][-1]}"; }}',
+        f'void {name}(std::string & a, std::string * b) {{ a = "{names[0]}"; *b += "{names[1][-1]}"; }}'
     ]
     w.body += [
         f'std::string a{name}, b{name} = "{names[1][:-1]}";',

@@ -30,10 +30,7 @@ def other_loops(w: Writer):
         f"auto it{made} = {made}.begin();\n{e.make(f'*it{made}++')};\n{e.make(f'*it{made}')};",
         f"auto it{made} = {made}.end();\nwhile (it{made} != {made}.begin()) {{ --it{made}; {e.make(f'*it{made}')}; }}",
     )
-    w.body += [
-        f"std::vector<std::string> {made} = {{{w.quoted(names)}}};",
-        w.random.choice(loops),
-    ]
+    w.body += [f"std::vector<std::string> {made} = {{{w.quoted(names)}}};", w.random.choice(loops)]
 
 
 def taken_apart(w: Writer):
@@ -115,5 +112,5 @@ def erased(w: Writer):
 
 
 ITERATION = [
-    *(other_loops, taken_apart, maps_of_lists, found_entries, queues, state_of_members, erased),
+    *(other_loops, taken_apart, maps_of_lists, found_entries, queues, state_of_members, erased)
 ]

@@ -268,11 +268,7 @@ INFO = "/camera/rgb/camera_info /camera/camera_info"
 @pytest.mark.parametrize(
     ("package", "executable", "at"),
     [
-        (
-            "robot_state_publisher",
-            "robot_state_publisher",
-            {"name": "/robot_state_publisher"},
-        ),
+        ("robot_state_publisher", "robot_state_publisher", {"name": "/robot_state_publisher"}),
         ("map_server", "map_server", {"name": "/map_server"}),
         ("amcl", "amcl", {"name": "/amcl"}),
         ("move_base", "move_base", {"name": "/move_base", "values": WAFFLE}),

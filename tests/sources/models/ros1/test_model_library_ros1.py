@@ -543,6 +543,20 @@ def test_rviz_as_its_configuration_says(tmp_path):
     }
 
 
+@pytest.mark.parametrize(
+    ("display", "prefix"),
+    [("Move Group Namespace: ''", "/"), ("Move Group Namespace: arm", "/arm/"),
+     ("Enabled: true", "/"), ("Enabled: false", None)],
+)  # fmt: skip
+def test_the_panel_of_moveit_sends_goals(tmp_path, display, prefix):
+    text = f"{{Class: moveit_rviz_plugin/MotionPlanning, {display}}}"
+    (tmp_path / "my.rviz").write_text(f"Visualization Manager: {{Displays: [{text}]}}")
+    args = f"-d {tmp_path}/my.rviz"
+    found = node_interface(MODELS.node("rviz", "rviz"), site(name="/rviz", args=args))
+    actions = ("move_group", "execute_trajectory") if prefix else ()
+    assert names(found, "action_client") == {f"{prefix}{name}" for name in actions}
+
+
 @pytest.mark.parametrize("text", ["[1, 2]", "a: &x 1", "{", "Visualization Manager: 3", ""])
 def test_rviz_survives_any_configuration(tmp_path, text):
     (tmp_path / "my.rviz").write_text(text, encoding="utf-8")

@@ -691,6 +691,16 @@ def test_the_panel_of_nav2_is_a_node_that_sends_goals(tmp_path):
         assert not [d for d in one.declarations if str(d.kind) == "action_client"]
 
 
+def test_the_panel_of_moveit_sends_goals(tmp_path):
+    display = "{Class: moveit_rviz_plugin/MotionPlanning, Move Group Namespace: arm}"
+    (tmp_path / "app.rviz").write_text(f"Visualization Manager: {{Displays: [{display}]}}")
+    found = modelled("rviz2/rviz2", args=f"-d {tmp_path}/app.rviz")
+    assert {t[1:] for t in told(found) if t[0] == "action_client"} == {
+        ("/robot/arm/move_group", "moveit_msgs/action/MoveGroup"),
+        ("/robot/arm/execute_trajectory", "moveit_msgs/action/ExecuteTrajectory"),
+    }
+
+
 def test_arguments_that_the_client_library_takes_are_not_the_nodes():
     found = modelled("topic_tools/relay", args="/in /out --ros-args -r a:=b -p x:=1")
     ends = {(d.kind.value, d.name) for d in found.declarations}
@@ -813,6 +823,21 @@ def test_a_transform_has_a_name_that_ends_in_its_number():
 )
 def test_a_node_broadcasts_the_frames_that_its_parameters_say(name, settings, expected):
     assert frames(modelled(name, settings={"/**": settings})) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "expected"),
+    [
+        ("nav2_amcl/amcl", {}, ["base_footprint"]),
+        ("nav2_amcl/amcl", {"base_frame_id": "b"}, ["b"]),
+        ("nav2_planner/planner_server", {"robot_base_frame": "b"}, ["map", "b"]),
+        ("slam_toolbox/async_slam_toolbox_node", {}, ["base_footprint"]),
+    ],
+)
+def test_a_node_looks_the_frames_up_that_its_parameters_say(name, settings, expected):
+    uses = modelled(name, settings={"/**": settings}).frame_uses
+    assert [use.frame for use in uses] == expected
+    assert all(use.is_look_up for use in uses)
 
 
 @pytest.mark.parametrize(

@@ -22,10 +22,7 @@ def facts(tmp_path):
         graph = InteractionGraph(app="a", nodes=(node, Node(name="/other", package="other")))
         workspace = Workspace({"robot": folder}, [tmp_path])
         return {
-            (fact.kind.value, fact.value): (
-                place.file.removeprefix(f"{folder}/"),
-                place.line,
-            )
+            (fact.kind.value, fact.value): (place.file.removeprefix(f"{folder}/"), place.line)
             for fact in with_devices(graph, workspace).wiring
             for place in fact.evidence
         }
@@ -137,15 +134,6 @@ def test_sockets(facts, line, how):
         "declare_parameter('velocity_timeout', 2.0)",
         "if now - self.prev_cmd_time_ > limit:",
         "self.t_last_twist = now()",
-        "if now - self.last > 0.5:",
-        "if time.time() - self.heard < self.limit:",
-        "late = (self.get_clock().now() - self.last).nanoseconds > 5e8",
-        "if self.get_clock().now().nanoseconds / 1e9 - self._last > 0.5:",
-        "if rospy.Time.now() - self.last_rx > rospy.Duration(0.5):",
-        "if rospy.get_time() - self.last > 0.5: stop()",
-        "silence = now - self.last\nif silence > 0.5:",
-        "dt = (now - self.last).to_sec()\nif self.moves and dt >= LIMIT:",
-        "if self.last + self.limit < time.monotonic():",
     ],
 )
 def test_the_age_of_a_command(facts, line):
@@ -162,12 +150,6 @@ def test_the_age_of_a_command(facts, line):
         "x = driver_timeout",
         "velodyne_timeout = 1",
         "dt = now - self.last_control_time",
-        "dt = now - self.last\nif dt <= 0:\n    return",
-        "if now - self.last <= 0.0:",
-        "if now - self.last_pub > 0.05:",
-        "if time.time() - self.last_odom_time > self.period:",
-        "dt = now - self.last\nself.x += dt * self.v",
-        "span = stop - self.start\nif size > 5:",
         '"""No watchdog yet."""',
         "motor_time -= 1",
     ],
@@ -187,29 +169,10 @@ def test_a_path_of_devices_is_no_comment_of_python(facts):
         "if ((now() - last_cmd_time_).seconds() > 0.5) stop();",
         "if (Time::now() - last_twist_stamp_ > limit_) stop();",
         'log("/*"); bool late = now() - last_command_received_ > limit_;',
-        "if (now() - last_ > limit_) stop();",
-        "if ((this->now() - heard_).seconds() > 0.5) stop();",
-        "if (ros::Time::now() - last_ > ros::Duration(0.5)) stop();",
-        "if ((ros::Time::now() - m_last).toSec() >= 0.5) stop();",
-        "auto age = get_clock()->now() - last_;\nif (age.seconds() > 0.5) stop();",
-        "if (duration_cast<ms>(steady_clock::now() - last_).count() > 500) stop();",
-        "if (last_ + rclcpp::Duration(1, 0) < now()) stop();",
     ],
 )
 def test_the_age_of_a_command_in_cpp(facts, line):
     assert facts(cpp(line), "driver").keys() == {("command_age", "age of a command")}
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "double dt = (now() - last_).seconds(); p->x = 1;",
-        "if (now() - last_publish_ > period_) publish();",
-        "if ((now() - last_).seconds() < 0) return;",
-    ],
-)
-def test_what_is_no_age_of_a_command_in_cpp(facts, line):
-    assert facts(cpp(line), "driver") == {}
 
 
 @pytest.mark.parametrize("line", ["// watchdog", "/* watchdog */", "/* watchdog"])
@@ -230,10 +193,6 @@ def test_comments_of_cpp(facts, line):
         '"',
         "last_",
         "cmd_time",
-        "now - self.last ",
-        "a = now - last_",
-        "a = now - last_\n",
-        "last_ + ",
         ".",
         '\\"',
         "\\'",

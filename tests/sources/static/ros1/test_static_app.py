@@ -60,6 +60,39 @@ def test_an_action_has_five_topics_each_remapped_on_its_own(app):
     assert action.role is ActionRole.CLIENT
 
 
+CALLERS = {
+    "src/caller.cpp": """#include <ros/ros.h>
+#include <actionlib/client/simple_action_client.h>
+#include <move_base_msgs/MoveBaseAction.h>
+int main(int c, char** v) {
+  ros::init(c, v, "x");
+  actionlib::SimpleActionClient<move_base_msgs::MoveBaseAction> client("arm/go", true);
+}
+""",
+    "scripts/caller.py": """#!/usr/bin/env python
+import actionlib
+from move_base_msgs.msg import MoveBaseAction
+actionlib.SimpleActionClient("arm/go", MoveBaseAction)
+""",
+}
+
+
+@pytest.mark.parametrize(("type", "target"), [("caller", "/real"), ("caller.py", "/arm/go")])
+def test_a_remap_of_the_name_of_an_action_counts_in_roscpp_alone(folder, type, target):
+    for name, text in CALLERS.items():
+        (folder / "robot" / name).write_text(text)
+        (folder / "robot" / name).chmod(0o755)
+    cmake = folder / "robot/CMakeLists.txt"
+    cmake.write_text(cmake.read_text() + "\nadd_executable(caller src/caller.cpp)\n")
+    remap = '<remap from="arm/go" to="/real"/>'
+    node = f'<launch><node pkg="robot" type="{type}" name="n">{remap}</node></launch>'
+    (folder / "robot/launch/one.launch").write_text(node)
+    graph = scan(folder, "one.launch").graph
+    assert [action.name for action in graph.actions] == [target]
+    goal = next(end for end in graph.endpoints if end.topic == f"{target}/goal")
+    assert goal.declared_name == "/arm/go/goal"
+
+
 def test_nodes_tell_where_they_come_from(app):
     driver = next(node for node in app.nodes if node.name == "/base/driver")
     assert (driver.package, driver.executable, driver.trust) == ("robot", "driver", Trust.OWN)

@@ -356,10 +356,7 @@ def test_one_that_one_node_broadcasts_is_not(folder, elements):
         (
             "base laser 100",
             "mast laser",
-            [
-                ("double_frame", "laser", "base", "/a"),
-                ("double_frame", "laser", "mast", "/b"),
-            ],
+            [("double_frame", "laser", "base", "/a"), ("double_frame", "laser", "mast", "/b")],
         ),
         ("base laser 100", "base camera", []),
         ("base laser", "base laser", []),

@@ -58,11 +58,7 @@ def test_each_component_and_node_is_one_of_its_own(graph):
 
 
 def test_the_remaps_of_a_container_are_not_those_of_its_components(graph):
-    assert ends(graph, "/robot/smooth") == {
-        "> /cmd_vel",
-        "< /robot/cmd_vel_nav",
-        "> /robot/seen",
-    }
+    assert ends(graph, "/robot/smooth") == {"> /cmd_vel", "< /robot/cmd_vel_nav", "> /robot/seen"}
     assert ends(graph, "/robot/inner") == {"> /robot/noticed"}
 
 

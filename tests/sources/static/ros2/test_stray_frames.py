@@ -1,4 +1,4 @@
-"""Frames of messages that no transform of an app has, in both generations of ROS."""
+"""Frames of messages and look-ups that no transform of an app has, in both generations of ROS."""
 
 import pytest
 
@@ -15,6 +15,7 @@ pub = rospy.Publisher("scan", LaserScan, queue_size=1)
 scan = LaserScan()
 scan.header.frame_id = "{}"
 pub.publish(scan)
+{}
 """,
     2: """#!/usr/bin/env python3
 import rclpy
@@ -26,6 +27,7 @@ pub = node.create_publisher(LaserScan, "scan", 1)
 scan = LaserScan()
 scan.header.frame_id = "{}"
 pub.publish(scan)
+{}
 """,
 }
 KEYS = {1: "type", 2: "exec"}
@@ -35,11 +37,11 @@ KEYS = {1: "type", 2: "exec"}
 def stray_frames(tmp_path):
     """Return the stray frames of an app whose laser has one frame and whose launch has another."""
 
-    def scan(stamped, *transforms, ros=2, more=""):
+    def scan(stamped, *transforms, ros=2, more="", code="", kind="stray_frame"):
         (tmp_path / "package.xml").write_text("<package><name>app</name></package>")
         script = tmp_path / "scripts/laser.py"
         script.parent.mkdir(exist_ok=True)
-        script.write_text(NODES[ros].format(stamped))
+        script.write_text(NODES[ros].format(stamped, code))
         script.chmod(0o755)
         fixed = "".join(
             f'<node pkg="tf2_ros" {KEYS[ros]}="static_transform_publisher" name="t{index}" '
@@ -55,7 +57,7 @@ def stray_frames(tmp_path):
             graph = scan_app([tmp_path], [(launch, {})], {}, options).graph
         else:
             graph = scan_ros2_app([tmp_path], [(launch, {})], {}, options)
-        facts = [fact for fact in graph.wiring if fact.kind == "stray_frame"]
+        facts = [fact for fact in graph.wiring if fact.kind == kind]
         assert all(fact.others == ("/laser",) for fact in facts)
         return [(fact.subject, fact.value, len(fact.evidence)) for fact in facts]
 
@@ -71,6 +73,7 @@ def stray_frames(tmp_path):
         ("robot/pico", "pico"),
         ("pico", "pico_link"),
         ("laser_frane", "laser_frame"),
+        ("laser_upper_base", "base_laser"),
     ],
 )
 def test_a_frame_that_is_near_one_of_a_transform(stray_frames, ros, stamped, near):
@@ -119,3 +122,56 @@ def test_among_very_many_transforms_none_is_near(stray_frames):
     others = [f"far{index}" for index in range(199)]
     assert stray_frames("pico_1", "pico", *others[1:]) == [("pico_1", "pico", 2)]
     assert stray_frames("pico_1", "pico", *others) == []
+
+
+@pytest.fixture
+def missing_frames(stray_frames):
+    """Return the frames that the laser looks up and that are missing, with what is near."""
+
+    def scan(*looked_up, transforms=("pico",), ros=2, more="", kind="missing_frame"):
+        code = "".join(f"buffer.lookup_transform('', '{each}')\n" for each in looked_up)
+        found = stray_frames("", *transforms, ros=ros, more=more, code=code, kind=kind)
+        return [(frame, near) for frame, near, _ in found]
+
+    return scan
+
+
+@pytest.mark.parametrize("ros", [1, 2])
+@pytest.mark.parametrize(
+    ("looked_up", "expected"),
+    [
+        (["pico_1"], [("pico_1", "pico")]),
+        (["sonar"], []),
+        (["base_footprint"], [("base_footprint", "base_link")]),
+        (["pico"], []),
+        (["pico_1", "pico"], []),
+        ([], []),
+    ],
+)
+def test_a_frame_that_is_looked_up(missing_frames, ros, looked_up, expected):
+    assert missing_frames(*looked_up, ros=ros) == expected
+
+
+def test_another_launch_may_send_what_is_like_none_or_the_base(missing_frames):
+    kind = "possible_missing_frame"
+    assert missing_frames("sonar", kind=kind) == [("sonar", "")]
+    assert missing_frames("pico_1", kind=kind) == []
+    only_base = {"transforms": (), "more": UNKNOWN.format("0 0 0 0 0 0 odom base_footprint")}
+    assert missing_frames("base_link", kind=kind, **only_base) == [("base_link", "base_footprint")]
+    assert missing_frames("base_link", **only_base) == []
+
+
+@pytest.mark.parametrize("given", ["", '<param name="tf_broadcast" value="false"/>'])
+def test_a_node_of_a_model_broadcasts_what_its_parameters_say(missing_frames, given):
+    base = '<param name="base_frame_id" value="base_link"/>'
+    amcl = f'<node pkg="nav2_amcl" exec="amcl" name="amcl">{base}{given}</node>'
+    assert missing_frames("pico_1", more=amcl) == [("pico_1", "pico")]
+
+
+@pytest.mark.parametrize("more", [REALSENSE, UNKNOWN.format("0 0 0 0 0 0 base_link $(command x)")])
+def test_no_frame_is_missing_where_not_all_transforms_are_known(missing_frames, more):
+    assert missing_frames("pico_1", more=more) == []
+
+
+def test_no_frame_is_missing_where_nobody_broadcasts_any(missing_frames):
+    assert missing_frames("pico_1", transforms=()) == []

@@ -189,31 +189,44 @@ def test_a_section_is_meant_for_the_one_node_that_declares_most_of_it(scanned, s
     assert without_node(scanned(section, arm=arm)) == meant
 
 
-FILTER = """Node(package="robot_localization", executable="ekf_node", name={name!r},
+EKF = "robot_localization/ekf_node"
+PROGRAM = """Node(package={package!r}, executable={program!r}, {name}
     parameters=[{file!r}{more}]),
 """
 
 
 @pytest.mark.parametrize(
-    ("names", "more", "meant"),
+    ("program", "section", "names", "more", "meant"),
     [
-        (("odometry",), "", "/odometry"),
-        (("odometry",), ", {'use_sim_time': True}", "/odometry"),
-        (("odometry",), ", {'frequency': 9.0}", None),
-        (("odometry", "map_filter"), "", None),
-        (("odometry", "ekf_filter_node"), "", None),
+        (EKF, "ekf_filter_node", ("odometry",), "", "/odometry"),
+        (EKF, "ekf_filter_node", ("odometry",), ", {'use_sim_time': True}", "/odometry"),
+        (EKF, "ekf_filter_node", ("odometry",), ", {'frequency': 9.0}", None),
+        (EKF, "ekf_filter_node", ("odometry", "map_filter"), "", None),
+        (EKF, "ekf_filter_node", ("odometry", "ekf_filter_node"), "", None),
+        (EKF, "ekf_node", ("odometry",), "", "/odometry"),
+        (EKF, "ekf_node", ("",), "", "/ekf_filter_node"),
+        (EKF, "ukf_node", ("",), "", None),
+        (EKF, "map_saver", ("map_server",), "", None),
+        (EKF, "map_savers", ("map_server",), "", "/map_server"),
+        (EKF, "/r/joy_node", ("joy_node",), "", "/joy_node"),
+        ("nav2_behaviors/behavior_server", "recoveries_server", ("",), "", "/behavior_server"),
     ],
 )
 def test_a_section_with_a_programs_own_name_is_meant_for_what_a_launch_renames(
-    tmp_path, names, more, meant
+    tmp_path, program, section, names, more, meant
 ):
     file, launch = tmp_path / "ekf.yaml", tmp_path / "app.launch.py"
-    file.write_text("ekf_filter_node: {ros__parameters: {odom0: /odom}}\n")
-    nodes = "".join(FILTER.format(name=name, file=str(file), more=more) for name in names)
+    file.write_text(f"{section}: {{ros__parameters: {{odom0: /odom}}}}\n")
+    package, program = program.split("/")
+    named = [f"name={name!r}," if name else "" for name in names]
+    nodes = "".join(
+        PROGRAM.format(package=package, program=program, name=n, file=str(file), more=more)
+        for n in named
+    )
     head, _, _ = LAUNCH.partition("        Node(")
     launch.write_text(f"{head}{nodes}])\n")
     graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
-    assert without_node(graph) == ([("/ekf_filter_node", (meant,))] if meant else [])
+    assert without_node(graph) == ([(f"/{section.strip('/')}", (meant,))] if meant else [])
 
 
 @pytest.mark.parametrize(("name", "found"), [("'x' + unknown()", ["/drive"]), ("unknown()", [])])

@@ -73,11 +73,7 @@ CONFIG = "[options.entry_points]\nconsole_scripts =\n    talk = p.talker:main\n"
 @pytest.mark.parametrize(
     ("name", "text", "expected"),
     [
-        (
-            "setup.py",
-            SETUP,
-            {"talk": ("p.talker", "main"), "listen": ("p.sub.listener", "run")},
-        ),
+        ("setup.py", SETUP, {"talk": ("p.talker", "main"), "listen": ("p.sub.listener", "run")}),
         ("setup.cfg", CONFIG, {"talk": ("p.talker", "main")}),
         ("setup.py", FORMATTED, {"talk": ("p.talker", "main"), "listen": ("p.listener", "run")}),
         (

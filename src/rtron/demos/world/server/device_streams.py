@@ -66,13 +66,7 @@ def _camera(world: RobotSimulation) -> bytes:
 
 def _battery(world: RobotSimulation) -> bytes:
     t = world.t
-    return encode_frame(
-        _stamp(
-            world,
-            percentage=battery_percentage(t),
-            voltage=battery_voltage(t),
-        )
-    )
+    return encode_frame(_stamp(world, percentage=battery_percentage(t), voltage=battery_voltage(t)))
 
 
 def _owner(world: RobotSimulation) -> bytes:

@@ -7,10 +7,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.cells import Cell
-from rtron.planning.instrument.common.guard_files import (
-    GuardFiles,
-    guard_element,
-)
+from rtron.planning.instrument.common.guard_files import GuardFiles, guard_element
 from rtron.planning.instrument.common.guarded_launch import EnforcementGap, GuardedLaunch
 from rtron.planning.instrument.common.remap_coverage import RemapCoverage
 from rtron.planning.instrument.common.remaps import enforced_streams, plan_remaps

@@ -102,8 +102,7 @@ def _identified_caller(service: ServiceDependency, request: Request) -> Principa
 IdentifiedCaller = Annotated[Principal, Depends(_identified_caller)]
 """Whoever has a session or a valid token; that they look is no use of it."""
 LoggedInUser = Annotated[
-    Principal,
-    Depends(require(lambda caller: caller.has_stage(SessionStage.COMPLETE), "a login")),
+    Principal, Depends(require(lambda caller: caller.has_stage(SessionStage.COMPLETE), "a login"))
 ]
 """Somebody who has logged in, not a program."""
 SessionHolder = Annotated[
@@ -111,8 +110,7 @@ SessionHolder = Annotated[
 ]
 """Somebody who has logged in, or has to show a code yet."""
 CodeAwaited = Annotated[
-    Principal,
-    Depends(require(lambda caller: caller.has_stage(SessionStage.CODE), "a begun login")),
+    Principal, Depends(require(lambda caller: caller.has_stage(SessionStage.CODE), "a begun login"))
 ]
 """Somebody who has shown the password, and has to show a code."""
 EnrollingUser = Annotated[

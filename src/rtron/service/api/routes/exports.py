@@ -1,6 +1,7 @@
 """What the console shows, as files: CSV or JSON, a page of the database at a time."""
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated
 
@@ -8,9 +9,9 @@ from fastapi import APIRouter, Query
 from fastapi.responses import StreamingResponse
 from pydantic import Field
 
+from rtron.reports.csv_lines import Row, csv_lines
 from rtron.service.api.auth.authorization import Reader
 from rtron.service.api.context import ServiceContext, ServiceDependency
-from rtron.service.api.export_files import ExportFormat, export_file
 from rtron.service.controller.robot_snapshot import load_current_app
 from rtron.service.controller.robot_summaries import list_robot_summaries
 from rtron.service.domain.alarms import Acknowledgement
@@ -21,7 +22,43 @@ from rtron.service.store.event_pages import EventFilter, event_page
 from rtron.service.store.handovers import list_handovers
 from rtron.service.store.robots import RobotFilter
 from rtron.service.store.settings import list_settings, settings_view
-from rtron.vocabulary import EventKind, GuardEventLevel
+from rtron.vocabulary import EventKind, GuardEventLevel, StringEnum
+
+
+def json_array(rows: Iterable[Row], _columns: Sequence[str]) -> Iterator[str]:
+    """Yield the lines of a JSON array of objects, times in ns since 1970."""
+    separator = "[\n"
+    for row in rows:
+        yield separator + json.dumps(row)
+        separator = ",\n"
+    yield "[]\n" if separator == "[\n" else "\n]\n"
+
+
+class ExportFormat(StringEnum):
+    """What a file is for: a spreadsheet, or a program."""
+
+    CSV = "csv"
+    JSON = "json"
+
+
+_MEDIA_TYPES: Mapping[ExportFormat, str] = {
+    ExportFormat.CSV: "text/csv; charset=utf-8",
+    ExportFormat.JSON: "application/json",
+}
+_LINES: Mapping[ExportFormat, Callable[[Iterable[Row], Sequence[str]], Iterator[str]]] = {
+    ExportFormat.CSV: csv_lines,
+    ExportFormat.JSON: json_array,
+}
+
+
+def export_file(
+    name: str, rows: Iterable[Row], columns: Sequence[str], format: ExportFormat
+) -> StreamingResponse:
+    """Return rows as a file that a browser stores."""
+    headers = {"Content-Disposition": f'attachment; filename="rtron-{name}.{format.value}"'}
+    lines = _LINES[format](rows, columns)
+    return StreamingResponse(lines, media_type=_MEDIA_TYPES[format], headers=headers)
+
 
 router = APIRouter(prefix="/export")
 

@@ -5,11 +5,7 @@ from fastapi import APIRouter, Request, Response
 
 from rtron.service.api.audit_transaction import audit_transaction, record_refusal
 from rtron.service.api.auth.authentication import client_address
-from rtron.service.api.auth.authorization import (
-    IdentifiedCaller,
-    LoggedInUser,
-    SessionHolder,
-)
+from rtron.service.api.auth.authorization import IdentifiedCaller, LoggedInUser, SessionHolder
 from rtron.service.api.auth.browser_sessions import (
     begin_browser_session,
     delete_session_cookie,

@@ -112,10 +112,7 @@ def resume(
 
 @router.post("/{rollout}/cancel")
 def cancel(
-    rollout: RolloutId,
-    request: RolloutCancellation,
-    caller: RoleHolder,
-    service: ServiceDependency,
+    rollout: RolloutId, request: RolloutCancellation, caller: RoleHolder, service: ServiceDependency
 ) -> RolloutView:
     """End a roll-out: the change goes back, or stays where it is; it takes the rights of it."""
     event = caller.audit_event(

@@ -7,12 +7,7 @@ from fastapi import APIRouter, Depends, Request, Response
 from sqlalchemy.orm import Session
 
 from rtron.service.api.audit_transaction import audit_transaction
-from rtron.service.api.auth.authorization import (
-    CodeAwaited,
-    EnrollingUser,
-    LoggedInUser,
-    Principal,
-)
+from rtron.service.api.auth.authorization import CodeAwaited, EnrollingUser, LoggedInUser, Principal
 from rtron.service.api.auth.browser_sessions import begin_browser_session
 from rtron.service.api.auth.login_attempts import PasswordProofDependency, login_throttle
 from rtron.service.api.context import ServiceContext, ServiceDependency

@@ -68,11 +68,7 @@ def acknowledge_alarms(
 
 
 def _acknowledge_robot(
-    service: ServiceContext,
-    caller: Principal,
-    robot: str,
-    alarms: list[AlarmReference],
-    note: str,
+    service: ServiceContext, caller: Principal, robot: str, alarms: list[AlarmReference], note: str
 ) -> str:
     """Note that alarms of a robot are seen; return why the caller may not, "" if it is done."""
     seen = truncated_json([" ".join(filter(None, alarm.key)) for alarm in alarms])

@@ -14,11 +14,7 @@ from rtron.service.domain.rollouts.schemas import RolloutPolicy
 from rtron.service.domain.rollouts.states import ACTIVE_STATES, RobotPhase, RolloutState
 from rtron.service.domain.schemas import SettingsOutcome
 from rtron.service.store.database import Database
-from rtron.service.store.fleet.rollout_tables import (
-    PlanDocumentRow,
-    RolloutRobotRow,
-    RolloutRow,
-)
+from rtron.service.store.fleet.rollout_tables import PlanDocumentRow, RolloutRobotRow, RolloutRow
 from rtron.service.store.tables import RobotRow, SettingsRow
 
 _ADVISORY_LOCK_KEY = 0x7274726F6C
@@ -107,9 +103,7 @@ def unfinished_rollouts(session: Session, now: int) -> Sequence[int]:
         robot.rollout_id == RolloutRow.id, or_(robot.phase == RobotPhase.WAITING, is_late)
     )
     is_catching_up = and_(
-        RolloutRow.state == RolloutState.DONE,
-        RolloutRow.changed > now - CATCH_UP,
-        left.exists(),
+        RolloutRow.state == RolloutState.DONE, RolloutRow.changed > now - CATCH_UP, left.exists()
     )
     query = select(RolloutRow.id).where(or_(RolloutRow.state.in_(ACTIVE_STATES), is_catching_up))
     return session.scalars(query.order_by(RolloutRow.id)).all()

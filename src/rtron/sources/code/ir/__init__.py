@@ -59,12 +59,7 @@ from rtron.sources.code.ir.statements import (
     With,
     Yield,
 )
-from rtron.sources.code.ir.types import (
-    TypeRef,
-    adapter_alias,
-    alias_parameter,
-    substituted,
-)
+from rtron.sources.code.ir.types import TypeRef, adapter_alias, alias_parameter, substituted
 
 __all__ = [
     "BRACES",

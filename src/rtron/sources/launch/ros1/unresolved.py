@@ -5,11 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.errors import (
-    MissingArgumentError,
-    UnresolvableError,
-    missing_file,
-)
+from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError, missing_file
 from rtron.sources.launch.ros1.loader_context import LoaderContext
 from rtron.sources.launch.ros1.tag import Tag
 from rtron.sources.models.packages import known_package_of

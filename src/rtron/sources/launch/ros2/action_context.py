@@ -10,6 +10,7 @@ from rtron.sources.launch.ros2.result import IncludedFile
 from rtron.sources.launch.ros2.substitutions.template import display_text, first_placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.vocabulary import Evidence
+from rtron.wording import join_names
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,9 +61,14 @@ class ActionContextTracker:
             yield
 
     def _note_unknown_condition(self, site: ElementSite) -> None:
-        text = "".join(self.evaluator.value(site, key) or "" for key in ("if", "unless"))
-        why = f"whether it counts is not known ({first_placeholder(text) or 'refused'})"
-        self.evaluator.note(site, f"{why}, it is read as if it did")
+        unknown, deciding = "refused", set[str]()
+        for key in ("if", "unless"):
+            text = self.evaluator.value(site, key) or ""
+            unknown = first_placeholder(text) or unknown
+            deciding |= {each.name for each in self.evaluator.dependencies} - {unknown}
+        why = f"whether it counts is not known ({unknown}), it is read as if it did"
+        hint = f"; what is given for {join_names(sorted(deciding))} may decide" if deciding else ""
+        self.evaluator.note(site, why + hint)
 
     @contextmanager
     def within_include(self, site: ElementSite, path: str) -> Iterator[None]:

@@ -17,10 +17,7 @@ from rtron.vocabulary import Evidence, UnresolvedItem
 
 
 def read_app_launch(
-    path: Path,
-    arguments: Mapping[str, str],
-    environ: Mapping[str, str],
-    files: WorkspaceSources,
+    path: Path, arguments: Mapping[str, str], environ: Mapping[str, str], files: WorkspaceSources
 ) -> AppLaunch:
     """Return what a launch file starts with these arguments; nothing is run.
 

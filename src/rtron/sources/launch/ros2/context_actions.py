@@ -49,20 +49,8 @@ class ContextActions:
 
     evaluator: LaunchEvaluator
 
-    def apply(self, site: ElementSite, holds: bool | None) -> None:  # noqa: FBT001
-        """Apply an action of CONTEXT_TAGS; `holds` is its condition, None if not known."""
-        if holds is not None or not self.evaluator.symbolic:
-            self._apply(site)
-            return
-        all_values = (site.context.configurations, site.context.environ)
-        before = [dict(values) for values in all_values]
-        self._apply(site)
-        all_values = (site.context.configurations, site.context.environ)
-        for values, previous in zip(all_values, before, strict=True):
-            changed = [name for name in values if values[name] != previous.get(name)]
-            values.update({name: placeholder(name) for name in changed})
-
-    def _apply(self, site: ElementSite) -> None:
+    def apply(self, site: ElementSite) -> None:
+        """Apply an action of CONTEXT_TAGS."""
         context = site.context
         if site.tag == "arg":
             self._argument(site)

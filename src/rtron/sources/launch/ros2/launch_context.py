@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
 from rtron.sources.launch.ros2.parameters.merge import ParameterSource
+from rtron.sources.launch.ros2.substitutions.template import placeholder
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule
 
 NAMESPACE = "ros_namespace"
@@ -119,6 +120,17 @@ class LaunchContext:
     def change_mark(self) -> ChangeMark:
         """Return what has changed so far, for `add_dependencies`."""
         return len(self._changes), self._reset_count, len(self.remaps or ())
+
+    def forget_changes(self, before: "LaunchContext", *, new: bool) -> None:
+        """Let what has another value than in a copy be one of both: not known.
+
+        What had none there keeps its value, unless `new`.
+        """
+        for name in ("configurations", "environ"):
+            values, previous = getattr(self, name), getattr(before, name)
+            names = {*previous, *values} if new else set(previous)
+            changed = [each for each in names if values.get(each) != previous.get(each)]
+            values.update({each: placeholder(each) for each in changed})
 
     def add_dependencies(self, dependencies: Collection[LaunchVariable], since: ChangeMark) -> bool:
         """Note that all that was set since a mark depends on `dependencies` too.

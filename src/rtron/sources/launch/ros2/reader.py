@@ -20,6 +20,7 @@ from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.collector import LaunchCollector
 from rtron.sources.launch.ros2.conditions import evaluate_condition
 from rtron.sources.launch.ros2.context_actions import CONTEXT_TAGS, IGNORED_TAGS, ContextActions
+from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
 from rtron.sources.launch.ros2.launch_context import LaunchContext
@@ -147,8 +148,11 @@ class LaunchReader:
             self._run_if(ElementSite(element, context, file), self._action)
         self._evaluator.limits.level -= 1
 
-    def _run_if(self, site: ElementSite, run: Callable[[ElementSite, bool | None], None]) -> None:
-        """Run an action if its condition lets it; another value of it may be refused later."""
+    def _run_if(self, site: ElementSite, run: Callable[[ElementSite], None]) -> None:
+        """Run an action if its condition lets it; another value of it may be refused later.
+
+        What it sets under a condition that is not known is not known afterwards.
+        """
         context = site.context
         holds, dependencies = evaluate_condition(self._evaluator, site)
         changes_context, starts = site.tag in CONTEXT_TAGS, site.tag in _STARTING_TAGS
@@ -158,15 +162,18 @@ class LaunchReader:
             self._evaluator.choices.skip(site.element)
             return
         before, outer_uncertain = context.change_mark(), context.is_uncertain
+        is_undecided = holds is None and self._evaluator.symbolic
+        previous = context.child() if is_undecided else context
         context.is_uncertain = outer_uncertain or (holds is None and not changes_context)
         with self._contexts.record_condition(site, holds):
-            run(site, holds)
+            run(site)
         context.is_uncertain = outer_uncertain
+        if is_undecided:
+            context.forget_changes(previous, new=site.tag != "include")
         if starts and context.add_dependencies(dependencies, before):
             self._evaluator.choices.decide(dependencies)
 
-    def _action(self, site: ElementSite, holds: bool | None) -> None:  # noqa: FBT001
-        """Run an action; `holds` is what its condition says."""
+    def _action(self, site: ElementSite) -> None:
         reader = self._readers.get(site.tag)
         if site.tag in LOOPS and self._evaluator.symbolic:
             # A guarded launch has none: its nodes could not have remaps of their own.
@@ -176,10 +183,9 @@ class LaunchReader:
         elif reader is not None:
             reader(site)
         elif site.element.expand is not None:
-            view = self._evaluator.context_view(site)
-            self._actions(site.element.expand(view), site.context, site.file)
+            self._function(site, site.element.expand)
         elif site.tag in CONTEXT_TAGS:
-            ContextActions(self._evaluator).apply(site, holds)
+            ContextActions(self._evaluator).apply(site)
             self._collector.add_argument(site)
         elif site.tag not in IGNORED_TAGS:
             self._evaluator.choices.declared.add(UNKNOWN_NAME)
@@ -207,7 +213,18 @@ class LaunchReader:
 
     def _components(self, site: ElementSite, container: str) -> None:
         for component in site.children("composable_node"):
-            self._run_if(component, lambda site, _: self._collector.add_component(site, container))
+            self._run_if(component, lambda site: self._collector.add_component(site, container))
+
+    def _function(
+        self, site: ElementSite, expand: Callable[[ContextView], Iterable[Element]]
+    ) -> None:
+        """Run what a function makes; what that sets depends on all that the function asks for."""
+        before = site.context.change_mark()
+        self._evaluator.dependencies = set()
+        elements = expand(self._evaluator.context_view(site))
+        dependencies = frozenset(self._evaluator.dependencies)
+        self._actions(elements, site.context, site.file)
+        site.context.add_dependencies(dependencies, before)
 
     def _timer(self, site: ElementSite) -> None:
         try:
@@ -256,10 +273,7 @@ class LaunchReader:
             return
         source = self._evaluator.files.locate_source(absolute_path(path))
         level = self._evaluator.limits.level
-        with (
-            self._evaluator.collect_errors(site),
-            self._contexts.within_include(site, source),
-        ):
+        with self._evaluator.collect_errors(site), self._contexts.within_include(site, source):
             included = self._file(source, site.context, site.file.depth + 1)
             site.file.includes.append((site.element, path, included))
         self._evaluator.limits.level = level

@@ -11,12 +11,7 @@ from urllib.parse import urlsplit
 
 from rtron.errors import SourceError, WireError
 from rtron.sources.live.ros1.process import NodeProgram, find_program
-from rtron.wire.ros1.ros_api import (
-    BusConnection,
-    parse_bus_info,
-    query_bus_info,
-    query_process_id,
-)
+from rtron.wire.ros1.ros_api import BusConnection, parse_bus_info, query_bus_info, query_process_id
 from rtron.wire.ros1.tcpros import LENGTH, MAX_HEADER, decode_header, encode_header, frame_length
 
 _CHUNK_BYTES = 1 << 16

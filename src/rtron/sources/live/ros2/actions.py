@@ -10,13 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-from rtron.vocabulary import (
-    Action,
-    ActionRole,
-    Direction,
-    Ros2ActionEntity,
-    is_action_type,
-)
+from rtron.vocabulary import Action, ActionRole, Direction, Ros2ActionEntity, is_action_type
 from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path, PurePosixPath
 
 from rtron.errors import InputError
@@ -14,11 +14,16 @@ ROS1_LIBRARY = _MODELS / "ros1" / "library"
 ROS2_LIBRARY = _MODELS / "ros2" / "library"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class ModelCatalog:
     """Models by kind and name (`("node", "amcl/amcl")`)."""
 
     by_name: Mapping[tuple[str, str], Model] = field(default_factory=dict)
+
+    @cached_property
+    def own_names(self) -> frozenset[str]:
+        """What programs call themselves where no launch gives them a name (ROS 2)."""
+        return frozenset(model.name for model in self.by_name.values() if model.name)
 
     def node(self, package: str, executable: str) -> Model | None:
         """Return the model of a node type, None if there is none."""

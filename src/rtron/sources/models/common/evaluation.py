@@ -9,6 +9,7 @@ from rtron.sources.declaration import (
     Declaration,
     DeclarationKind,
     FrameBroadcast,
+    FrameUse,
     LoadedPlugin,
     NodeInterface,
     NodeSite,
@@ -86,6 +87,7 @@ def _evaluate_in(model: Model, scope: ModelScope, models: ModelCatalog) -> NodeI
         declarations=declarations,
         unresolved=tuple(dict.fromkeys(walk.unresolved)),
         frames=tuple(walk.frames),
+        frame_uses=tuple(walk.look_ups),
         plugins=tuple(walk.plugins),
     )
 
@@ -121,6 +123,7 @@ class _ModelWalk:
     unresolved: list[UnresolvedItem] = field(default_factory=list)
     nodes: dict[str, None] = field(default_factory=dict)
     frames: dict[FrameBroadcast, None] = field(default_factory=dict)
+    look_ups: dict[FrameUse, None] = field(default_factory=dict)
     plugins: dict[LoadedPlugin, None] = field(default_factory=dict)
 
     def walk_model(
@@ -156,7 +159,8 @@ class _ModelWalk:
             for inner in self._loop_scopes(entry, scope):
                 yield from self._conditional(entry, inner, use)
         except _EVALUATION_ERRORS as error:
-            what = entry.name or entry.uses or entry.broadcast or entry.condition or "an entry"
+            words = (entry.name, entry.uses, entry.broadcast, entry.look_up, entry.condition)
+            what = next(filter(None, words), "an entry")
             self._note_unresolved(what, str(error), _evidence_of(entry, use))
 
     def _loop_scopes(self, entry: ModelEntry, scope: ModelScope) -> Iterator[ModelScope]:
@@ -181,7 +185,7 @@ class _ModelWalk:
             holds = _condition_holds(expressions, entry.condition)
             if expressions.has_unknown:
                 use = replace(use, uncertain=True)
-                if entry.broadcast is None:
+                if entry.broadcast is None and entry.look_up is None:
                     self._note_unresolved(entry.condition, "not known", _evidence_of(entry, use))
             elif not holds:
                 return
@@ -198,6 +202,8 @@ class _ModelWalk:
             yield from self._used_model(entry, entry.uses, scope, use)
         elif entry.broadcast is not None:
             self._add_frame(entry, entry.broadcast, scope, use)
+        elif entry.look_up is not None:
+            self._add_look_up(entry, entry.look_up, scope, use)
         elif entry.unresolved is not None:
             expressions = ModelExpressions(scope)
             what, why = expressions.text(entry.unresolved), expressions.text(entry.why)
@@ -217,6 +223,14 @@ class _ModelWalk:
             evidence=_evidence_of(entry, use),
         )
         self.frames[frame] = None
+
+    def _add_look_up(
+        self, entry: ModelEntry, frame: str, scope: ModelScope, use: _UseContext
+    ) -> None:
+        """Record a frame that is certainly looked up."""
+        known = "" if use.uncertain else _known_text(frame, scope)
+        for place in _evidence_of(entry, use)[-1:] if known else ():
+            self.look_ups[FrameUse(frame=known, evidence=place, is_look_up=True)] = None
 
     def _used_model(
         self, entry: ModelEntry, name_template: str, scope: ModelScope, use: _UseContext

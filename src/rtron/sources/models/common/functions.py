@@ -12,7 +12,7 @@ from rtron.sources.models.common import arguments
 from rtron.sources.models.common.model_scope import ModelScope
 from rtron.sources.models.common.node_files import read_lua_setting, read_yaml_file, tree_nodes
 from rtron.sources.models.common.robot_joints import joints
-from rtron.sources.models.common.rviz import rviz_publications, rviz_subscriptions
+from rtron.sources.models.common.rviz import rviz_move_groups, rviz_publications, rviz_subscriptions
 from rtron.sources.models.common.rviz2 import (
     rviz2_markers,
     rviz2_panels,
@@ -243,6 +243,7 @@ _PURE_FUNCTIONS: Mapping[str, Function] = {
     "matches": _matches,
     "parent": lambda name: str(name).rpartition("/")[0],
     "range": lambda first, last: list(range(first, min(last, 4096))),
+    "rviz_move_groups": rviz_move_groups,
     "rviz_publications": rviz_publications,
     "rviz_subscriptions": rviz_subscriptions,
     "rviz2_markers": rviz2_markers,

@@ -7,6 +7,7 @@ from rtron.sources.models.common.node_files import read_yaml_file
 from rtron.sources.models.common.values import Value, has_placeholder
 
 _MAX_DEPTH = 20
+_MOTION_PLANNING, _MOVE_GROUP = "moveit_rviz_plugin/MotionPlanning", "Move Group Namespace"
 _GROUPS = ("rviz/Group", "rviz_common/Group")
 TOPIC_KEYS = ("Topic", "Marker Topic", "Update Topic", "Image Topic", "Depth Map Topic")
 TYPES = {
@@ -64,6 +65,15 @@ def rviz_publications(config: Value) -> list[dict[str, str]]:
     if has_placeholder(tree) or not config:
         tools = [{"Class": name} for name in _TOOLS]
     return [_tool_topic(tool) for tool in tools if tool.get("Class") in _TOOLS]
+
+
+def rviz_move_groups(config: Value) -> list[str]:
+    """Return the namespace, with a slash, of each move_group that a display sends goals to."""
+    tree = visualization_manager(config)
+    enabled = () if has_placeholder(tree) else enabled_displays(tree.get("Displays"))
+    planning = (display for display in enabled if display.get("Class") == _MOTION_PLANNING)
+    names = (str(display.get(_MOVE_GROUP) or "") for display in planning)
+    return [f"{name.rstrip('/')}/" if name.strip("/") else "" for name in names]
 
 
 def visualization_manager(config: Value) -> Any:  # noqa: ANN401 - a mapping or a hole

@@ -20,10 +20,7 @@ _TOOLS = {
 }
 _DESCRIPTION, _MARKERS = "Description Topic", "Interactive Markers Namespace"
 _TOPIC_KEYS = (*TOPIC_KEYS, _DESCRIPTION, "Color Image Topic")
-_TYPES = {
-    "Update Topic": "map_msgs/msg/OccupancyGridUpdate",
-    _DESCRIPTION: "std_msgs/msg/String",
-}
+_TYPES = {"Update Topic": "map_msgs/msg/OccupancyGridUpdate", _DESCRIPTION: "std_msgs/msg/String"}
 _CAMERA_INFO_DISPLAYS = {("Camera", "Topic"), ("DepthCloud", "Depth Map Topic")}
 """Displays that also subscribe to `camera_info` next to the topic of this key."""
 

@@ -14,7 +14,7 @@ from rtron.vocabulary import Durability, QoS, Reliability, StringEnum
 
 ENTRY_VERBS = (
     *(kind.value for kind in DeclarationKind),
-    *("uses", "unresolved", "declares", "broadcast"),
+    *("uses", "unresolved", "declares", "broadcast", "look_up"),
 )
 MODEL_KINDS = (
     "node",
@@ -65,6 +65,7 @@ class ModelEntry(BaseModel):
     unresolved: Text | None = None
     declares: tuple["ModelEntry", ...] | None = None
     broadcast: Text | None = None
+    look_up: Text | None = None
     parent: Text = ""
     fixed: bool = False
     type: Text = ""
@@ -111,9 +112,10 @@ class Model(BaseModel):
 
     `over_source` says that the model counts even where the node's source is there, since plugins
     or files decide at run time what it declares. `role` is what the node does to others. `name` is
-    what a node of ROS 2 calls itself where its launch gives it no name; one without
-    `parameter_services` cannot be asked for its parameters. `unread` says that more than the model
-    decides what the node publishes and subscribes, such as firmware.
+    what a node of ROS 2 calls itself where its launch gives it no name, `former` what it called
+    itself in older releases; one without `parameter_services` cannot be asked for its parameters.
+    `unread` says that more than the model decides what the node publishes and subscribes, such as
+    firmware.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -129,6 +131,7 @@ class Model(BaseModel):
     part: Names = ()
     source: str
     name: str = ""
+    former: Names = ()
     implicit: bool = False
     over_source: bool = False
     parameter_services: bool = True

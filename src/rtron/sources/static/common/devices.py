@@ -1,4 +1,4 @@
-"""What the source of a node opens, devices and sockets, and whether it looks at a command's age.
+"""What the source of a node opens, devices and sockets, and names that tell of a command's age.
 
 Its text is searched: what stands in a comment does not count, what a function would do at run time
 is not followed.
@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
+from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.node_sources import CPP, node_sources
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, InteractionGraph, Node, WiringFact, WiringFactKind
@@ -53,25 +54,6 @@ _AGE = (
     r"|(?:cmd|command|twist)_?(?:time|stamp)_?\b[^\n]{0,40}>|lastCommand|lastCmd"
 )
 """Names that tell of a command's age, or of what ends one."""
-_NOW = (
-    r"(?:now|time|monotonic|perf_counter|millis|clock)\w{0,10}(?:\(\))?(?:\.\w{1,20}(?:\(\))?)?"
-    r"(?:\s?[*/]\s?[\de.+-]{1,8})?"
-)
-_ATTRIBUTE = (
-    r"(?!(?:self\.|this->|m_)?\w{0,30}(?:pub|odom|print|log|imu|scan|sen[dst]|loop|update|diag|status"
-    r"|control|tf|frame|report|read|poll|step|tick|blink|batt))"
-    r"(?:(?:self\.|this->|m_)\w{1,40}|_?(?:last|prev)\w{0,40}|\w{1,40}_\b)"
-)
-"""What an object keeps between calls, but the time of what it sends or measures."""
-_NOT_ZERO = r"(?!=?\s?0(?:\.0*)?(?![\w.]))"
-"""Behind a comparison: that any time has passed tells nothing."""
-_SINCE = (
-    rf"{_NOW}\s?-\s?{_ATTRIBUTE}[^\n;]{{0,40}}?(?<!-)[<>]{_NOT_ZERO}"
-    rf"|(?<![\w.])(?P<since>\w{{1,30}})\s?=[^\n;]{{0,60}}?{_NOW}\s?-\s?{_ATTRIBUTE}"
-    rf"[\s\S]{{0,200}}?(?<![\w.])(?P=since)[^\n;]{{0,20}}?(?<!-)>{_NOT_ZERO}"
-    rf"|{_ATTRIBUTE}\s?\+[^\n;]{{1,60}}?(?<!-)[<>][^\n;]{{0,40}}?{_NOW}"
-)
-"""A time since something that is compared: it may be since the last command."""
 _COMMENTS = {
     True: re.compile(
         rb"\"\"\".*?(?:\"\"\"|\Z)|'{3}.*?(?:'{3}|\Z)"
@@ -89,7 +71,7 @@ _KINDS = {
         word: rf"(?:{names})(?!\w{{0,40}}_msgs)" for word, names in _LIBRARIES.items()
     },
     WiringFactKind.SOCKET: _SOCKETS,
-    WiringFactKind.COMMAND_AGE: {"age of a command": f"(?i:{_AGE}|{_SINCE})"},
+    WiringFactKind.COMMAND_AGE: {"age of a command": f"(?i:{_AGE})"},
 }
 _IMPORTS = re.compile(rb"[ \t]*(?:(?:#[ \t]*include|import|from)\b|cfset[io]?speed)")
 _Places: TypeAlias = dict[tuple[WiringFactKind, str], Evidence]
@@ -112,6 +94,18 @@ def with_devices(graph: InteractionGraph, workspace: Workspace) -> InteractionGr
                 programs[program] = _places_of(node, workspace, files)
             facts += _facts(node.name, programs[program])
     return replace(graph, wiring=(*graph.wiring, *facts))
+
+
+def last_messages(part: NodePart) -> Iterator[WiringFact]:
+    """Yield a fact for what becomes of the last message of each subscription of a part."""
+    for last in part.interface.last_messages:
+        yield WiringFact(
+            kind=WiringFactKind.LAST_MESSAGE,
+            subject=part.owner,
+            value=last.fate.value,
+            others=() if last.seconds is None else (f"{last.seconds:g} s",),
+            evidence=last.evidence,
+        )
 
 
 def _places_of(node: Node, workspace: Workspace, files: dict[Path, _Places]) -> _Places:

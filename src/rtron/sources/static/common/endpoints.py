@@ -36,13 +36,22 @@ _CLOCK_TOPIC = "/clock"
 
 @dataclass(frozen=True, slots=True)
 class ProcessRemaps:
-    """A process's remaps; they compare whole names, and the last of a name counts."""
+    """A process's remaps; they compare whole names, and the last of a name counts.
+
+    In roscpp an action's topics lie below a node handle, whose own name is remapped, too
+    (ros_comm: node_handle.cpp); in rospy they do not.
+    """
 
     targets: Mapping[str, str]
+    is_roscpp: bool = False
 
     def __call__(self, name: str) -> str:
         """Return the name that a declared name stands for."""
         return self.targets.get(name, name)
+
+    def action_topic(self, action: str, part: str) -> str:
+        """Return the topic that a part of a declared action stands for."""
+        return self(f"{self(action) if self.is_roscpp else action}/{part}")
 
 
 def declared_endpoints(
@@ -51,13 +60,15 @@ def declared_endpoints(
     """Yield the topics of a declaration; an action has five (actionlib's wiki page)."""
     if declared.kind in DIRECTIONS:
         direction = DIRECTIONS[declared.kind]
-        yield _endpoint(node, declared, declared.name, direction, declared.type, remap)
+        name, topic = declared.name, remap(declared.name)
+        yield _endpoint(node, declared, name, topic, direction, declared.type)
     elif declared.kind in ROLES:
         for part, type in _ACTION_TOPIC_TYPES.items():
             publishes = (part in _CLIENT_TOPICS) == (declared.kind is DeclarationKind.ACTION_CLIENT)
             direction = Direction.PUBLISH if publishes else Direction.SUBSCRIBE
-            name = f"{declared.name}/{part}"
-            yield _endpoint(node, declared, name, direction, _part_type(type, declared.type), remap)
+            name, topic = f"{declared.name}/{part}", remap.action_topic(declared.name, part)
+            part_type = _part_type(type, declared.type)
+            yield _endpoint(node, declared, name, topic, direction, part_type)
 
 
 def declared_service_sides(
@@ -74,7 +85,7 @@ def declared_service_sides(
 def declared_action(node: str, declared: Declaration, remap: ProcessRemaps) -> Iterator[Action]:
     """Yield a declaration's side of an action, by the name that its goals go to."""
     if declared.kind in ROLES:
-        name = remap(f"{declared.name}/goal").removesuffix("/goal")
+        name = remap.action_topic(declared.name, "goal").removesuffix("/goal")
         role = ROLES[declared.kind]
         yield Action(node=node, name=name, type=declared.type, role=role)
 
@@ -93,14 +104,8 @@ def clock_subscription(node: str, location: Evidence) -> Endpoint:
 
 
 def _endpoint(
-    node: str,
-    declared: Declaration,
-    name: str,
-    direction: Direction,
-    type: str,
-    remap: ProcessRemaps,
+    node: str, declared: Declaration, name: str, topic: str, direction: Direction, type: str
 ) -> Endpoint:
-    topic = remap(name)
     return Endpoint(
         node=node,
         topic=topic,

@@ -26,6 +26,11 @@ _SHORT = 2
 """Names of so many letters are in many others."""
 _Frame: TypeAlias = tuple[str, str]
 """The topic that a transform goes to, and its child frame."""
+_Uses: TypeAlias = dict[str, dict[str, Evidence]]
+"""Frames, with the nodes that use them, and where these do."""
+_BASES = ("base_link", "base_footprint")
+"""The names of a robot's base (REP 105, REP 120), of which many a robot has one alone."""
+_MISSING = {True: WiringFactKind.MISSING_FRAME, False: WiringFactKind.POSSIBLE_MISSING_FRAME}
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,12 +51,14 @@ class FrameBroadcasters:
     """Which nodes broadcast each frame; each node once, by the first transform that counts.
 
     `activated` are the managed nodes that are activated when the app starts, `stamps` the frames of
-    messages, with the nodes that send them. `is_whole` says that all transforms are known.
+    messages, with the nodes that send them, `look_ups` those that nodes look up. `is_whole` says
+    that all transforms are known.
     """
 
     ros: int
     activated: set[str] = field(default_factory=set)
-    stamps: dict[str, dict[str, Evidence]] = field(default_factory=lambda: defaultdict(dict))
+    stamps: _Uses = field(default_factory=lambda: defaultdict(dict))
+    look_ups: _Uses = field(default_factory=lambda: defaultdict(dict))
     is_whole: bool = True
     _nodes: dict[_Frame, dict[Hashable, _Broadcaster]] = field(
         default_factory=lambda: defaultdict(dict)
@@ -63,9 +70,10 @@ class FrameBroadcasters:
         sends = any(_sends_transforms(each) for each in part.interface.declarations)
         is_known = all(frame.child and frame.parent for frame in part.interface.frames)
         self.is_whole &= is_known and topic == TRANSFORMS
-        self.is_whole &= bool(frames) or not sends
-        for stamp in part.interface.stamps:
-            self.stamps[stamp.frame].setdefault(node_name(part), stamp.evidence)
+        self.is_whole &= bool(frames) or not sends or _has_modelled_frames(part)
+        for use in part.interface.frame_uses:
+            uses = self.look_ups if use.is_look_up else self.stamps
+            uses[use.frame].setdefault(node_name(part), use.evidence)
         for frame in frames if "{" not in topic else ():
             known = self._nodes[topic, frame.child.strip("/")]
             first = known.get(_identity(part))
@@ -114,22 +122,52 @@ class FrameBroadcasters:
         tf2 takes no frame with a slash before it. tf, which nodes of ROS 1 may use, leaves it out,
         and looks below the prefix that a node has.
         """
-        known = {child: list(nodes.values()) for (_, child), nodes in self._nodes.items()}
-        parents = {each.frame.parent for nodes in known.values() for each in nodes}
-        transformed = sorted(known.keys() | parents - {""})
-        for frame, nodes in sorted(self.stamps.items()) if self.is_whole else ():
-            near = _near_frame(frame, transformed) if not self._has(frame, transformed) else ""
-            starts = [each.start for each in known.get(near, ())]
+        for frame, nodes, near in self._missing(self.stamps):
             if near:
-                yield WiringFact(
-                    kind=WiringFactKind.STRAY_FRAME,
-                    subject=frame,
-                    value=near,
-                    others=tuple(nodes),
-                    evidence=(*nodes.values(), *starts),
-                )
+                yield self._missing_fact(WiringFactKind.STRAY_FRAME, frame, nodes, near)
 
-    def _has(self, frame: str, transformed: Sequence[str]) -> bool:
+    def missing_frames(self) -> Iterator[WiringFact]:
+        """Yield a fact for each frame that nodes look up and that no transform has.
+
+        A node that looks up the near one too tries one after the other.
+        """
+        for frame, nodes, near in self._missing(self.look_ups):
+            others = {n: p for n, p in nodes.items() if n not in self.look_ups.get(near, ())}
+            kind = _MISSING[bool(near)]
+            if others:
+                yield self._missing_fact(kind, frame, others, near or self._other_base(frame))
+
+    def _missing(self, uses: _Uses) -> Iterator[tuple[str, dict[str, Evidence], str]]:
+        """Yield the frames that no transform has, with their users and a near one that is there."""
+        known = {child for _, child in self._nodes}
+        parents = self._parents()
+        for frame, nodes in sorted(uses.items()) if self.is_whole and known else ():
+            if not self._has(frame, known | parents):
+                near = _near_frame(frame, sorted(known | parents))
+                base = self._other_base(frame)
+                yield frame, nodes, near or (base if base in parents else "")
+
+    def _parents(self) -> set[str]:
+        broadcasters = chain.from_iterable(nodes.values() for nodes in self._nodes.values())
+        return {each.frame.parent for each in broadcasters} - {""}
+
+    def _other_base(self, frame: str) -> str:
+        """Return what else the base of a robot is called; empty for another frame."""
+        known = self._parents().union(child for _, child in self._nodes)
+        return next((each for each in _BASES if frame in _BASES and each in known - {frame}), "")
+
+    def _missing_fact(
+        self, kind: WiringFactKind, frame: str, nodes: Mapping[str, Evidence], near: str
+    ) -> WiringFact:
+        broadcasters = chain.from_iterable(
+            known.values() for (_, child), known in self._nodes.items() if child == near
+        )
+        places = (*nodes.values(), *(each.start for each in broadcasters))
+        return WiringFact(
+            kind=kind, subject=frame, value=near, others=tuple(nodes), evidence=places
+        )
+
+    def _has(self, frame: str, transformed: Collection[str]) -> bool:
         """Return whether a frame is in a transform, or none at all."""
         if self.ros > 1:
             return not frame or frame in transformed
@@ -165,6 +203,12 @@ def _frames_above(frame: _Frame, parents: Mapping[_Frame, Collection[str]]) -> s
     return found
 
 
+def _has_modelled_frames(part: NodePart) -> bool:
+    """Return whether a model tells of transforms, which its node's parameters may turn off."""
+    entries = part.model.walk() if part.model else ()
+    return any(entry.broadcast is not None for entry in entries)
+
+
 def _sends_transforms(declaration: Declaration) -> bool:
     is_sent = declaration.kind is DeclarationKind.PUBLISH
     return is_sent and declaration.name in TRANSFORM_TOPICS
@@ -175,7 +219,15 @@ def _near_frame(frame: str, others: Sequence[str]) -> str:
     if len(others) > _MOST_COMPARED:
         return ""
     inside = (other for other in others if _extends(frame, other) or _extends(other, frame))
-    return next(chain(inside, get_close_matches(frame, others, 1, _NEAR_RATIO)), "")
+    close = get_close_matches(frame, others, 1, _NEAR_RATIO)
+    mixed = (other for other in others if _has_its_words(frame, other))
+    return next(chain(inside, close, mixed), "")
+
+
+def _has_its_words(one: str, other: str) -> bool:
+    """Return whether one of two names has all words of the other, two at least, in any order."""
+    fewer, more = sorted((set(one.split("_")), set(other.split("_"))), key=len)
+    return len(fewer) > 1 and fewer <= more
 
 
 def _extends(longer: str, shorter: str) -> bool:

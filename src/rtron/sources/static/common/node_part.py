@@ -223,8 +223,5 @@ def _missing_nodelet(name: str, plugin: Plugin | None, workspace: Workspace) -> 
 
 def _task(kind: TaskKind, program: Program, part: NodePart) -> InterpretationTask:
     return InterpretationTask(
-        kind=kind,
-        sources=program.sources,
-        definitions=program.definitions,
-        site=part.node.site,
+        kind=kind, sources=program.sources, definitions=program.definitions, site=part.node.site
     )

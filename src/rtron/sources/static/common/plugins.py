@@ -69,7 +69,8 @@ def with_plugin(part: NodePart, task: InterpretationTask, result: TaskResult) ->
         ),
         parameters=(*before.parameters, *its.parameters),
         frames=(*before.frames, *its.frames),
-        stamps=(*before.stamps, *its.stamps),
+        frame_uses=(*before.frame_uses, *its.frame_uses),
         mistyped=(*before.mistyped, *its.mistyped),
+        last_messages=(*before.last_messages, *its.last_messages),
     )
     return replace(part, interface=interface)

@@ -12,9 +12,9 @@ from multiprocessing.util import Finalize
 from pathlib import Path
 from typing import ParamSpec, TypeVar
 
-from rtron.executors.parent_process import follow_parent
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeInterface
+from rtron.sources.static.common.parent_process import follow_parent
 from rtron.sources.static.common.task import InterpretationTask, TaskResult, run_task
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, UnresolvedItem

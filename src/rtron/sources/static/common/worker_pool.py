@@ -8,7 +8,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing import get_context
 
-from rtron.executors.parent_process import without_ctrl_c
+from rtron.sources.static.common.parent_process import without_ctrl_c
 from rtron.sources.static.common.scan_options import default_workers
 from rtron.sources.static.common.task import InterpretationTask, TaskResult
 from rtron.sources.static.common.worker import failed_result, run_in_worker, start_worker

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from rtron.sources.static.common.app_node import AppNode, may_both_start
+from rtron.sources.static.common.devices import last_messages
 from rtron.sources.static.common.endpoints import (
     ProcessRemaps,
     clock_subscription,
@@ -14,6 +15,7 @@ from rtron.sources.static.common.endpoints import (
 from rtron.sources.static.common.frames import FrameBroadcasters
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.common.task import TaskKind
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
 from rtron.sources.static.ros1.node_parameters import node_parameters
@@ -82,7 +84,9 @@ class Assembly(GraphBuilder):
             self.nodes[part.owner] = replace(self.nodes[part.owner], unread=True)
         process_remaps = dict(owner.site.remaps) if owner else {}
         remaps = {**process_remaps, **dict(part.node.site.remaps)}
-        self._declare(part, ProcessRemaps(remaps))
+        is_python = part.task is not None and part.task.kind is TaskKind.PYTHON
+        self._declare(part, ProcessRemaps(remaps, is_roscpp=not is_python))
+        self.add_wiring(*last_messages(part))
         self.frames.add(part, remaps.get(TRANSFORMS, TRANSFORMS))
         self.remap_uses.add(part, part.owner, remaps, _declared_names(part))
 
@@ -95,7 +99,7 @@ class Assembly(GraphBuilder):
         self.add_wiring(*self.remap_uses.unread())
         self.add_wiring(*self.program_outputs.shared())
         self.add_wiring(*self.frames.facts(), *self.frames.loops())
-        self.add_wiring(*self.frames.stray_frames())
+        self.add_wiring(*self.frames.stray_frames(), *self.frames.missing_frames())
 
     def add_clock(self, parts: Iterable[NodePart], parameters: ParameterTree) -> None:
         """Let every node that is one of ROS follow simulated time, where that is set."""
@@ -128,7 +132,7 @@ class Assembly(GraphBuilder):
 
 
 def _declared_names(part: NodePart) -> frozenset[str]:
-    """Return the names that remaps can change: those of topics and services, not of actions."""
+    """Return the names that remaps can change: of topics, services, and actions of roscpp."""
     remap = ProcessRemaps({})
     declared = part.interface.declarations
     topics = (end for each in declared for end in declared_endpoints("", each, remap))

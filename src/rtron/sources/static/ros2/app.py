@@ -87,7 +87,7 @@ def scan_ros2_app(
         assembly.add_wiring(*unread_parameters([*parts, *resolved]))
         assembly.add_wiring(*mistyped_parameters([*parts, *resolved]))
         assembly.add_wiring(*malformed_files(starts))
-        assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes)))
+        assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes), models.own_names))
     assembly.add_wiring_facts()
     assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
     passed = {name for _, given in launches for name in given}

@@ -10,6 +10,7 @@ from itertools import islice
 
 from rtron.sources.declaration import CreatedNode, Declaration
 from rtron.sources.static.common.app_node import AppNode, may_both_start
+from rtron.sources.static.common.devices import last_messages
 from rtron.sources.static.common.frames import FrameBroadcasters, node_name
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
@@ -60,6 +61,7 @@ class Ros2Assembly(GraphBuilder):
                 self.add_entity(entity)
                 if isinstance(entity, Endpoint) and entity.direction is Direction.PUBLISH:
                     self._note_output(part, entity)
+        self.add_wiring(*last_messages(part))
         for created in islice(_created_nodes(part), 1):
             self.frames.add(part, _remap_rules(created, part)(TRANSFORMS))
             self.frames.activated.update(_activated_nodes(created.name, part))
@@ -94,7 +96,7 @@ class Ros2Assembly(GraphBuilder):
         self.add_wiring(*self.remap_uses.unread())
         self.add_wiring(*self.program_outputs.shared())
         self.add_wiring(*self.frames.facts(), *self.frames.loops())
-        self.add_wiring(*self.frames.stray_frames())
+        self.add_wiring(*self.frames.stray_frames(), *self.frames.missing_frames())
         values = (
             (f"{each.node}/{each.name}", each.value, self._started[each.node].evidence)
             for each in self.parameters.values()

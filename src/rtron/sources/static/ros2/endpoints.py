@@ -5,14 +5,7 @@ from dataclasses import dataclass
 
 from rtron.sources.declaration import Declaration, DeclarationKind
 from rtron.sources.static.common.endpoints import DIRECTIONS, ROLES
-from rtron.vocabulary import (
-    Action,
-    Endpoint,
-    Resolution,
-    Ros2ActionEntity,
-    Service,
-    ServiceClient,
-)
+from rtron.vocabulary import Action, Endpoint, Resolution, Ros2ActionEntity, Service, ServiceClient
 from rtron.vocabulary.remap_rules import RemapRule, remaps_for_node
 
 _SERVICES: Mapping[DeclarationKind, type[Service | ServiceClient]] = {

@@ -1,11 +1,13 @@
 """Parameters that a launch sets in vain: not declared, of another type, or for no node's name."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from difflib import get_close_matches
 from itertools import islice
+from pathlib import PurePath
 
 from rtron.sources.launch.ros2.result import LaunchStart
+from rtron.sources.static.common.frames import node_name
 from rtron.sources.static.common.near_parameters import near_parameters, unread_parameter
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.ros2.app_nodes import process_name
@@ -72,12 +74,14 @@ def malformed_files(starts: Iterable[LaunchStart]) -> Iterator[WiringFact]:
                 )
 
 
-def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterator[WiringFact]:
+def sections_without_node(
+    parts: Sequence[NodePart], nodes: set[str], known_names: Container[str]
+) -> Iterator[WiringFact]:
     """Yield a fact for each section of a parameter file for a name that no node has.
 
     It counts if a node that is given no parameter of its own has a near name, or if one alone of
     these is given the file and declares most of what stands in the section, or is called so by its
-    program.
+    program. One of `known_names`, of programs that RTron has models of, is near to no other.
     """
     places = {
         each.node: part.node.places_of(each.node, each.name)
@@ -85,16 +89,18 @@ def sections_without_node(parts: Sequence[NodePart], nodes: set[str]) -> Iterato
         for each in reversed(part.node.site.node_settings)
     }
     given = {
-        part.node.name
+        node_name(part)
         for part in parts
-        for name in _set_by_launch(part, part.node.name)
+        for name in _set_by_launch(part, node_name(part))
         if not name.startswith(_OF_EVERY_NODE)
     }
     without_section = {name for name in nodes - places.keys() - given if "{" not in name}
-    declared = _declared_in_vain(part for part in parts if part.node.name in without_section)
+    declared = _declared_in_vain(part for part in parts if node_name(part) in without_section)
     unused = (each for each in sorted(places.keys() - nodes) if "*" not in each)
     for section in islice(unused, _MOST_SECTIONS):
         near = get_close_matches(section, sorted(without_section), 1, _NEAR_RATIO)
+        own = _plain_name(section)
+        near = [each for each in near if own not in known_names or _plain_name(each) == own]
         meant = declared.get(section) or near
         if len(meant) == 1 and not fits_open_name(section, nodes):
             yield WiringFact(
@@ -109,26 +115,33 @@ def _declared_in_vain(parts: Iterable[NodePart]) -> dict[str, list[str]]:
     """Return which nodes are given each section of a file and declare most of it, or have its name.
 
     One common name, as a frame or a rate, says little: two of them must be declared. A program
-    has the name of a section if it calls itself so where no launch gives it another name.
+    has the name of a section if it calls itself so where no launch gives it another name, or if
+    its file is called so.
     """
     found: dict[str, list[str]] = defaultdict(list)
     for part in parts:
-        own = {each.name for each in part.interface.parameters if each.node == part.node.name}
+        node = node_name(part)
+        own = {each.name for each in part.interface.parameters if each.node == node}
         sections: dict[str, set[str]] = defaultdict(set)
         for each in part.node.site.node_settings:
             if not each.name.startswith(_OF_EVERY_NODE):
                 sections[each.node].add(each.name)
         for section, names in sections.items():
             is_declared = len(names & own) > max(1, len(names) / 2)
-            if is_declared or section == _own_name(part):
-                found[section].append(part.node.name)
+            if is_declared or section in _program_names(part):
+                found[section].append(node)
     return found
 
 
-def _own_name(part: NodePart) -> str:
-    """Return what a program without source calls itself; empty where it is not known."""
-    name = part.model.name if part.model else ""
-    return name and expand_name(name, part.node.name)
+def _program_names(part: NodePart) -> set[str]:
+    """Return the node of a program's name, and of those that its model says it gives itself."""
+    names = {PurePath(part.node.type).stem}
+    names |= {part.model.name, *part.model.former} if part.model else set()
+    return {expand_name(name, node_name(part)) for name in names - {""}}
+
+
+def _plain_name(node: str) -> str:
+    return node.rpartition("/")[2]
 
 
 def _nodes_with_parameters(part: NodePart) -> list[str]:

@@ -83,10 +83,7 @@ def _run_list_file(
     path: Path, scope: VariableScope, build: PackageBuild, *, every_branch: bool
 ) -> None:
     evaluator = CMakeEvaluator(
-        build=build,
-        budget=StepBudget(),
-        initial=dict(scope.variables),
-        every_branch=every_branch,
+        build=build, budget=StepBudget(), initial=dict(scope.variables), every_branch=every_branch
     )
     try:
         evaluator.run_file(path, scope)

@@ -75,11 +75,7 @@ def test_aliases_usings_enums_and_exports():
         4,
         5,
     ] * 2
-    assert lowered.exports == (
-        ("n::Foo", "b::Base"),
-        ("n::Foo", "nodelet::Nodelet"),
-        ("n::R", ""),
-    )
+    assert lowered.exports == (("n::Foo", "b::Base"), ("n::Foo", "nodelet::Nodelet"), ("n::R", ""))
     assert [made.name for made in lowered.classes] == ["S"]
 
 

@@ -102,9 +102,7 @@ def test_one_declaration_declares_several():
         Declare("a", INT, ONE, line=2),
         Declare("b", INT, C, pointer=True, line=2),
         Declare(
-            "c",
-            TypeRef("array", (TypeRef("array", (INT, TypeRef("3"))), TypeRef("2"))),
-            line=2,
+            "c", TypeRef("array", (TypeRef("array", (INT, TypeRef("3"))), TypeRef("2"))), line=2
         ),
     )
 

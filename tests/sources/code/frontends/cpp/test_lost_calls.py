@@ -3,7 +3,7 @@
 import pytest
 
 from rtron.sources.code.frontends.cpp import lower_cpp
-from rtron.sources.code.frontends.cpp.lost_calls import endpoint_macros, unexpanded_macros
+from rtron.sources.code.frontends.cpp.lowering import endpoint_macros, unexpanded_macros
 from rtron.sources.code.frontends.cpp.macros import Macro
 
 

@@ -44,10 +44,7 @@ SAME = [
     ("a = lambda (b, c): b", "a = lambda T: (lambda b, c: (b))(*T)"),
     ("a = lambda (b): b; print a", "a = lambda b: b; print(a)"),
     ("f(lambda x, (b, c), y=1: b, 2)", "f(lambda x, T, y=1: (lambda b, c: (b))(*T), 2)"),
-    (
-        "a = lambda ((b, c), d): b",
-        "a = lambda T: (lambda U, d: ((lambda b, c: (b))(*U)))(*T)",
-    ),
+    ("a = lambda ((b, c), d): b", "a = lambda T: (lambda U, d: ((lambda b, c: (b))(*U)))(*T)"),
     (
         "[f for f in (lambda (a, b): a for b in c)]",
         "[f for f in (lambda T: (lambda a, b: (a))(*T) for b in c)]",

@@ -84,10 +84,7 @@ CASES = {
     "from a.b import c as d": (Import("a.b", "c", "d", 0, 1),),
     "from .. import *": (Import("", "*", "*", 2, 1),),
     "try:\n a\nexcept b.C as e:\n c\nexcept (b, c):\n pass\nexcept:\n pass": (
-        Try(
-            (DO_A,),
-            ((("b.C",), "e", (Evaluate(C, 4),)), (("b", "c"), "", ()), ((), "", ())),
-        ),
+        Try((DO_A,), ((("b.C",), "e", (Evaluate(C, 4),)), (("b", "c"), "", ()), ((), "", ()))),
     ),
     "try:\n a\nexcept b:\n pass\nelse:\n c\nfinally:\n d": (
         Try((DO_A,), ((("b",), "", ()),), (Evaluate(C, 6),), (Evaluate(D, 8),)),
@@ -209,8 +206,6 @@ def test_a_private_name_is_its_class_s_own():
     assert (method.definition.name, method.definition.params[1].name) == ("_K__m", "_K__a")
     assert method.definition.body == (
         Assign(
-            (Attr(Name("self"), "_K__b"),),
-            SequenceExpr((Name("__c__"), Name("_K__a")), "tuple"),
-            2,
+            (Attr(Name("self"), "_K__b"),), SequenceExpr((Name("__c__"), Name("_K__a")), "tuple"), 2
         ),
     )

@@ -5,10 +5,7 @@ import ros1_runs
 import ros2_runs
 
 from rtron.sources.code.ir import TypeRef
-from rtron.sources.code.library_models.common.message_types import (
-    cpp_message_type,
-    message_header,
-)
+from rtron.sources.code.library_models.common.message_types import cpp_message_type, message_header
 
 
 @pytest.mark.parametrize(

@@ -43,8 +43,7 @@ def test_an_iterator_is_moved_and_not_written_through():
 
 
 @pytest.mark.parametrize(
-    ("algorithm", "expected"),
-    [("any_of", True), ("all_of", False), ("none_of", False)],
+    ("algorithm", "expected"), [("any_of", True), ("all_of", False), ("none_of", False)]
 )
 def test_what_holds_of_a_known_list_is_decided(algorithm, expected):
     body = f"""

@@ -191,9 +191,18 @@ def test_a_ros_package_that_is_not_here_is_noted_once(tmp_path):
     assert (note.what, note.evidence[0].line) == ("package helper_ros", 2)
 
 
-@pytest.mark.parametrize("depends", ["cv_bridge", "some_msgs", "numpy"])
+@pytest.mark.parametrize("depends", ["cv_bridge", "some_msgs", "pygame"])
 def test_a_package_that_joins_nothing_is_not_noted(tmp_path, depends):
-    assert package(tmp_path, "import cv_bridge\ncv_bridge.CvBridge()", depends).unresolved == ()
+    text = "import cv_bridge, pygame, some_msgs\npygame.init()\ncv_bridge.CvBridge()\nsome_msgs.a()"
+    assert package(tmp_path, text, depends).unresolved == ()
+
+
+def test_a_module_of_a_package_that_is_here_and_is_not_built_is_noted_as_that(tmp_path):
+    found = package(tmp_path, "from p.made import call_pb2\ncall_pb2.Request()")
+    missing, called = found.unresolved
+    assert missing.what == "import of p.made"
+    assert called.what == "package p"
+    assert "a module of it that is called is not, which a build may make" in called.why
 
 
 @pytest.mark.parametrize(

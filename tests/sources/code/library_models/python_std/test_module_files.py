@@ -45,3 +45,13 @@ def test_a_module_that_is_not_in_the_workspace_is_noted(tmp_path, text):
     assert ("import of /no/such.py", "runs code that the source does not show") in {
         (each.what, each.why) for each in notes
     }
+
+
+def test_a_module_that_loads_itself_by_another_name_of_its_folder_runs_once(tmp_path):
+    path = "os.path.join(os.path.dirname(__file__), '../data/helper.py')"
+    helper = tmp_path / "data" / "helper.py"
+    helper.parent.mkdir()
+    publisher = "rospy.Publisher('/x' + '_' * __file__.count('..'), Bool)"
+    helper.write_text(f"import imp, os\n{HELPER}\n{publisher}\nimp.load_source('m', {path})\n")
+    found = run(tmp_path, f"import imp\nimp.load_source('m', {str(helper)!r})")
+    assert [each.name for each in found.declarations] == ["/x"]

@@ -294,10 +294,7 @@ def test_a_client_of_parameters_calls_the_services_of_a_node_or_its_own(kind, ar
     [
         ("tf2_ros::TransformBroadcaster b(this)", {"publish /tf"}),
         ("tf2_ros::StaticTransformBroadcaster b(*this)", {"publish /tf_static"}),
-        (
-            "tf2_ros::TransformListener l(buffer, this)",
-            {"subscribe /tf", "subscribe /tf_static"},
-        ),
+        ("tf2_ros::TransformListener l(buffer, this)", {"subscribe /tf", "subscribe /tf_static"}),
         (
             "tf2_ros::TransformListener l(buffer)",
             {

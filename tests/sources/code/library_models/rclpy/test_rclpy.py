@@ -31,15 +31,9 @@ BEST, TRANSIENT = Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL
             "self.create_subscription(Bool, f'{self.get_name()}/t', lambda m: None, 1)",
             "subscribe /ns/n/t std_msgs/msg/Bool",
         ),
-        (
-            "self.create_service(Trigger, 's', lambda a, b: b)",
-            "service /ns/s std_srvs/srv/Trigger",
-        ),
+        ("self.create_service(Trigger, 's', lambda a, b: b)", "service /ns/s std_srvs/srv/Trigger"),
         ("self.create_client(Trigger, 's')", "service_client /ns/s std_srvs/srv/Trigger"),
-        (
-            "ActionServer(self, Dock, 'd', lambda g: None)",
-            "action_server /ns/d a_msgs/action/Dock",
-        ),
+        ("ActionServer(self, Dock, 'd', lambda g: None)", "action_server /ns/d a_msgs/action/Dock"),
         ("ActionClient(self, Dock, 'd')", "action_client /ns/d a_msgs/action/Dock"),
         ("message_filters.Subscriber(self, Bool, 't')", "subscribe /ns/t std_msgs/msg/Bool"),
         ("wait_for_message(Bool, self, 't')", "subscribe /ns/t std_msgs/msg/Bool"),

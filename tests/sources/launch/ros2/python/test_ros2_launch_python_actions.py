@@ -301,3 +301,14 @@ def test_an_action_of_another_package_is_noted(python):
     assert "robot_launch.Robot" in note.what
     assert note.why == "is not known here: what it starts is not known"
     assert note.hides == "nodes"
+
+
+@pytest.mark.parametrize("text", ['f"{WHEELS}"', "str(WHEELS)", '"{}".format(WHEELS)'])
+def test_an_expression_looks_into_a_dict_that_is_written_as_text(python, text):
+    found = python(
+        f"DeclareLaunchArgument('model', default_value='b'), Node(package='p', executable='e', "
+        f"name=PythonExpression([{text}, \"['\", LaunchConfiguration('model'), \"']\"]))",
+        "WHEELS = {'a': 'small', 'b': 'big'}",
+    )
+    assert names(found) == ["/big"]
+    assert found.unresolved == ()

@@ -358,3 +358,37 @@ def generate_launch_description():
     return described
 """)
     assert names(app) == ["/robot/added", "/robot/last"]
+
+
+@pytest.mark.parametrize("scope", ["{}", "GroupAction([{}], scoped=False)", "[{}]"])
+def test_what_starts_by_a_value_that_a_function_may_set_is_read(program, scope):
+    app = program(f"""
+def choose(context):
+    if LaunchConfiguration('auto').perform(context) != 'true':
+        return []
+    if port_in_use():
+        return {scope.format("SetLaunchConfiguration('driver', 'false')")}
+    return [LogInfo(msg='starts')]
+def generate_launch_description():
+    driver = IfCondition(LaunchConfiguration('driver'))
+    return LaunchDescription([DeclareLaunchArgument('auto', default_value='true'),
+        DeclareLaunchArgument('driver', default_value='true'), OpaqueFunction(function=choose),
+        Node(package='p', executable='e', name='n', condition=driver), {NODE.format("'m'")}])
+""")
+    assert [(start.full_name, start.is_uncertain) for start in app.starts] == [
+        ("/n", True), ("/m", False)]  # fmt: skip
+    assert any("(driver), it is read as if it did; what is given for auto may" in why
+               for why in whys(app))  # fmt: skip
+
+
+def test_an_undecided_include_leaves_what_it_declares_and_may_change_what_was_set(program, package):
+    text = "<launch><arg name='new' default='a'/><let name='old' value='b'/></launch>"
+    (package / "launch/inner.launch.xml").write_text(text)
+    app = program(f"""
+def generate_launch_description():
+    found = os.path.join(get_package_share_directory('pkg'), 'launch', 'inner.launch.xml')
+    return LaunchDescription([SetLaunchConfiguration('old', 'c'),
+        IncludeLaunchDescription(found, condition=IfCondition(EnvironmentVariable('X'))),
+        {NODE.format("[LaunchConfiguration('new'), '_', LaunchConfiguration('old')]")}])
+""")
+    assert names(app) == ["/a_{old}"]

@@ -6,11 +6,7 @@ from dataclasses import asdict, dataclass
 from math import atan, isfinite, radians, tan
 
 PEDESTRIAN, RED_LIGHT, GREEN_LIGHT = "pedestrian", "red_light", "green_light"
-COLOURS = {
-    PEDESTRIAN: b"\xff\x00\xff",
-    RED_LIGHT: b"\xff\x00\x00",
-    GREEN_LIGHT: b"\x00\xff\x00",
-}
+COLOURS = {PEDESTRIAN: b"\xff\x00\xff", RED_LIGHT: b"\xff\x00\x00", GREEN_LIGHT: b"\x00\xff\x00"}
 FIELD_OF_VIEW = radians(62.2)
 """Of the camera, from left to right, rad."""
 _STRIDE = 4

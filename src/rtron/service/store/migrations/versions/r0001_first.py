@@ -158,11 +158,7 @@ def _event_indexes() -> None:
 def _partial_index(name: str, column: str, *, where: str) -> None:
     condition = sa.text(where)
     op.create_index(
-        name,
-        "events",
-        ["robot_id", column],
-        sqlite_where=condition,
-        postgresql_where=condition,
+        name, "events", ["robot_id", column], sqlite_where=condition, postgresql_where=condition
     )
 
 

@@ -8,11 +8,7 @@ import re
 from collections.abc import Iterator
 
 from rtron.sources.code.frontends.python.edits import Edit, apply_edits
-from rtron.sources.code.frontends.python.tokenizer import (
-    Token,
-    bracket_depth_after,
-    statements,
-)
+from rtron.sources.code.frontends.python.tokenizer import Token, bracket_depth_after, statements
 
 _STRING_START = re.compile(r"(?i)(?<!\w)([ubrft]{0,3})(\"\"\"|'''|\"|')")
 _OPENING, _CLOSING = "([{", ")]}"

@@ -17,11 +17,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
 )
-from rtron.sources.code.interpreter.cpp.braces import (
-    construct_braced,
-    is_braces,
-    type_of_target,
-)
+from rtron.sources.code.interpreter.cpp.braces import construct_braced, is_braces, type_of_target
 from rtron.sources.code.interpreter.cpp.calls import CppCalls
 from rtron.sources.code.interpreter.cpp.iterators import ITERATOR, dereference, is_end
 from rtron.sources.code.interpreter.cpp.overload_resolution import choose_overload

@@ -29,13 +29,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.assignment import slot_of
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
-from rtron.sources.code.ir import (
-    Declare,
-    Function,
-    Lambda,
-    Name,
-    TypeRef,
-)
+from rtron.sources.code.ir import Declare, Function, Lambda, Name, TypeRef
 from rtron.sources.code.ir.references import called_names
 from rtron.sources.code.library_models.common.maps import cpp_container_member
 from rtron.sources.code.library_models.common.strings import CPP_STRING_METHODS, bound_string_method

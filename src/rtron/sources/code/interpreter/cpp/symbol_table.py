@@ -17,10 +17,7 @@ from rtron.sources.code.ir import (
     alias_parameter,
     substituted,
 )
-from rtron.sources.code.library_models.common.message_types import (
-    INTERFACE_FOLDERS,
-    message_header,
-)
+from rtron.sources.code.library_models.common.message_types import INTERFACE_FOLDERS, message_header
 
 MAX_FILES = 600
 MODELLED_FOLDERS = frozenset(

@@ -17,12 +17,7 @@ from rtron.sources.code.interpreter.cpp.symbol_table import SymbolTable
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
-from rtron.sources.code.ir import (
-    Class,
-    Function,
-    TypeRef,
-    adapter_alias,
-)
+from rtron.sources.code.ir import Class, Function, TypeRef, adapter_alias
 from rtron.sources.code.library_models.common.message_types import (
     INTERFACE_FOLDERS,
     cpp_message_name,
@@ -31,10 +26,7 @@ from rtron.sources.code.library_models.common.message_types import (
 )
 
 POINTER_ALIASES = frozenset(
-    [
-        *("SharedPtr", "ConstSharedPtr", "WeakPtr", "ConstWeakPtr", "UniquePtr"),
-        "SharedConstPtr",
-    ]
+    [*("SharedPtr", "ConstSharedPtr", "WeakPtr", "ConstWeakPtr", "UniquePtr"), "SharedConstPtr"]
 )
 """What rclcpp's classes call pointers to themselves (rclcpp/macros.hpp)."""
 _MESSAGE_POINTERS = frozenset(["shared_ptr", "unique_ptr", "LoanedMessage"])

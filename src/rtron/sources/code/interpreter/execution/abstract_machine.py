@@ -111,6 +111,7 @@ class AbstractMachine:
     deferred_actions: list[Callable[[], object]] = field(default_factory=list)
     passed_functions: list[FunctionValue] = field(default_factory=list)
     escaped_functions: list[Function] = field(default_factory=list)
+    callbacks_at: dict[Evidence | None, list[Function]] = field(default_factory=dict)
     parameter_callbacks: list[Function] = field(default_factory=list)
     unknown_method_names: set[str] = field(default_factory=set)
     next_callback: int = 0
@@ -298,21 +299,22 @@ class AbstractMachine:
             self.undo_log.set(value.fields, OPEN, Unknown(name))
         return value
 
-    def escape(self, value: Value | None) -> None:
-        """Remember a function, or an object that is called like one, as a callback."""
+    def escape(self, value: Value | None, at: Evidence | None = None) -> None:
+        """Remember a function, or an object that is called like one, as a callback given there."""
         if isinstance(value, Instance) and isinstance(value.type, ClassValue):
             name = "operator()" if self.runtime.passes_by_reference else "__call__"
             value = self.runtime.attribute(value, name, ())
         if isinstance(value, FunctionValue):
             self._queue_callback(value)
+            self.callbacks_at.setdefault(at, []).append(value.function)
         elif isinstance(value, LibraryFunction) and value.name == PARTIAL:
-            at = Arguments(frame=StackFrame(file=""))
-            self.deferred_actions.append(partial(value.call, self, value.owner, at))
+            given = Arguments(frame=StackFrame(file=""))
+            self.deferred_actions.append(partial(value.call, self, value.owner, given))
 
     def escape_arguments(self, arguments: Arguments) -> None:
         """Remember every function among the arguments of a call."""
         for value in arguments.all_values:
-            self.escape(value)
+            self.escape(value, arguments.evidence)
 
     def _queue_callback(self, value: FunctionValue) -> None:
         """Remember a callback once; too many of one function are noted if they could join nodes."""

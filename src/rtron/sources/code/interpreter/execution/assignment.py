@@ -34,11 +34,13 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
 from rtron.sources.code.ir import Attr, Expr, Index, Name, SequenceExpr, Star
-from rtron.sources.declaration import FrameStamp
+from rtron.sources.declaration import FrameUse
 from rtron.vocabulary import Evidence
 
 STAMPED = "frame_id"
 """The field of a message's header that names its frame (std_msgs/Header)."""
+_CHILD_FRAME = "child_frame_id"
+"""The field of an odometry that names the frame of its velocity (nav_msgs/Odometry)."""
 
 
 def assign(machine: AbstractMachine, target: Expr, value: Value, frame: StackFrame) -> None:
@@ -100,10 +102,16 @@ def _assign_member(machine: AbstractMachine, target: Attr, value: Value, frame: 
     at = Arguments(line=machine.line, frame=frame)
     if target.name == STAMPED and _owner_name(target) == "header":
         _note_stamp(machine, owners, value, at.evidence)
+    elif target.name == _CHILD_FRAME and any(map(_is_odometry, owners)):
+        _note_stamp(machine, (), value, at.evidence)
     for owner in owners:
         before = owner.fields.get(target.name) if isinstance(owner, _OBJECTS) else None
         new = value if len(owners) == 1 or before is None else join([before, value])
         assign_member(machine, owner, target.name, new, at)
+
+
+def _is_odometry(message: Value) -> bool:
+    return isinstance(message, Instance) and message.type.name.endswith("Odometry")
 
 
 def _owner_name(target: Attr) -> str:
@@ -117,7 +125,7 @@ def _note_stamp(
     """Note the frame of a message, if it is known; what names a child frame too is a transform."""
     is_transform = any(isinstance(each, Instance) for each in headers)
     if isinstance(value, Scalar) and isinstance(value.value, str) and not is_transform:
-        machine.recorder.add_stamp(FrameStamp(frame=str(value.value), evidence=place))
+        machine.recorder.add_frame_use(FrameUse(frame=str(value.value), evidence=place))
 
 
 def assign_member(

@@ -39,6 +39,7 @@ from rtron.sources.code.interpreter.execution.written_arguments import (
 )
 from rtron.sources.code.ir import Attr, Call, Expr, Index, Name, Star, TypeRef
 from rtron.sources.code.library_models.common.message_types import make_message
+from rtron.sources.code.library_models.common.transforms import note_look_up
 
 _MIN_ARGUMENTS = 2
 """What a call of a client library gets at least, if no template argument tells it from others."""
@@ -89,6 +90,8 @@ def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
         called = machine.runtime.find_by_arguments(called.name, arguments) or called
     if isinstance(called, ExternalSymbol):
         _note_unknown_receiver(machine, called.name.rpartition("::")[2], arguments)
+    if isinstance(node.function, Attr) and not isinstance(called, FunctionValue):
+        note_look_up(machine, node.function, arguments)
     returned = dispatch(machine, called, arguments)
     if (
         machine.active_handlers

@@ -20,7 +20,7 @@ from rtron.sources.declaration import (
     Declaration,
     DeclarationKind,
     FrameBroadcast,
-    FrameStamp,
+    FrameUse,
     MistypedParameter,
     NodeInterface,
     NodeSite,
@@ -63,7 +63,7 @@ class DeclarationRecorder:
     _nodes: dict[str, CreatedNode] = field(default_factory=dict)
     _parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
     _frames: dict[FrameBroadcast, None] = field(default_factory=dict)
-    _stamps: dict[FrameStamp, None] = field(default_factory=dict)
+    _frame_uses: dict[FrameUse, None] = field(default_factory=dict)
     _mistyped: dict[MistypedParameter, None] = field(default_factory=dict)
     _undecided_parameters: int = 0
     _undecided_conditions: int = 0
@@ -166,10 +166,11 @@ class DeclarationRecorder:
             is_full = len(self._frames) >= MAX_DECLARATIONS
             self._frames[FrameBroadcast(child="") if is_full else found] = None
 
-    def add_stamp(self, stamp: FrameStamp) -> None:
-        """Record a frame of a message, unless a parameter that is not known decides on it."""
-        if not (self.muted or self._undecided_parameters) and len(self._stamps) < MAX_DECLARATIONS:
-            self._stamps[stamp] = None
+    def add_frame_use(self, use: FrameUse) -> None:
+        """Record a frame that is used, unless a parameter that is not known decides on it."""
+        is_certain = not (self.muted or self._undecided_parameters)
+        if is_certain and len(self._frame_uses) < MAX_DECLARATIONS:
+            self._frame_uses[use] = None
 
     def add_node(self, made: CreatedNode) -> None:
         """Record a node that the process makes."""
@@ -214,6 +215,10 @@ class DeclarationRecorder:
         location = Evidence(file=str(path), line=problem.line)
         self.add_unresolved(path.name, problem.why, location)
 
+    def declared(self, kind: DeclarationKind) -> list[Declaration]:
+        """Return what was recorded of a kind."""
+        return [each for each in self._declarations.values() if each.kind is kind]
+
     def include(self, other: NodeInterface) -> None:
         """Record what another part of the program declares."""
         for declared in other.declarations:
@@ -221,7 +226,7 @@ class DeclarationRecorder:
         self._nodes.update({made.name: made for made in other.nodes})
         self._parameters.update({(each.node, each.name): each for each in other.parameters})
         self._frames.update(dict.fromkeys(other.frames))
-        self._stamps.update(dict.fromkeys(other.stamps))
+        self._frame_uses.update(dict.fromkeys(other.frame_uses))
         self._mistyped.update(dict.fromkeys(other.mistyped))
         self._starts.update(dict.fromkeys(other.runtime_starts))
         self._unresolved.update(dict.fromkeys(other.unresolved))
@@ -239,7 +244,7 @@ class DeclarationRecorder:
             unresolved=tuple(self._unresolved),
             parameters=tuple(self._parameters.values()),
             frames=tuple(self._frames),
-            stamps=tuple(self._stamps),
+            frame_uses=tuple(self._frame_uses),
             mistyped=tuple(self._mistyped),
         )
 

@@ -151,10 +151,7 @@ def catches(names: tuple[str, ...], thrown: "ThrownError") -> bool:
         wide |= (
             {"Exception", "LookupError", "exception", "runtime_error"}
             if thrown.has_unknown_bases
-            else {
-                "Exception",
-                "exception",
-            }
+            else {"Exception", "exception"}
         )
     plain = {re.split(r"::|[.]", name)[-1] for name in names}
     return not names or bool(plain & {*wide, *thrown.names})

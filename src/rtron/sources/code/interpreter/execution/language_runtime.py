@@ -3,19 +3,11 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Protocol, cast
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FunctionValue,
-    Value,
-)
+from rtron.sources.code.interpreter.abstract_values.value_types import FunctionValue, Value
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
-from rtron.sources.code.ir import (
-    Class,
-    Function,
-    Name,
-    TypeRef,
-)
+from rtron.sources.code.ir import Class, Function, Name, TypeRef
 
 if TYPE_CHECKING:
     from rtron.sources.code.interpreter.cpp.runtime import CppRuntime

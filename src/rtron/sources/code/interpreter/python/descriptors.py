@@ -31,8 +31,7 @@ def _with_deleter(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
 
 
 PROPERTY = LibraryClass(
-    "property",
-    methods={"setter": _with_setter, "getter": _with_getter, "deleter": _with_deleter},
+    "property", methods={"setter": _with_setter, "getter": _with_getter, "deleter": _with_deleter}
 )
 
 

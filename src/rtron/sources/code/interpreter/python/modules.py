@@ -32,12 +32,7 @@ from rtron.sources.code.ir import (
     Try,
     Unit,
 )
-from rtron.sources.code.ir.python_references import (
-    aliases,
-    callees,
-    dynamic_calls,
-    mentioned_names,
-)
+from rtron.sources.code.ir.python_references import aliases, callees, dynamic_calls, mentioned_names
 from rtron.sources.code.library_models.common.message_types import (
     is_message_package,
     python_message_type,

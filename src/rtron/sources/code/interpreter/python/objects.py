@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
+from rtron.sources.code.interpreter.abstract_values.shown_text import str_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     Choice,
@@ -20,6 +21,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     join,
+    map_options,
     options,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -56,7 +58,7 @@ from rtron.vocabulary import Evidence
 
 _PYTHON_2 = {"BaseHTTPServer", "ConfigParser", "HTMLParser", "Queue", "SocketServer", "UserDict"}
 _GUI_MODULES = {
-    *("PyQt4", "PyQt5", "PyQt6", "PySide", "PySide2", "PySide6", "Tkinter", "tkinter", "wx"),
+    *("PyQt4", "PyQt5", "PyQt6", "PySide", "PySide2", "PySide6", "Tkinter", "tkinter", "wx")
 }
 _MODULES_WITHOUT_ROS = (
     sys.stdlib_module_names | _PYTHON_2 | _GUI_MODULES | {"python_qt_binding", "smach"}
@@ -126,7 +128,7 @@ class PythonObjects(PythonModules):
         """Return a value as a text shows it: an object of a scanned class by its `__str__`."""
         method = self.special_method(value, "__str__")
         if method is None:
-            return value
+            return map_options(value, str_of)
         return dispatch(self.machine, method, Arguments(frame=StackFrame(file="")))
 
     def lineage(self, cls: Value) -> Iterator[Value]:

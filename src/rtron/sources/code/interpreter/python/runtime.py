@@ -31,12 +31,8 @@ from rtron.sources.code.interpreter.python.unknown_calls import (
     note_unknown_call,
 )
 from rtron.sources.code.ir import Class, Define, Name, TypeRef
-from rtron.sources.code.library_models.common.containers import (
-    bound_method,
-)
-from rtron.sources.code.library_models.common.maps import (
-    DICT_METHODS,
-)
+from rtron.sources.code.library_models.common.containers import bound_method
+from rtron.sources.code.library_models.common.maps import DICT_METHODS
 from rtron.sources.code.library_models.common.strings import (
     PYTHON_STRING_METHODS,
     bound_string_method,

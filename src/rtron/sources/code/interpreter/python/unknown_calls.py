@@ -22,6 +22,7 @@ _MAKERS = frozenset(
     ]
 )
 _MIN_ARGUMENTS = 2
+_NOT_MADE = "is here, and a module of it that is called is not, which a build may make"
 _INTERFACE_FOLDERS = {"msg", "srv", "action"}
 _PACKAGES_WITHOUT_NODES = frozenset(
     [
@@ -32,6 +33,15 @@ _PACKAGES_WITHOUT_NODES = frozenset(
     ]
 )
 """Packages of ROS whose Python modules only compute, or describe launches."""
+_PYPI_MODULES = frozenset(
+    [
+        *("numpy", "scipy", "pandas", "matplotlib", "sklearn", "skimage", "cv2", "PIL", "yaml"),
+        *("torch", "torchvision", "tensorflow", "keras", "ultralytics", "onnxruntime", "jax"),
+        *("serial", "smbus", "smbus2", "usb", "RPi", "Jetson", "gpiozero", "pigpio", "spidev"),
+        *("pygame", "pynput", "inputs", "evdev", "requests", "psutil", "zmq", "google", "grpc"),
+    ]
+)
+"""Modules of PyPI that manifests name, too, as rosdep's keys or by mistake: no packages of ROS."""
 
 
 def note_unknown_call(
@@ -57,7 +67,9 @@ def note_unknown_call(
         machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)
     top = name.partition(".")[0]
     if isinstance(called, ExternalSymbol) and is_foreign_package(top):
-        why = "is a ROS package that is not in the source: what it joins is not known"
+        is_here = machine.runtime.files.package_path(top) is not None
+        why = _NOT_MADE if is_here else "is a ROS package that is not in the source"
+        why += ": what it joins is not known"
         machine.recorder.add_unresolved(f"package {top}", why, arguments.evidence)
 
 
@@ -66,8 +78,10 @@ def _is_foreign(called: Value, is_known: Callable[[str], bool]) -> bool:
 
 
 def is_computing_package(name: str) -> bool:
-    """Tell whether a package of ROS is known to join no nodes by itself."""
-    return name in _PACKAGES_WITHOUT_NODES or name.endswith(("_msgs", "_srvs", "_interfaces"))
+    """Tell whether a package is known to join no nodes by itself."""
+    return name in _PACKAGES_WITHOUT_NODES | _PYPI_MODULES or name.endswith(
+        ("_msgs", "_srvs", "_interfaces")
+    )
 
 
 def _gives_name_and_type(arguments: Arguments) -> bool:

@@ -4,9 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import (
-    items_of,
-)
+from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
@@ -20,11 +18,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Value,
 )
 from rtron.sources.code.interpreter.cpp.braces import default_item, is_braces, make_item
-from rtron.sources.code.interpreter.cpp.iterators import (
-    ITERATOR,
-    is_end,
-    items_after,
-)
+from rtron.sources.code.interpreter.cpp.iterators import ITERATOR, is_end, items_after
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.assignment import remove_element

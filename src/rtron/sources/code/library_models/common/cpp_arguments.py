@@ -77,7 +77,7 @@ def escape_functions(machine: AbstractMachine, arguments: Arguments) -> None:
     owners = [value for value in arguments.values if isinstance(value, Instance)]
     for value in arguments.values:
         for option in options(value):
-            machine.escape(_with_object(machine, option, owners))
+            machine.escape(_with_object(machine, option, owners), arguments.evidence)
 
 
 def _with_object(machine: AbstractMachine, value: Value, owners: list[Instance]) -> Value:

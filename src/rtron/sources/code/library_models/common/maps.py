@@ -29,12 +29,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     text_with_holes,
 )
 from rtron.sources.code.interpreter.cpp.braces import make_item
-from rtron.sources.code.interpreter.cpp.iterators import (
-    begin,
-    dereference,
-    end,
-    iterator_to,
-)
+from rtron.sources.code.interpreter.cpp.iterators import begin, dereference, end, iterator_to
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import OPEN_KEYWORD, Arguments
 from rtron.sources.code.interpreter.execution.assignment import remove_element

@@ -9,6 +9,7 @@ from typing import Any
 
 from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import list_of
+from rtron.sources.code.interpreter.abstract_values.shown_text import repr_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     MAX_LENGTH,
     LibraryFunction,
@@ -174,7 +175,8 @@ def _format_fields(machine: AbstractMachine, text: str, arguments: Arguments) ->
         if name is not None:
             is_next = not name or name[0] in ".["
             value = _format_field(machine, f"{index}{name}" if is_next else name, arguments)
-            value = _convert(machine.runtime.shown(value), conversion)
+            is_repr = conversion in {"r", "a"}
+            value = repr_of(value) if is_repr else machine.runtime.shown(value)
             index += is_next
             later = arguments.values[index if is_next else 0 :]
             written = _format_spec(machine, spec or "", replace(arguments, values=later))
@@ -187,14 +189,6 @@ def _format_spec(machine: AbstractMachine, spec: str, arguments: Arguments) -> s
     if "{" not in spec:
         return spec
     return text_with_holes(concat(_format_fields(machine, spec, arguments)))
-
-
-def _convert(value: Value, conversion: str | None) -> Value:
-    """Apply `!r` or `!a`, which put a text into quotes."""
-    is_quoted = (
-        conversion in {"r", "a"} and isinstance(value, Scalar) and isinstance(value.value, str)
-    )
-    return Scalar(repr(value.value), value.tainted) if is_quoted else value  # type: ignore[union-attr]
 
 
 def _format_field(machine: AbstractMachine, name: str, arguments: Arguments) -> Value:

@@ -1,4 +1,4 @@
-"""Broadcasters of tf and tf2_ros: the frames that they send (docs.ros.org: tf2_ros; wiki: tf)."""
+"""tf and tf2_ros: the frames that nodes send and look up (docs.ros.org: tf2_ros; wiki: tf)."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -6,16 +6,51 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.items import items_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
+    UNKNOWN,
     Instance,
     LibraryClass,
     ListValue,
     Scalar,
+    Unknown,
     Value,
+    options,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.ir import Attr, Name
 from rtron.sources.code.library_models.common.message_types import HEADER, MESSAGES_WITH_CHILD
-from rtron.sources.declaration import FrameBroadcast
+from rtron.sources.declaration import FrameBroadcast, FrameUse
+
+_TRANSFORM = "transform"
+"""`buffer.transform(message, frame)`: a name that methods of others have too."""
+LOOK_UPS = frozenset(
+    {
+        _TRANSFORM,
+        *("lookupTransform", "lookup_transform", "lookup_transform_full", "lookup_transform_async"),
+        *("lookup_transform_core", "lookup_transform_full_async", "waitForTransform"),
+        *("wait_for_transform_async", "wait_for_transform_full_async", "canTransform"),
+        *("can_transform", "can_transform_full", "transformPose", "transformPoint"),
+        *("transformVector", "transformQuaternion", "transformPointCloud"),
+    }
+)
+"""The methods that look transforms up, each text of theirs a frame."""
+_FRAME_FIELDS = ("frame_id", "child_frame_id")
+"""Fields that each callback sets of its own message, before it reads them."""
+
+
+def note_look_up(machine: AbstractMachine, method: Attr, arguments: Arguments) -> None:
+    """Note the frames that a call looks up, if it is one that does."""
+    is_tf = method.name != _TRANSFORM or "buffer" in _owner_name(method)
+    if method.name in LOOK_UPS and is_tf:
+        for frame in filter(None, map(_known_text, arguments.all_values)):
+            use = FrameUse(frame=frame, evidence=arguments.evidence, is_look_up=True)
+            machine.recorder.add_frame_use(use)
+
+
+def _owner_name(method: Attr) -> str:
+    owner = method.owner
+    name = owner.name if isinstance(owner, Attr) else owner.id if isinstance(owner, Name) else ""
+    return name.lower()
 
 
 def _send_transform(
@@ -53,8 +88,14 @@ def _frames(message: Value | None) -> tuple[Value | None, Value | None]:
 
 
 def _known_text(value: Value | None) -> str:
-    is_text = isinstance(value, Scalar) and isinstance(value.value, str)
-    return str(value.value) if isinstance(value, Scalar) and is_text else ""
+    """Return a text; a frame that is copied from another message has it when it is sent."""
+    known = [each for each in options(value or UNKNOWN) if not _is_frame_field(each)]
+    text = known[0].value if len(known) == 1 and isinstance(known[0], Scalar) else None
+    return str(text) if isinstance(text, str) else ""
+
+
+def _is_frame_field(value: Value) -> bool:
+    return isinstance(value, Unknown) and value.label in _FRAME_FIELDS
 
 
 def _make_stamped_transform(_: AbstractMachine, arguments: Arguments) -> Value:

@@ -17,12 +17,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     is_tainted,
     is_text,
 )
-from rtron.sources.code.interpreter.cpp.iterators import (
-    container_of,
-    end,
-    items_after,
-    position_of,
-)
+from rtron.sources.code.interpreter.cpp.iterators import container_of, end, items_after, position_of
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch

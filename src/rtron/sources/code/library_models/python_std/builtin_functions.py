@@ -6,6 +6,7 @@ from functools import partial
 from rtron.sources.code.interpreter.abstract_values.elements import SLICE
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary
+from rtron.sources.code.interpreter.abstract_values.shown_text import repr_of
 from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     FALSE,
@@ -38,10 +39,7 @@ from rtron.sources.code.interpreter.execution.language_runtime import python_run
 from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIONS
 from rtron.sources.code.interpreter.python.method_resolution_order import super_object
 from rtron.sources.code.ir import Class
-from rtron.sources.code.library_models.common.maps import (
-    dict_of,
-    keyword_fields,
-)
+from rtron.sources.code.library_models.common.maps import dict_of, keyword_fields
 from rtron.sources.code.library_models.common.strings import apply_format_spec
 from rtron.sources.code.library_models.python_std.dynamic_code import (
     DYNAMIC_CODE_BUILTINS,
@@ -57,11 +55,7 @@ def _str(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
 
 
 def _repr(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    def shown(value: Value) -> Value:
-        is_text = isinstance(value, Scalar) and isinstance(value.value, str)
-        return Scalar(repr(value.value), value.tainted) if is_text else concat((value,))  # type: ignore[union-attr]
-
-    return map_options(arguments.get(0) or NONE, shown)
+    return concat((repr_of(arguments.get(0) or NONE),))
 
 
 def _number(

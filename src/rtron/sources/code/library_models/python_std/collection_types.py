@@ -30,9 +30,7 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.context_managers import SUPPRESS
 from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIONS
-from rtron.sources.code.library_models.common.maps import (
-    keyword_fields,
-)
+from rtron.sources.code.library_models.common.maps import keyword_fields
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.code.library_models.python_std.data_classes import ENUM

@@ -12,12 +12,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.containers import (
-    LibraryMethods,
-)
-from rtron.sources.code.library_models.common.maps import (
-    DICT_METHODS,
-)
+from rtron.sources.code.library_models.common.containers import LibraryMethods
+from rtron.sources.code.library_models.common.maps import DICT_METHODS
 from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.common.environment import VARIABLE, unset_reason
 

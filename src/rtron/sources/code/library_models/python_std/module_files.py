@@ -29,7 +29,7 @@ def _load(machine: AbstractMachine, name: Value, path: Value, arguments: Argumen
             what = f"import of {text_with_holes(one)}"
             machine.recorder.add_unresolved(what, HIDDEN_CODE_REASON, arguments.evidence)
             return Unknown("module")
-        return python_runtime(machine).load_module(file, text_with_holes(name))
+        return python_runtime(machine).load_module(file.resolve(), text_with_holes(name))
 
     return map_options(path, loaded)
 
@@ -53,10 +53,10 @@ def _module(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
     specification = arguments.get(0, "spec")
     if not isinstance(specification, Instance) or specification.type is not _LOADER:
         return Unknown("module")
-    return _load_own(machine, specification, arguments)
+    return _load_specified(machine, specification, arguments)
 
 
-def _load_own(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _load_specified(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
     """`loader.load_module()`."""
     return _load(machine, owner.fields["name"], owner.fields["origin"], arguments)
 
@@ -68,7 +68,7 @@ def _execute_module(_: AbstractMachine, __: object, ___: Arguments) -> Value:
 
 _LOADER = LibraryClass(
     "importlib.machinery.SourceFileLoader",
-    methods={"load_module": _load_own, "exec_module": _execute_module},
+    methods={"load_module": _load_specified, "exec_module": _execute_module},
 )
 _CALLS: Mapping[str, Callable[..., Value]] = {
     "imp.load_source": _load_source,

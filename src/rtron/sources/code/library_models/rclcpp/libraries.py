@@ -11,6 +11,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
+    concat,
     is_text,
     options,
 )
@@ -21,15 +22,14 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
     message_type_of,
     register_callbacks,
 )
+from rtron.sources.code.library_models.common.move_group import move_group_endpoints
 from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.rclcpp.endpoints import split_node_argument
 from rtron.sources.code.library_models.rclcpp.node import controller_options, make_node
 from rtron.sources.code.library_models.rclcpp.parameters import declare_parameter
 from rtron.sources.code.library_models.ros2_common import endpoints, libraries
-from rtron.sources.code.library_models.ros2_common.nodes import (
-    first_node,
-)
+from rtron.sources.code.library_models.ros2_common.nodes import first_node
 from rtron.sources.code.library_models.ros2_common.parameters import note_parameter_callbacks
 from rtron.sources.code.library_models.ros2_common.qos import QOS_PROFILES, is_qos, read_qos
 from rtron.sources.declaration import DeclarationKind
@@ -103,6 +103,27 @@ def _declare_parameters_client(machine: AbstractMachine, arguments: Arguments) -
     libraries.declare_below(libraries.PARAMETER_CLIENTS, machine, remote, arguments)
 
 
+def _move_group_options(_: AbstractMachine, arguments: Arguments) -> Value:
+    """`MoveGroupInterface::Options(group, description, namespace)`."""
+    return Instance(_MOVE_GROUP_OPTIONS, {"namespace": arguments.get(2) or Scalar("")})
+
+
+def _declare_move_group_client(machine: AbstractMachine, arguments: Arguments) -> None:
+    """`MoveGroupInterface(node, group, …)`, or with options that may have a namespace."""
+    node, rest = split_node_argument(_NO_OWNER, arguments)
+    given = rest.get(0)
+    is_options = isinstance(given, Instance) and given.type is _MOVE_GROUP_OPTIONS
+    space = given.fields["namespace"] if is_options else Scalar("")  # type: ignore[union-attr]
+    for kind, name, type, implicit in move_group_endpoints(2):
+        full = Scalar(name) if space == Scalar("") else concat((space, Scalar(f"/{name}")))
+        if node is None:
+            endpoints.note_unknown_node(machine, kind.value, full, arguments)
+        else:
+            endpoints.declare_endpoint(
+                machine, kind, node, full, type, arguments, implicit=implicit
+            )
+
+
 def _register_parameter_callback(
     machine: AbstractMachine, owner: Value, arguments: Arguments
 ) -> Value:
@@ -129,6 +150,8 @@ _FILTER = LibraryClass(
     _filter_subscriber,
     {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
 )
+_PLANNING = "moveit::planning_interface"
+_MOVE_GROUP_OPTIONS = LibraryClass(f"{_PLANNING}::MoveGroupInterface::Options", _move_group_options)
 _NAMESPACES = {
     **dict.fromkeys(("TransformListener", "TransformBroadcaster"), "tf2_ros"),
     **dict.fromkeys(("StaticTransformBroadcaster", "Buffer"), "tf2_ros"),
@@ -143,6 +166,7 @@ _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
     },
     "bond::Bond": declare_bond,
     "interactive_markers::InteractiveMarkerServer": _declare_marker_server,
+    f"{_PLANNING}::MoveGroupInterface": _declare_move_group_client,
     **dict.fromkeys(
         ("rclcpp::AsyncParametersClient", "rclcpp::SyncParametersClient"),
         _declare_parameters_client,
@@ -157,6 +181,7 @@ _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
 }
 LIBRARY_CLASSES: Mapping[str, LibraryClass] = {
     _FILTER.name: _FILTER,
+    _MOVE_GROUP_OPTIONS.name: _MOVE_GROUP_OPTIONS,
     **{
         name: LibraryClass(name, partial(_construct, name, declare), _methods(name))
         for name, declare in _DECLARATIONS.items()

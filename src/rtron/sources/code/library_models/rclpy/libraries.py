@@ -12,10 +12,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.transforms import BROADCASTERS
-from rtron.sources.code.library_models.rclpy.node import (
-    ENDPOINT,
-    declare_endpoint,
-)
+from rtron.sources.code.library_models.rclpy.node import ENDPOINT, declare_endpoint
 from rtron.sources.code.library_models.ros2_common import libraries
 from rtron.sources.declaration import DeclarationKind
 

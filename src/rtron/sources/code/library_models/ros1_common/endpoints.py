@@ -3,6 +3,7 @@
 from rtron.sources.code.interpreter.abstract_values.value_types import Scalar, Value, concat
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.move_group import move_group_endpoints
 from rtron.sources.code.library_models.ros1_common.names import remap_name, resolve_name
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Evidence
@@ -53,6 +54,13 @@ def declare_dynamic_reconfigure(
     kind = DeclarationKind.SERVICE_CLIENT if client else DeclarationKind.SERVICE
     service, type = name_below(namespace, "set_parameters"), "dynamic_reconfigure/Reconfigure"
     declare_endpoint(machine, kind, service, type, at, implicit=True)
+
+
+def declare_move_group_client(machine: AbstractMachine, namespace: Value, at: Arguments) -> None:
+    """Record a client of the move_group in a namespace (MoveIt: move_group_interface)."""
+    for kind, name, type, implicit in move_group_endpoints(1):
+        full = resolve_name(machine, Scalar(name), namespace)
+        declare_endpoint(machine, kind, full, type, at, implicit=implicit)
 
 
 def declare_transforms(

@@ -204,10 +204,7 @@ def note_unknown_node(
     """Note a call that joins nodes on what is not known to be a node."""
     shown = f"{what}({text_with_holes(name or Unknown('?'))})"
     machine.recorder.add_unresolved(
-        shown,
-        "which node it is called on is not known",
-        at.evidence,
-        hides=HiddenPart.ENDPOINTS,
+        shown, "which node it is called on is not known", at.evidence, hides=HiddenPart.ENDPOINTS
     )
 
 

@@ -17,12 +17,7 @@ from rtron.sources.code.ir import TypeRef
 
 _PARAMETER_TYPE = LibraryClass("rclcpp::ParameterType")
 _UNSET = TypeRef("rclcpp::ParameterType::PARAMETER_NOT_SET")
-_SCALAR_TYPES: Mapping[type, str] = {
-    bool: "BOOL",
-    int: "INTEGER",
-    float: "DOUBLE",
-    str: "STRING",
-}
+_SCALAR_TYPES: Mapping[type, str] = {bool: "BOOL", int: "INTEGER", float: "DOUBLE", str: "STRING"}
 _ARRAY_TYPES = ("BYTE_ARRAY", "BOOL_ARRAY", "INTEGER_ARRAY", "DOUBLE_ARRAY", "STRING_ARRAY")
 _PARAMETER_TYPES = {
     name: Instance(_PARAMETER_TYPE) for name in ("NOT_SET", *_SCALAR_TYPES.values(), *_ARRAY_TYPES)

@@ -130,6 +130,20 @@ def _controller_manager(machine: AbstractMachine, arguments: Arguments) -> Value
     return Instance(ENDPOINT)
 
 
+def _move_group_client(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """`MoveGroupInterface(group, …)`, or with options, which have the namespace of a handle."""
+    namespace = handle_argument_or_default(machine, arguments).fields["namespace"]
+    endpoints.declare_move_group_client(machine, namespace, arguments)
+    return Instance(ENDPOINT)
+
+
+def _move_group_options(machine: AbstractMachine, arguments: Arguments) -> Value:
+    """`MoveGroupInterface::Options(group, description, handle)`."""
+    return Instance(_MOVE_GROUP_OPTIONS, handle_argument_or_default(machine, arguments).fields)
+
+
+_PLANNING = "moveit::planning_interface"
+_MOVE_GROUP_OPTIONS = LibraryClass(f"{_PLANNING}::MoveGroupInterface::Options", _move_group_options)
 _MANAGER_SERVICES = {
     "list_controllers": "ListControllers",
     "list_controller_types": "ListControllerTypes",
@@ -163,11 +177,13 @@ _CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
     "controller_manager::ControllerManager": _controller_manager,
     "realtime_tools::RealtimePublisher": _realtime_publisher,
     "interactive_markers::InteractiveMarkerServer": _marker_server,
+    f"{_PLANNING}::MoveGroupInterface": _move_group_client,
+    f"{_PLANNING}::MoveGroup": _move_group_client,
 }
 
 SERVER_CLASSES = {
     **{name: LibraryClass(name, make) for name, make in _CONSTRUCTORS.items()},
-    **{cls.name: cls for cls in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER)},
+    **{cls.name: cls for cls in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER, _MOVE_GROUP_OPTIONS)},
 }
 
 

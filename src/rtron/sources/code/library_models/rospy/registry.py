@@ -69,7 +69,7 @@ def _declare_subscriber(machine: AbstractMachine, _: object, arguments: Argument
     given = arguments.get(3, "callback_args")
     if given is not None:
         for callback in options(arguments.get(2, "callback")):
-            machine.escape(_with_callback_args(callback, given))
+            machine.escape(_with_callback_args(callback, given), arguments.evidence)
     return made
 
 
@@ -205,6 +205,57 @@ def _message_class(_: AbstractMachine, __: object, arguments: Arguments) -> Valu
     return map_options(arguments.value(0), named)
 
 
+def _make_move_group_client(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`MoveGroupCommander(name, robot_description, ns)`."""
+    namespace = resolve_name(machine, arguments.get(2, "ns") or Scalar(""))
+    endpoints.declare_move_group_client(machine, namespace, arguments)
+    return Instance(_MOVE_GROUP, {"namespace": namespace})
+
+
+def _make_robot_commander(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`RobotCommander(robot_description, ns)`: it makes clients of groups."""
+    namespace = resolve_name(machine, arguments.get(1, "ns") or Scalar(""))
+    return Instance(_ROBOT, {"namespace": namespace})
+
+
+def _get_group(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+    endpoints.declare_move_group_client(machine, owner.fields["namespace"], arguments)
+    return Instance(_MOVE_GROUP, owner.fields)
+
+
+def _call_manipulation(
+    machine: AbstractMachine, owner: Instance, arguments: Arguments, *, name: str, type: str
+) -> Value:
+    """`pick(…)` and `place(…)` send goals of actions of their own."""
+    full, kind = resolve_name(machine, Scalar(name), owner.fields["namespace"]), _ACTION_CLIENT
+    endpoints.declare_endpoint(machine, kind, full, f"moveit_msgs/{type}", arguments)
+    return Unknown(name)
+
+
+def _make_planning_scene(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+    """`PlanningSceneInterface(ns)` publishes what stands around the robot, or is in its hand."""
+    namespace = resolve_name(machine, arguments.get(0, "ns") or Scalar(""))
+    for name, type in _SCENE_TOPICS.items():
+        topic = resolve_name(machine, Scalar(name), namespace)
+        endpoints.declare_endpoint(machine, DeclarationKind.PUBLISH, topic, type, arguments)
+    return Instance(_ENDPOINT)
+
+
+_ACTION_CLIENT = DeclarationKind.ACTION_CLIENT
+_SCENE_TOPICS = {
+    "collision_object": "moveit_msgs/CollisionObject",
+    "attached_collision_object": "moveit_msgs/AttachedCollisionObject",
+}
+_MOVE_GROUP = LibraryClass(
+    "moveit_commander.MoveGroupCommander",
+    methods={
+        "pick": partial(_call_manipulation, name="pickup", type="PickupAction"),
+        "place": partial(_call_manipulation, name="place", type="PlaceAction"),
+    },
+)
+_ROBOT = LibraryClass("moveit_commander.RobotCommander", methods={"get_group": _get_group})
+
+
 def _note_library(machine: AbstractMachine, _: object, arguments: Arguments, *, name: str) -> Value:
     """Note what a library makes that has no model."""
     machine.escape_arguments(arguments)
@@ -270,8 +321,13 @@ _CALLS: dict[str, RospyFunction] = {
     "diagnostic_updater.DiagnosticUpdater": _declare_diagnostics,
     "bondpy.bondpy.Bond": _declare_bond,
     "bondpy.Bond": _declare_bond,
+    "moveit_commander.MoveGroupCommander": _make_move_group_client,
+    "moveit_commander.RobotCommander": _make_robot_commander,
+    "moveit_commander.PlanningSceneInterface": _make_planning_scene,
 }
 _ALIASES = {
+    "moveit_commander.move_group.MoveGroupCommander": "moveit_commander.MoveGroupCommander",
+    "moveit_commander.robot.RobotCommander": "moveit_commander.RobotCommander",
     "actionlib.simple_action_client.SimpleActionClient": "actionlib.SimpleActionClient",
     "actionlib.simple_action_server.SimpleActionServer": "actionlib.SimpleActionServer",
     "actionlib.action_client.ActionClient": "actionlib.ActionClient",

@@ -27,10 +27,7 @@ from rtron.sources.code.library_models.launch.constructor_calls import (
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.python.callbacks import ElementCallback, LaunchCallbacks
 from rtron.sources.launch.ros2.python.substitutions import Fields, SubstitutionTranslator
-from rtron.sources.launch.ros2.substitutions.template import (
-    TemplateText,
-    placeholder,
-)
+from rtron.sources.launch.ros2.substitutions.template import TemplateText, placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 
 MAX_DEPTH = 60

@@ -4,10 +4,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    Instance,
-)
+from rtron.sources.code.interpreter.abstract_values.value_types import NONE, Instance
 from rtron.sources.code.library_models.launch.constructor_calls import (
     constructor_arguments,
     launch_class_name,

@@ -5,11 +5,7 @@ from dataclasses import dataclass, field
 
 from rtron.errors import InputError
 from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    MapValue,
-    Value,
-)
+from rtron.sources.code.interpreter.abstract_values.value_types import NONE, MapValue, Value
 from rtron.sources.launch.common.yaml_tree import YamlDocument, YamlLeaf, YamlTree
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.parameters.file import parse_yaml_tree, read_text_file

@@ -85,8 +85,8 @@ def test_a_rule_that_does_not_hold_when_it_should(settings, gaps):
 )
 def test_an_event_that_anybody_can_publish(settings, gaps):
     told = [str(each) for each in check(parse_plan(PLAN.format(**USUAL | settings)))]
-    assert [each for each in told if "MSRCN, near" in each] == [
-        f"warning: MSRCN, near: {gap}" for gap in gaps
+    assert [each for each in told if "MSRCN, eflow near" in each] == [
+        f"warning: MSRCN, eflow near: {gap}" for gap in gaps
     ]
 
 
@@ -123,5 +123,5 @@ def test_an_expression_that_takes_too_many_rounds_is_told(when, is_told):
     plan = parse_plan(PLAN.format(**USUAL).replace("present: 5 s", event))
     told = [str(each) for each in check(plan)]
     what = "of a list of over 22 elements that takes more than 10000 rounds"
-    text = f"MSRCN, low: `when` goes over lists 3 deep: {what}, and then it cannot be judged"
+    text = f"MSRCN, eflow low: `when` goes over lists 3 deep: {what}, and then it cannot be judged"
     assert told == ([f"warning: {text}"] if is_told else [])

@@ -1,0 +1,143 @@
+"""What a function keeps, tests and returns, as far as it tells what becomes of a message."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from rtron.sources.code.ir import (
+    Assign,
+    Attr,
+    Binary,
+    Call,
+    Conditional,
+    Const,
+    Declare,
+    Expr,
+    Function,
+    Global,
+    If,
+    Index,
+    Name,
+    New,
+    Return,
+    SequenceExpr,
+    While,
+)
+from rtron.sources.code.ir.references import cache_by_identity, ir_nodes
+
+_COMPARISONS = frozenset({"<", ">", "<=", ">="})
+_STOPPING = re.compile(r"stop|zero|halt|brake|neutral|idle|coast|disable|shut_?down", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Test:
+    """A condition of a function, with what runs where it holds and where it does not."""
+
+    condition: Expr
+    branches: tuple[Any, ...]
+    line: int
+
+
+class FunctionSteps:
+    """What a function does, as far as it matters here; `members` outlive its call."""
+
+    def __init__(self, function: Function, *, is_cpp: bool) -> None:
+        self.function = function
+        nodes = list(ir_nodes(function.body))
+        self.declared = {n.name for n in nodes if isinstance(n, Declare)}
+        self.declared |= {param.name for param in function.params}
+        self.globals = {name for n in nodes if isinstance(n, Global) for name in n.names}
+        self.is_cpp = is_cpp
+        self.tests = [test for node in nodes if (test := _test(node))]
+        self.returned = [n.value for n in nodes if isinstance(n, Return) and n.value is not None]
+        self.calls = [n for n in nodes if isinstance(n, Call)]
+        self.members: list[tuple[str, Expr]] = []
+        self.locals: list[tuple[str, Expr]] = []
+        for node in nodes:
+            for target, value in assignments(node):
+                stored = self._member(target)
+                (self.members if stored else self.locals).append(
+                    (stored or last_name(target), value)
+                )
+
+    def _member(self, target: Expr) -> str:
+        """Return the member or global below which something is written, empty for a local."""
+        own = {"this", *(p.name for p in self.function.params[:1])}
+        while isinstance(target, (Attr, Index)):
+            owner = target.owner
+            if isinstance(target, Attr) and isinstance(owner, Name) and owner.id in own:
+                return target.name
+            target = owner
+        plain = last_name(target)
+        is_member = plain not in self.declared if self.is_cpp else plain in self.globals
+        return plain if is_member else ""
+
+
+def _test(node: object) -> Test | None:
+    if isinstance(node, If):
+        return Test(node.test, (node.body, node.orelse), node.line)
+    if isinstance(node, While):
+        return Test(node.test, (node.body,), node.line)
+    if isinstance(node, Conditional):
+        return Test(node.test, (_as_result(node.body), _as_result(node.orelse)), 0)
+    return None
+
+
+def _as_result(value: Expr) -> Assign:
+    return Assign((Name("result"),), value)
+
+
+def assignments(node: object) -> Iterator[tuple[Expr, Expr]]:
+    """Yield what a step writes to, and the values."""
+    if isinstance(node, Assign):
+        yield from ((target, node.value) for target in node.targets)
+    elif isinstance(node, Declare) and node.value is not None:
+        yield Name(node.name), node.value
+
+
+def last_name(part: Expr) -> str:
+    """Return the last name of what is called or written to."""
+    while isinstance(part, Index):
+        part = part.owner
+    if isinstance(part, Attr):
+        return part.name
+    return part.id.rpartition("::")[2] if isinstance(part, Name) else ""
+
+
+@cache_by_identity
+def mentioned_names(part: Any) -> frozenset[str]:  # noqa: ANN401 - any part of the IR
+    """Return the last names of all variables, members and functions in a part."""
+    return frozenset(last_name(n) for n in ir_nodes(part) if isinstance(n, (Attr, Name)))
+
+
+def is_constant(value: Expr) -> bool:
+    """Return whether a value is written out."""
+    return isinstance(value, Const)
+
+
+def is_comparison(node: object) -> bool:
+    """Return whether a part asks which of two is larger."""
+    return isinstance(node, Binary) and node.operator in _COMPARISONS
+
+
+def is_zero(value: object) -> bool:
+    """Return whether a value is zero: a number, numbers, or a message with nothing set."""
+    if isinstance(value, Const):
+        return not isinstance(value.value, (bool, str, bytes)) and value.value == 0
+    if isinstance(value, SequenceExpr):
+        return all(map(is_zero, value.items))
+    if isinstance(value, Binary) and value.operator == "*":
+        return isinstance(value.left, SequenceExpr) and is_zero(value.left)
+    if isinstance(value, New):
+        return not value.args or all(map(is_zero, value.args))
+    return isinstance(value, Call) and not value.args and last_name(value.function)[:1].isupper()
+
+
+def is_stop(node: object) -> bool:
+    """Return whether a step sets something to zero, or is called like a stop."""
+    if isinstance(node, Call):
+        return bool(_STOPPING.search(last_name(node.function))) or any(
+            is_zero(each) for each in (*node.args, *(value for _, value in node.keywords))
+        )
+    return any(is_zero(value) for _, value in assignments(node))

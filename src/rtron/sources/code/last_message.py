@@ -1,0 +1,216 @@
+"""What becomes of the last message of a topic when no more come, as far as the code tells.
+
+A callback keeps the time at which a message came, and what runs besides compares that with now; or
+it keeps the message alone, and what runs besides goes on with it.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import islice
+
+from rtron.sources.code.function_steps import (
+    FunctionSteps,
+    Test,
+    assignments,
+    is_comparison,
+    is_constant,
+    is_stop,
+    is_zero,
+    last_name,
+    mentioned_names,
+)
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.ir import Assign, Attr, Call, Const, Expr, Function, New
+from rtron.sources.code.ir.references import called_names, ir_nodes
+from rtron.sources.code.reachability import CONTAINER_METHODS
+from rtron.sources.declaration import DeclarationKind, LastMessageFate, LastMessageUse
+from rtron.vocabulary import Evidence
+
+_CLOCKS = frozenset(
+    [
+        *("now", "time", "time_ns", "monotonic", "monotonic_ns", "perf_counter", "get_time"),
+        *("get_rostime", "millis", "micros", "clock_gettime", "gettimeofday", "stamp"),
+    ]
+)
+_TIMERS = re.compile(r"timer|watch_?dog", re.IGNORECASE)
+_RESTARTS = frozenset({"reset", "start", "restart", "cancel", "stop", "feed", "kick", "setPeriod"})
+_STATES = re.compile(
+    r"sensor_msgs/(?:msg/)?(?!Joy)|nav_msgs/|tf2?_msgs/|visualization_msgs/|diagnostic_msgs/"
+    r"|rosgraph_msgs/|rcl_interfaces/"
+)
+"""Types of what is measured or shown: no command."""
+_TIMER_MAKERS = frozenset({"Timer", "createTimer", "create_timer", "create_wall_timer"})
+_MAX_FUNCTIONS = 1000
+_MAX_REACHED = 100
+
+
+def last_messages(machine: AbstractMachine) -> Iterator[LastMessageUse]:
+    """Yield what becomes of the last message of each subscription whose callback is known."""
+    program = _Program(machine)
+    for declared in machine.recorder.declared(DeclarationKind.SUBSCRIBE):
+        callbacks = [f for at in declared.evidence for f in machine.callbacks_at.get(at, ())]
+        if callbacks and not _STATES.match(declared.type):
+            yield program.fate(declared.evidence[0], callbacks)
+
+
+@dataclass
+class _Program:
+    """The functions of a program, and how they use what a callback keeps."""
+
+    machine: AbstractMachine
+    _known: dict[int, FunctionSteps] = field(default_factory=dict)
+
+    @cached_property
+    def codes(self) -> list[FunctionSteps]:
+        """What all functions of the program do."""
+        functions = {f.key: f for _, f in self.machine.runtime.program_functions()}
+        functions |= {f.key: f for given in self.machine.callbacks_at.values() for f in given}
+        return [self._code(each) for each in islice(functions.values(), _MAX_FUNCTIONS)]
+
+    def fate(self, place: Evidence, callbacks: list[Function]) -> LastMessageUse:
+        """Return what becomes of the last message that a subscription's callbacks got."""
+        reached = self._reached(callbacks)
+        keys = {each.function.key for each in reached}
+        others = [each for each in self.codes if each.function.key not in keys]
+        times = {name for each in reached for name, value in each.members if _is_time(value, each)}
+        if found := self._age_test(times, [*others, *reached]):
+            return replace(found, evidence=(place, *found.evidence))
+        stored = {
+            name for each in reached for name, value in each.members if not is_constant(value)
+        }
+        if _restarts_timer(reached) or self._is_marked(reached, others):
+            fate = LastMessageFate.CHECKED
+        elif self._is_repeated(stored - times, reached, others):
+            fate = LastMessageFate.REPEATED
+        else:
+            fate = LastMessageFate.UNNOTICED
+        return LastMessageUse(fate=fate, evidence=(place,))
+
+    def _age_test(self, times: set[str], codes: list[FunctionSteps]) -> LastMessageUse | None:
+        """Return the first test of a time that was stored, rather one that stops something."""
+        found: LastMessageUse | None = None
+        verdicts = {
+            each.function.name.rpartition("::")[2]
+            for each in codes
+            if _returns_verdict(each, times)
+        }
+        for code in codes if times else ():
+            names, flags = _aliases(code, times)
+            for test in code.tests:
+                if not _is_about(test.condition, names, flags | verdicts):
+                    continue
+                at = Evidence(file=code.function.file, line=test.line or code.function.line)
+                stops = self._stops(code, test)
+                fate = LastMessageFate.STOPPED if stops else LastMessageFate.CHECKED
+                seconds = _limit(test.condition, names)
+                if found is None or stops:
+                    found = LastMessageUse(fate=fate, seconds=seconds, evidence=(at,))
+                if stops:
+                    return found
+        return found
+
+    def _stops(self, code: FunctionSteps, test: Test) -> bool:
+        """Return whether what depends on a test, or what it leaves at zero, stops something."""
+        zeros = {name for name, value in (*code.locals, *code.members) if is_zero(value)}
+        in_branches = [n for n in ir_nodes(test.branches) if isinstance(n, (Assign, Call, New))]
+        for node in in_branches:
+            if is_stop(node) or any(last_name(t) in zeros for t, _ in assignments(node)):
+                return True
+        called = {last_name(n.function) for n in in_branches if isinstance(n, Call)}
+        helpers = (f for name in called for f in self.machine.runtime.functions_named(name))
+        return any(
+            is_stop(node)
+            for helper in islice(helpers, _MAX_REACHED)
+            for node in ir_nodes(helper.body)
+        )
+
+    @staticmethod
+    def _is_marked(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
+        """Return whether a callback sets something to a value that others set back, and test."""
+        marks = {pair for each in reached for pair in each.members if is_constant(pair[1])}
+        values = {pair for each in others for pair in each.members if is_constant(pair[1])}
+        changed = {name for name, _ in marks} & {name for name, _ in values - marks}
+        return any(mentioned_names(t.condition) & changed for each in others for t in each.tests)
+
+    def _is_repeated(
+        self, stored: set[str], reached: list[FunctionSteps], others: list[FunctionSteps]
+    ) -> bool:
+        """Return whether what runs beside a callback publishes, and uses what that stored."""
+        sends_itself, others_send = (
+            any("publish" in called_names(each.function) for each in codes)
+            for codes in (reached, others)
+        )
+        is_used = any(stored & mentioned_names(each.function.body) for each in others)
+        return is_used and others_send and not sends_itself
+
+    def _reached(self, functions: Iterable[Function]) -> list[FunctionSteps]:
+        """Return what functions do, with those that they call by name."""
+        queue, found = list(functions), dict[tuple[str, int, str], FunctionSteps]()
+        while queue and len(found) < _MAX_REACHED:
+            current = queue.pop()
+            if current.key not in found:
+                found[current.key] = self._code(current)
+                for word in called_names(current) - CONTAINER_METHODS:
+                    queue.extend(self.machine.runtime.functions_named(word))
+        return list(found.values())
+
+    def _code(self, function: Function) -> FunctionSteps:
+        if id(function) not in self._known:
+            is_cpp = self.machine.runtime.passes_by_reference
+            self._known[id(function)] = FunctionSteps(function, is_cpp=is_cpp)
+        return self._known[id(function)]
+
+
+def _is_time(value: Expr, code: FunctionSteps) -> bool:
+    """Return whether a value is now, or a message's stamp; a local may hold it."""
+    names = mentioned_names(value)
+    return bool(names & _CLOCKS) or any(
+        name in names and mentioned_names(given) & _CLOCKS for name, given in code.locals
+    )
+
+
+def _aliases(code: FunctionSteps, times: set[str]) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the names in a function that hold a time or an age, and those that hold a verdict."""
+    names, flags = set(times), set[str]()
+    for name, value in code.locals:
+        if mentioned_names(value) & names:
+            is_verdict = any(is_comparison(node) for node in ir_nodes(value))
+            (flags if is_verdict else names).add(name)
+    return frozenset(names), frozenset(flags)
+
+
+def _returns_verdict(code: FunctionSteps, times: set[str]) -> bool:
+    """Return whether a function returns how a time compares with now."""
+    names, flags = _aliases(code, times)
+    return any(_is_about(value, names, flags) for value in code.returned)
+
+
+def _is_about(condition: Expr, names: frozenset[str], flags: frozenset[str] | set[str]) -> bool:
+    return bool(mentioned_names(condition) & flags) or any(
+        is_comparison(node) and mentioned_names(node) & names for node in ir_nodes(condition)
+    )
+
+
+def _limit(condition: Expr, names: frozenset[str]) -> float | None:
+    """Return the number that an age is compared with, alone or as a duration, if it is written."""
+    for node in ir_nodes(condition):
+        if is_comparison(node) and mentioned_names(node) & names:
+            for side in (node.left, node.right):
+                found = [n.value for n in ir_nodes(side) if isinstance(n, Const)]
+                is_limit = len(found) == 1 and not mentioned_names(side) & (names | _CLOCKS)
+                if is_limit and isinstance(found[0], (int, float)):
+                    return float(found[0])
+    return None
+
+
+def _restarts_timer(reached: list[FunctionSteps]) -> bool:
+    """Return whether a callback starts a timer anew, which stops where nothing comes."""
+    return any(_starts_timer(call.function) for each in reached for call in each.calls)
+
+
+def _starts_timer(function: Expr) -> bool:
+    if isinstance(function, Attr) and function.name in _RESTARTS:
+        return any(_TIMERS.search(name) for name in mentioned_names(function.owner))
+    return last_name(function) in _TIMER_MAKERS

@@ -1,0 +1,179 @@
+"""What becomes of a command's last message when no more come, in both languages."""
+
+import pytest
+import ros1_runs
+import ros2_runs
+
+PYTHON = """import rospy
+import time
+from geometry_msgs.msg import Twist
+from std_msgs.msg import Float32
+
+
+class Base:
+    def __init__(self):
+        self.last = time.time()
+        self.speed = 0.0
+        self.fresh = False
+        self.motor = Motor()
+        self.limit = rospy.get_param('~limit', 0.5)
+        self.out = rospy.Publisher('out', Float32, queue_size=1)
+        rospy.Subscriber('cmd_vel', Twist, self.on_twist)
+        rospy.Timer(rospy.Duration(0.05), self.tick)
+
+    def on_twist(self, message):
+        now = rospy.get_time()
+{callback}
+
+    def tick(self, event):
+        now = rospy.get_time()
+{timer}
+
+    def is_late(self):
+        return time.time() - self.last > self.limit
+
+    def drive(self, speed):
+        self.motor.write(speed)
+
+    def off(self):
+        self.motor.write(0)
+
+
+rospy.init_node('base')
+Base()
+rospy.spin()
+"""
+CPP = """
+  void on_twist(const geometry_msgs::msg::Twist & message) {{ {callback} }}
+  void tick() {{ {timer} }}
+  void send(double speed) {{ port_.write(speed); }}
+  rclcpp::Time last_; double speed_ = 0.0; bool fresh_ = false; Port port_; double limit_ = 0.5;
+  rclcpp::Publisher<std_msgs::msg::Float32>::SharedPtr out_;
+  rclcpp::TimerBase::SharedPtr watchdog_timer_;
+"""
+CPP_BODY = """
+    out_ = create_publisher<std_msgs::msg::Float32>("out", 1);
+    auto sub = create_subscription<geometry_msgs::msg::Twist>("cmd_vel", 1,
+      [this](const geometry_msgs::msg::Twist & m) { on_twist(m); });
+    auto timer = create_wall_timer(50ms, std::bind(&N::tick, this));
+"""
+KEEP = "self.speed = message.linear.x"
+KEEP_WITH_TIME = f"{KEEP}; self.last = now"
+KEEP_CPP = "speed_ = message.linear.x;"
+KEEP_WITH_TIME_CPP = f"{KEEP_CPP} last_ = now();"
+
+
+def indented(text):
+    return "\n".join(f"        {line}" for line in text.splitlines())
+
+
+def python(callback, timer):
+    text = PYTHON.format(callback=indented(callback), timer=indented(timer))
+    return ros1_runs.run_text(text).last_messages
+
+
+def cpp(callback, timer):
+    members = CPP.format(callback=callback, timer=timer)
+    return ros2_runs.cpp(CPP_BODY, members=members).last_messages
+
+
+def told(found):
+    (last,) = found
+    return last.fate.value, last.seconds
+
+
+@pytest.mark.parametrize(
+    ("callback", "timer", "fate", "seconds"),
+    [
+        (KEEP_WITH_TIME, "if now - self.last > 0.5:\n    self.speed = 0.0", "stopped", 0.5),
+        (KEEP_WITH_TIME, "if now - self.last > self.limit:\n    self.off()", "stopped", None),
+        (KEEP_WITH_TIME, "if 0.5 < now - self.last:\n    self.motor.stop()", "stopped", 0.5),
+        (KEEP_WITH_TIME, "age = now - self.last\nif age > 1:\n    self.drive(0)", "stopped", 1.0),
+        (KEEP_WITH_TIME, "if self.is_late():\n    self.out.publish(Float32())", "stopped", None),
+        (KEEP_WITH_TIME, "late = now - self.last > 1\nif late: self.off()", "stopped", None),
+        (
+            KEEP_WITH_TIME,
+            "speed = 0\nif now - self.last < 1:\n    speed = self.speed\nself.drive(speed)",
+            "stopped",
+            1.0,
+        ),
+        (
+            KEEP_WITH_TIME,
+            "self.drive(self.speed if now - self.last < 1 else 0.0)",
+            "stopped",
+            1.0,
+        ),
+        (
+            f"{KEEP}\nself.last = message.header.stamp",
+            "if now - self.last > 1: self.off()",
+            "stopped",
+            1.0,
+        ),
+        (KEEP_WITH_TIME, "if now - self.last > 0.5:\n    return", "checked", 0.5),
+        (
+            f"{KEEP}\nself.fresh = True",
+            "if not self.fresh: pass\nself.fresh = False",
+            "checked",
+            None,
+        ),
+        (f"{KEEP}\nself.watchdog.reset()", "pass", "checked", None),
+        (f"{KEEP}\nself.t = threading.Timer(0.5, self.off)", "pass", "checked", None),
+        (KEEP, "self.out.publish(self.speed)", "repeated", None),
+        (KEEP_WITH_TIME, "self.out.publish(self.speed)", "repeated", None),
+        (KEEP_WITH_TIME, "if self.last is None:\n    self.off()", "unnoticed", None),
+        (KEEP, "if now - self.last > 0.5:\n    self.off()", "unnoticed", None),
+        (KEEP, "self.drive(self.speed)", "unnoticed", None),
+        ("self.drive(message.linear.x)", "pass", "unnoticed", None),
+        ("self.out.publish(message.linear.x)", "self.out.publish(1.0)", "unnoticed", None),
+    ],
+)
+def test_in_python(callback, timer, fate, seconds):
+    assert told(python(callback, timer)) == (fate, seconds)
+
+
+@pytest.mark.parametrize(
+    ("callback", "timer", "fate", "seconds"),
+    [
+        (KEEP_WITH_TIME_CPP, "if ((now() - last_).seconds() > 0.5) speed_ = 0.0;", "stopped", 0.5),
+        (
+            KEEP_WITH_TIME_CPP,
+            "if (now() - last_ > rclcpp::Duration::from_seconds(1.5)) send(0);",
+            "stopped",
+            1.5,
+        ),
+        (
+            KEEP_WITH_TIME_CPP,
+            "auto age = now() - last_;\nif (age.seconds() > limit_) { port_.stop(); }",
+            "stopped",
+            None,
+        ),
+        (
+            KEEP_WITH_TIME_CPP,
+            "out_->publish((now() - last_).seconds() > limit_ ? 0.0 : speed_);",
+            "stopped",
+            None,
+        ),
+        (KEEP_WITH_TIME_CPP, "if ((now() - last_).seconds() > 0.5) return;", "checked", 0.5),
+        (f"{KEEP_CPP} watchdog_timer_->reset();", "", "checked", None),
+        (f"{KEEP_CPP} fresh_ = true;", "if (!fresh_) return; fresh_ = false;", "checked", None),
+        (KEEP_CPP, "out_->publish(speed_);", "repeated", None),
+        (KEEP_CPP, "double speed = 0; send(speed_);", "unnoticed", None),
+        (KEEP_CPP, "if ((now() - last_).seconds() > 0.5) speed_ = 0.0;", "unnoticed", None),
+        ("auto last = now(); send(message.linear.x);", "", "unnoticed", None),
+    ],
+)
+def test_in_cpp(callback, timer, fate, seconds):
+    assert told(cpp(callback, timer)) == (fate, seconds)
+
+
+def test_where_it_is():
+    (last,) = python(KEEP_WITH_TIME, "if now - self.last > 0.5:\n    self.off()")
+    lines = PYTHON.format(callback="\n", timer="HERE").splitlines()
+    made = next(at for at, line in enumerate(lines, 1) if "Subscriber(" in line)
+    assert [place.line for place in last.evidence] == [made, lines.index("HERE")]
+
+
+def test_what_is_measured_is_no_command():
+    text = PYTHON.format(callback=indented(KEEP), timer=indented("pass"))
+    measured = text.replace("geometry_msgs.msg import Twist", "sensor_msgs.msg import Imu as Twist")
+    assert ros1_runs.run_text(measured).last_messages == ()
