@@ -16,8 +16,7 @@ from bench.common.pubsub import LatencyRecorder
 from bench.ros2.endpoints import class_of, node, qos
 from bench.ros2.messages import DEPTH, MESSAGES, WARM_UP, Message
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.ros2.event_fd import EventFd
-from rtron.guard.transport.ros2.rcl import Rcl
+from rtron.guard.transport.ros2.rcl import EventFd, Rcl
 from rtron.guard.transport.ros2.sender_ids import GraphSenderIds
 
 _SILENCE_S = 1.0

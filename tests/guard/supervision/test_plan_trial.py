@@ -8,6 +8,7 @@ import pytest
 
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.plan_folder import PlanFolder
+from rtron.guard.supervision.forked_process import START_FAILED
 from rtron.guard.supervision.guard_config import GuardConfig, write_memory_file
 from rtron.guard.supervision.plan_trial import (
     PLAN_TRIAL,
@@ -19,6 +20,8 @@ from rtron.guard.supervision.plan_trial import (
 from rtron.guard.supervision.supervisor_fsm import GuardObservation, GuardPhase, SupervisorFsm
 from rtron.vocabulary import Plan, Supervision
 from rtron.workflows.plan_text import read_checked_plan
+
+KILLED = -9
 
 
 @pytest.fixture
@@ -56,7 +59,7 @@ def test_without_a_plan_nothing_changes(trial):
     assert not trial.take(0)
     trial.begin()
     trial.watch(PLAN_TRIAL)
-    assert not trial.guard_ended()
+    assert not trial.guard_ended(KILLED)
     assert not trial.give_up(PREPARE_TIMEOUT + 1)
     assert config(trial) == b"first"
 
@@ -69,23 +72,31 @@ def test_a_guard_that_takes_no_plans_has_no_slot():
 def test_a_plan_that_serves_stays_even_if_its_guard_ends_later(trial, slot):
     begun(trial, slot)
     trial.watch(PLAN_TRIAL)
-    assert not trial.guard_ended()
+    assert not trial.guard_ended(KILLED)
     assert config(trial) == b"other"
 
 
 def test_a_guard_that_ends_during_the_trial_gives_place_to_the_former_plan(trial, slot):
     begun(trial, slot)
     trial.watch(PLAN_TRIAL - 1)
-    assert trial.guard_ended()
+    assert trial.guard_ended(KILLED)
     assert config(trial) == b"first"
-    assert not trial.guard_ended()
+    assert not trial.guard_ended(KILLED)
+
+
+def test_a_guard_that_could_not_be_started_has_not_tried_the_plan(trial, slot):
+    begun(trial, slot)
+    assert not trial.guard_ended(START_FAILED)
+    assert config(trial) == b"other"
+    assert trial.guard_ended(KILLED)
+    assert config(trial) == b"first"
 
 
 def test_a_guard_that_ends_before_the_next_one_is_ready_does_not_end_the_trial(trial, slot):
     slot.write(b"other")
     trial.take(0)
     assert trial.is_prepared
-    assert not trial.guard_ended()
+    assert not trial.guard_ended(KILLED)
     trial.begin()
     assert not trial.is_prepared
     assert config(trial) == b"other"
@@ -112,7 +123,7 @@ def test_one_plan_after_another_goes_back_to_the_one_before_alone(trial, slot):
     begun(trial, slot)
     trial.watch(PLAN_TRIAL)
     begun(trial, slot, b"third")
-    assert trial.guard_ended()
+    assert trial.guard_ended(KILLED)
     assert config(trial) == b"other"
 
 

@@ -1,5 +1,6 @@
-"""What the guard's processes load at their start: each start of a guard pays for all of it."""
+"""What the programs of the guard load at their start, each time, and that no terminal ends them."""
 
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -42,3 +43,12 @@ def modules_of(program):
 @pytest.mark.parametrize(("program", "others"), PROGRAMS)
 def test_a_process_loads_only_what_it_needs(program, others):
     assert modules_of(program) & (UNUSED | PLANNING | others) == set()
+
+
+def test_a_program_that_begins_is_ended_by_no_signal_of_the_terminal(monkeypatch):
+    say = "import signal; from os import _exit; _exit(len(signal.pthread_sigmask(0, ())))"
+    monkeypatch.setattr(programs, "command", lambda *_: [sys.executable, "-c", say])
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    began = programs.start_program(programs.INCIDENTS, ())
+    assert began.wait() == len(before | programs.TERMINAL_SIGNALS)
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, ()) == before

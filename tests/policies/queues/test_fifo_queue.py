@@ -111,6 +111,42 @@ def test_a_full_queue_drops_the_newest_and_says_so():
     assert run.verdicts[4].decision is HOLD
 
 
+@pytest.fixture
+def small(monkeypatch):
+    """Let 10 bytes wait."""
+    monkeypatch.setattr("rtron.policies.queues.message_queue.MAX_QUEUE_BYTES", 10)
+
+
+def decisions(policy, *words):
+    """Return what is decided about bytes of flows, all at one moment."""
+    return [policy.verdict(flow, bytes(size), 0).decision for flow, size in words]
+
+
+@pytest.mark.usefixtures("small")
+def test_what_waits_is_bounded_in_bytes_too_unless_it_is_one_message():
+    policy = actions().policy
+    words = (LOW, 99), (LOW, 99), (HIGH, 1)
+    assert decisions(policy, *words) == [PASS, HOLD, DROP]
+    assert policy.verdict(HIGH, b"x", 0).reason == "the queue is full (0 MB)"
+    policy = actions().policy
+    words = (LOW, 1), (LOW, 6), (HIGH, 4), (HIGH, 1)
+    assert decisions(policy, *words) == [PASS, HOLD, HOLD, DROP]
+    policy.observe_done(now=1)
+    assert [len(each.message) for each in policy.tick(now=1)] == [6]
+    assert decisions(policy, (LOW, 6), (LOW, 1)) == [HOLD, DROP]
+
+
+@pytest.mark.usefixtures("small")
+def test_a_fresher_command_takes_the_bytes_of_the_older_one():
+    policy = commands().policy
+    words = (LOW, 1), (MIDDLE, 9), (MIDDLE, 99), (HIGH, 1)
+    assert decisions(policy, *words) == [PASS, HOLD, HOLD, DROP]
+    policy.tick(now=0)
+    assert decisions(policy, (MIDDLE, 9), (HIGH, 1)) == [HOLD, DROP], "the older one leaves first"
+    policy.tick(now=0)
+    assert decisions(policy, (HIGH, 1), (HIGH, 1)) == [HOLD, HOLD]
+
+
 def test_the_turn_of_commands_belongs_to_the_flow():
     run = commands().play([(1, LOW), (1, HIGH), (1, LOW), (1, LOW)])
     assert [v.decision for v in run.verdicts] == [PASS, HOLD, PASS, PASS]

@@ -16,7 +16,12 @@ from rtron.guard.cell.stopper import CellStopper
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import stopped_streams
-from rtron.guard.supervision.programs import open_descriptors, run_program, start_program
+from rtron.guard.supervision.programs import (
+    TERMINAL_SIGNALS,
+    open_descriptors,
+    run_program,
+    start_program,
+)
 from rtron.guard.system.unix_socket import peer_credentials
 from rtron.guard.transport.common.protocol import LiveTransport
 from rtron.guard.transport.ros1.celled_transport import (
@@ -124,7 +129,7 @@ def _open(numbers: str, process: str) -> tuple[CellConfig, socket.socket, socket
     config = read_cell_config(config_file)
     os.close(config_file)
     start_logging(config.log_level, process)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, TERMINAL_SIGNALS)
     return config, socket.socket(fileno=access), socket.socket(fileno=carriers)
 
 

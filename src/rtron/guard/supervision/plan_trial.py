@@ -8,6 +8,7 @@ import os
 import struct
 from enum import Enum
 
+from rtron.guard.supervision.forked_process import START_FAILED
 from rtron.guard.supervision.guard_config import write_memory_file
 from rtron.vocabulary import SECOND
 
@@ -103,9 +104,13 @@ class PlanTrial:
         if self._step is _TrialStep.BEGUN and served >= PLAN_TRIAL:
             self._end()
 
-    def guard_ended(self) -> bool:
-        """Take note that the guard has ended; return whether the former plan is back."""
-        return self._step is _TrialStep.BEGUN and self._go_back()
+    def guard_ended(self, code: int) -> bool:
+        """Take note of the guard's exit code; return whether the former plan is back.
+
+        A guard that the system could not start says nothing about its plan.
+        """
+        is_tried = self._step is _TrialStep.BEGUN and code != START_FAILED
+        return is_tried and self._go_back()
 
     def _go_back(self) -> bool:
         self.config_file, self._former = self._former, self.config_file

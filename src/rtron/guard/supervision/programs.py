@@ -55,11 +55,11 @@ def process_name(entry_point: str) -> str:
 
 
 def start_program(entry_point: str, files: Sequence[int]) -> subprocess.Popen[bytes]:
-    """Start a program that inherits open files, and does not hear Ctrl-C before `leave_terminal`.
+    """Start a program that inherits open files, and hears no terminal before `leave_terminal`.
 
     OSError if the system cannot start it.
     """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
     try:
         return subprocess.Popen(command(entry_point, files), pass_fds=files)  # noqa: S603
     finally:

@@ -316,7 +316,7 @@ class Supervisor:
 
     def _report_end(self, code: int, now: int) -> None:
         failure, self._failure = self._failure or _exit_text(code), ""
-        if self._plan_trial.guard_ended():
+        if self._plan_trial.guard_ended(code):
             log.error("the guard %s with another plan: the former one is in force again", failure)
             self._drop_spare()
         if failure == _FOR_PLAN:

@@ -13,8 +13,8 @@ only: a newer one takes the place of the older, which is dropped. The next turn 
 that has waited longest, and begins with the message that it kept.
 
 A waiting message that reaches `max_age` is dropped, and so is one that finds `queue_size`
-messages waiting. A message leaves the queue at a tick only. If the tick is late, the message that
-was due is still the next to go, and a new one waits behind it.
+messages waiting, or 67 MB of them with it. A message leaves the queue at a tick only. If the tick
+is late, the message that was due is still the next to go, and a new one waits behind it.
 
 ## When to use it
 

@@ -21,6 +21,11 @@ class HeldMessage:
     arrived_at: int
 
 
+def message_size(message: object) -> int:
+    """Return how many bytes a message has, 0 if it is no bytes."""
+    return len(message) if isinstance(message, bytes) else 0
+
+
 class HeldMessageQueue:
     """Held messages in the order of `rank` (least first), then of arrival.
 
@@ -28,9 +33,11 @@ class HeldMessageQueue:
     the top, or until it makes up half of the heap.
     """
 
-    __slots__ = ("_by_age", "_heap", "_latest", "_number", "_rank")
+    __slots__ = ("_by_age", "_heap", "_latest", "_number", "_rank", "size")
 
     def __init__(self, rank: Callable[[Flow], int]) -> None:
+        self.size = 0
+        """How many bytes wait."""
         self._rank = rank
         self._number = count()
         self._heap: list[tuple[float, int, HeldMessage]] = []
@@ -43,12 +50,14 @@ class HeldMessageQueue:
     def add(self, flow: Flow, message: object, now: int) -> None:
         """Hold a message that arrived at `now`."""
         held = HeldMessage(flow, message, now)
+        self.size += message_size(message)
         self._by_age[held] = None
         self._latest[flow.name] = held
         heappush(self._heap, (self._rank(flow), next(self._number), held))
 
     def replace_message(self, held: HeldMessage, message: object, now: int) -> None:
         """Put a newer message of the same flow in the place of an older one."""
+        self.size += message_size(message) - message_size(held.message)
         held.message = message
         held.arrived_at = now
         self._by_age.move_to_end(held)
@@ -96,6 +105,7 @@ class HeldMessageQueue:
     def remove(self, held: HeldMessage) -> None:
         """Let a message leave."""
         del self._by_age[held]
+        self.size -= message_size(held.message)
         if self._latest.get(held.flow.name) is held:
             del self._latest[held.flow.name]
         if len(self._heap) > 2 * len(self._by_age) + _SPARE_ENTRIES:

@@ -12,12 +12,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from rtron.policies.policy import Release
-from rtron.policies.queues.held_messages import HeldMessage, HeldMessageQueue
+from rtron.policies.queues.held_messages import HeldMessage, HeldMessageQueue, message_size
 from rtron.policies.queues.output_lease import OutputLease
 from rtron.policies.state_machine import StateMachine, TableEnum, TransitionEffect, TransitionTable
 from rtron.policies.state_transfer import LeaseState, PolicyState
 from rtron.policies.verdicts import FlowFilter, VerdictCache, format_seconds, owns_output_reason
 from rtron.vocabulary import Decision, Flow, PolicySettings, StreamKind, Verdict
+from rtron.vocabulary.plan import MAX_QUEUE_BYTES
 
 
 class QueueState(TableEnum):
@@ -60,8 +61,8 @@ TABLE: TransitionTable[QueueState, QueueInput] = {
 class MessageQueue:
     """A policy that holds messages until `lease` lets them go, in the order of `rank`.
 
-    Of commands, each flow keeps only its freshest. At most `queue_size` messages wait, and as
-    many more may be on their way out to the next tick.
+    Of commands, each flow keeps only its freshest. At most `queue_size` messages or
+    MAX_QUEUE_BYTES wait, and as many more may be on their way out to the next tick.
     """
 
     def __init__(
@@ -91,13 +92,16 @@ class MessageQueue:
         self._lease.record_message(approved, now)
         first = self._held.first()
         reason = self._lease.wait_reason(approved, first.flow if first else None)
-        effect = self._machine.step(self._queue_input(approved) if reason else QueueInput.FIRST)
+        full = self._full_reason(approved, message) if reason else ""
+        effect = self._machine.step(
+            QueueInput.FULL if full else QueueInput.BEHIND if reason else QueueInput.FIRST
+        )
         if effect is TransitionEffect.PASS:
             return self._pass_message(approved, now)
         if effect is TransitionEffect.HOLD:
             self._hold_message(approved, message, now)
             return self._hold.get(flow, reason)
-        return self._drop.get(flow, f"the queue is full ({self._queue_size})")
+        return self._drop.get(flow, full)
 
     def refusal(self, flow: str, now: int, message: object = None) -> Verdict | None:  # noqa: ARG002
         """Return the refusal of a flow that is blocked or unknown."""
@@ -239,12 +243,20 @@ class MessageQueue:
     def _superseded(self, flow: Flow) -> HeldMessage | None:
         return self._held.latest(flow.name) if self._is_command else None
 
-    def _queue_input(self, flow: Flow) -> QueueInput:
-        waiting = len(self._held)
-        if waiting + len(self._released) >= 2 * self._queue_size:
-            return QueueInput.FULL
-        has_room = waiting < self._queue_size or self._superseded(flow)
-        return QueueInput.BEHIND if has_room else QueueInput.FULL
+    def _full_reason(self, flow: Flow, message: object) -> str:
+        """Return why a message cannot wait, "" if it can."""
+        older, waiting, leaving = self._superseded(flow), len(self._held), len(self._released)
+        is_full = waiting >= self._queue_size and not older
+        if is_full or waiting + leaving >= 2 * self._queue_size:
+            return f"the queue is full ({self._queue_size})"
+        size = self._held.size + message_size(message) - message_size(older and older.message)
+        size_with_leaving = size + sum(message_size(each.message) for each in self._released)
+        others = waiting - bool(older)
+        if (others and size > MAX_QUEUE_BYTES) or (
+            leaving and size_with_leaving > 2 * MAX_QUEUE_BYTES
+        ):
+            return f"the queue is full ({MAX_QUEUE_BYTES // 10**6} MB)"
+        return ""
 
     def _next_ready(self) -> HeldMessage | None:
         held = self._held.first()

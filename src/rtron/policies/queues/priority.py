@@ -14,7 +14,7 @@ any case. The next is the one of the highest flow, and of this flow the earliest
 the moment the turn ends, even if the tick is late.
 
 A waiting message that reaches `max_age` is dropped, and so is one that finds `queue_size`
-messages waiting. A message leaves the queue at a tick only.
+messages waiting, or 67 MB of them with it. A message leaves the queue at a tick only.
 
 ## When to use it
 

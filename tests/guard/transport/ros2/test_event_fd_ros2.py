@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.ros2.event_fd import EventFd
+from rtron.guard.transport.ros2.rcl import EventFd
 
 pytestmark = pytest.mark.ros2
 

@@ -21,8 +21,8 @@ from rtron.guard.transport.ros2.action_server import (
     goal_info,
     services_qos,
 )
-from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.participants import ParticipantState
+from rtron.guard.transport.ros2.rcl import EventFd
 from rtron.guard.transport.ros2.service_calls import ServiceCalls
 from rtron.vocabulary import (
     ROS2_ACTION_SERVICES,

@@ -14,8 +14,8 @@ from rclpy.serialization import serialize_message
 from rtron.errors import WireError
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.transport.ros2.client_resolver import ClientResolver
-from rtron.guard.transport.ros2.event_fd import EventFd
-from rtron.guard.transport.ros2.service_calls import ResponsePacer
+from rtron.guard.transport.ros2.rcl import EventFd
+from rtron.guard.transport.ros2.responses import ResponsePacer, ResponseRetry
 from rtron.messages.ros2.actions import GoalMessage
 from rtron.vocabulary import ROS2_ACTION_SERVICES, SECOND, Ros2ActionEntity, ros2_entity_name
 from rtron.wire.ros2.c_structures import GID_SIZE
@@ -88,6 +88,7 @@ class ActionServer:
         self._opened_at = 0
         self._deferred_replies: list[Callable[[], None]] = []
         self._response_pacer = ResponsePacer(context.shared.loop)
+        self._response_retry = ResponseRetry(context.shared.loop, action)
         self._log_throttle = LogThrottle()
 
     def open(self) -> None:
@@ -250,17 +251,15 @@ class ActionServer:
         self._respond(Ros2ActionEntity.CANCEL_GOAL, request_id, response)
 
     def _respond(self, end: Ros2ActionEntity, request_id: bytes, response: object) -> None:
-        self._response_pacer.send(partial(self._send, end, request_id, response))
+        send = partial(self._send, end, request_id, response)
+        client = request_id[:PARTICIPANT_SIZE]
+        self._response_pacer.send(partial(self._response_retry.send, client, send))
 
-    def _send(self, end: Ros2ActionEntity, request_id: bytes, response: object) -> None:
+    def _send(self, end: Ros2ActionEntity, request_id: bytes, response: object) -> bool:
         service = self._services.get(end)
         if service is None:
-            self._log_problem("an answer is lost: the action is not offered any more")
-            return
-        try:
-            self._context.requests.respond(service.handle, request_id, response)
-        except WireError as error:
-            self._log_problem(f"an answer is lost: {error}")
+            raise WireError("the action is not offered any more")
+        return self._context.requests.respond(service.handle, request_id, response)
 
     def _log_problem(self, why: str) -> None:
         if self._log_throttle.allows("complaint", self._context.shared.loop.now()):

@@ -14,7 +14,6 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.system.out_of_memory import exit_out_of_memory
 from rtron.guard.transport.common.protocol import NumberedMessage
 from rtron.guard.transport.ros2.delivery import LatenessDetector
-from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.qos import (
     HANDOVER_S,
     KEEP_ALL_DEPTH,
@@ -22,6 +21,7 @@ from rtron.guard.transport.ros2.qos import (
     most_size,
     with_depth,
 )
+from rtron.guard.transport.ros2.rcl import EventFd
 
 try:
     from rclpy.event_handler import SubscriptionEventCallbacks

@@ -9,6 +9,8 @@ gives only since Kilted.
 from __future__ import annotations
 
 import ctypes
+import logging
+import os
 from ctypes import addressof, c_int, c_void_p
 from typing import TYPE_CHECKING, Any
 
@@ -22,12 +24,18 @@ from rtron.wire.ros2.c_structures import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.sender_ids import SenderIds
+
+log = logging.getLogger(__name__)
 
 _OK, _NO_MESSAGE = 0, 401
 """RCL_RET_OK and RCL_RET_SUBSCRIPTION_TAKE_FAILED (rcl/types.h), Foxy and later."""
 _UNSUPPORTED = (1 << 64) - 1
 """RMW_MESSAGE_INFO_SEQUENCE_NUMBER_UNSUPPORTED"""
+_MAX_COUNT = 64
 
 
 class Rcl:
@@ -117,3 +125,46 @@ _NOTIFY = {
 }
 """rcl's functions that take a callback, `void (const void * user_data, size_t count)`, and its
 `user_data`, Humble and later: `eventfd_write(int, uint64_t)` takes the same registers."""
+
+
+class EventFd:
+    """An eventfd that the event loop watches: DDS adds to it, the loop calls back with the count.
+
+    It calls `on_count(count)`, at most 64 at a time, so that a flood does not block the loop.
+    It may return how many it left for later, behind other events of the loop.
+    """
+
+    def __init__(self, loop: EventLoop, on_count: Callable[[int], int | None]) -> None:
+        self._loop = loop
+        self._on_count = on_count
+        self.fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        loop.watch(self, self._on_readable, self._on_error)
+
+    def fileno(self) -> int:
+        """Return the descriptor, for a selector."""
+        return self.fd
+
+    def close(self) -> None:
+        """Close the descriptor; only the loop calls it."""
+        if self.fd >= 0:
+            os.close(self.fd)
+        self.fd = -1
+
+    def stop(self) -> None:
+        """Stop watching, and close."""
+        self._loop.forget(self)
+
+    def _on_readable(self) -> None:
+        """Pass on the count; after a failure count the rest again, so that no message stays."""
+        count = os.eventfd_read(self.fd)
+        now = min(count, _MAX_COUNT)
+        left = now - 1
+        try:
+            left = self._on_count(now) or 0
+        finally:
+            left += count - now
+            if left and self.fd >= 0:
+                os.eventfd_write(self.fd, left)
+
+    def _on_error(self, error: Exception) -> None:
+        log.error("an event of ROS 2 could not be handled: %s", error)

@@ -8,7 +8,6 @@ that GUID with a number, which a guard can hand over to the next one.
 from __future__ import annotations
 
 import ctypes
-from collections import deque
 from contextlib import contextmanager
 from ctypes import byref, c_bool, c_int, c_int64, c_void_p, py_object
 from functools import lru_cache
@@ -16,13 +15,11 @@ from typing import TYPE_CHECKING, Any
 from weakref import finalize
 
 from rtron.errors import WireError
-from rtron.vocabulary import SECOND
 from rtron.wire.ros2.c_structures import RequestId, ServiceInfo, capsule_pointer, typed_function
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
-    from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.sender_ids import SenderIds
 
 _OK, _TIMED_OUT = 0, 2
@@ -99,8 +96,11 @@ class ServiceCalls:
         request = self._take_message(self._take_request, service, cls, info)
         return None if request is None else (self._ids.request_id(bytes(info.request_id)), request)
 
-    def respond(self, service: Any, request_id: bytes, response: object) -> None:  # noqa: ANN401
-        """Respond to a request; nothing happens if its client is not there."""
+    def respond(self, service: Any, request_id: bytes, response: object) -> bool:  # noqa: ANN401
+        """Respond to a request; nothing happens if its client is gone.
+
+        False if the client and the service do not know each other yet, for which rcl waits 100 ms.
+        """
         cls: Any = type(response)
         converter = _converter_for(cls)
         with converter.new_message() as message:
@@ -110,6 +110,7 @@ class ServiceCalls:
         if code != _TIMED_OUT:
             self._check(code, "respond to a request")
         self._reset()
+        return bool(code != _TIMED_OUT)
 
     def send_request(self, client: Any, request: object) -> int:  # noqa: ANN401 - rclpy's handle
         """Send a request; return its number."""
@@ -154,47 +155,3 @@ class ServiceCalls:
 @lru_cache(maxsize=256)
 def _converter_for(cls: Any) -> _MessageConverter:  # noqa: ANN401 - a generated class
     return _MessageConverter(cls)
-
-
-BURST_SIZE = 5
-"""The number of responses that go at once: half the queue of a client (rmw/qos_profiles.h: 10)."""
-PAUSE = SECOND // 20
-"""After so long one more may go: a client may be busy for five pauses and loses none."""
-MAX_PACED = 200
-"""The number of responses that may wait; what is above it goes at once."""
-
-
-class ResponsePacer:
-    """Sends responses in order and paced: too many at once would displace each other in the queue.
-
-    A client that cancels many goals gets as many results.
-    """
-
-    def __init__(self, loop: EventLoop) -> None:
-        self._loop = loop
-        self._queue: deque[Callable[[], None]] = deque()
-        self._allowance = BURST_SIZE
-
-    def send(self, send: Callable[[], None]) -> None:
-        """Call `send` as soon as its turn comes."""
-        self._queue.append(send)
-        if len(self._queue) > MAX_PACED:
-            self._queue.popleft()()
-        elif self._allowance:
-            self._send_next()
-
-    def _send_next(self) -> None:
-        if self._allowance == BURST_SIZE:
-            self._resume_later()
-        self._allowance -= 1
-        self._queue.popleft()()
-
-    def _resume_later(self) -> None:
-        self._loop.call_at(self._loop.now() + PAUSE, self._resume)
-
-    def _resume(self) -> None:
-        self._allowance += 1
-        if self._allowance < BURST_SIZE:
-            self._resume_later()
-        if self._queue:
-            self._send_next()

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import logging
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import qos_profile_services_default
 from rclpy.serialization import deserialize_message, serialize_message
 
 from rtron.errors import WireError
-from rtron.guard.transport.ros2.event_fd import EventFd
 from rtron.guard.transport.ros2.graph_query import GraphQuery
+from rtron.guard.transport.ros2.rcl import EventFd
+from rtron.guard.transport.ros2.responses import ResponseRetry
 from rtron.guard.transport.ros2.service_calls import ServiceCalls
 from rtron.vocabulary import Direction, matches_node
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
@@ -47,6 +49,7 @@ class OfferedService:
         self._context = context
         self._on_request = on_request
         self._calls = ServiceCalls(context.sender_ids)
+        self._retry = ResponseRetry(context.loop, name)
         self._clients = GraphQuery(node, raw=True)
         self._service: Any = None
         self._event_fd: EventFd | None = None
@@ -85,8 +88,13 @@ class OfferedService:
     def respond(self, request_id: bytes, response: bytes) -> None:
         """Answer a request; WireError if the response cannot be read."""
         message = _decode(response, self._cls.Response)
-        if self._service is not None:
-            self._calls.respond(self._service.handle, request_id, message)
+        send = partial(self._send, request_id, message)
+        self._retry.send(request_id[:PARTICIPANT_SIZE], send)
+
+    def _send(self, request_id: bytes, response: object) -> bool:
+        if self._service is None:
+            raise WireError("it is not offered any more")
+        return self._calls.respond(self._service.handle, request_id, response)
 
     def _on_requests(self, count: int) -> None:
         for _ in range(count):
