@@ -174,6 +174,28 @@ def test_nobody_is_guessed_where_a_node_is_known_to_obey():
     assert proposed.doubts == ()
 
 
+JOY = "sensor_msgs/Joy"
+STICK = f"/stick joy own\n    pub /joy {JOY}\n"
+TELEOP = f"/teleop keys own\n    sub /joy {JOY}\n    pub /joy_vel {TWIST}\n"
+MUX = f"/mux twist_mux own\n    sub /joy_vel {TWIST}\n    sub /web_vel {TWIST}\n"
+MUX += f"    pub /cmd_vel {TWIST}\n"
+
+
+def test_an_input_of_an_arbiter_that_nobody_sends_is_kept_for_whom_the_plan_will_name():
+    proposed = propose(scan(MUX + TELEOP + STICK + BASE))
+    (grcn,) = (each for each in proposed.plan.grcn if each.topic == "/web_vel")
+    assert (grcn.mode, grcn.flows, grcn.successors) == (Mode.ENFORCE, (), ("/mux",))
+    (doubt,) = (each for each in proposed.doubts if each.location == f"GRCN {grcn.id}")
+    assert doubt.message.startswith("it has no flow, so it keeps everybody out: ")
+
+
+def test_what_else_the_only_sender_acts_on_is_told():
+    found = scan(TELEOP.replace("/joy_vel", "/cmd_vel") + STICK + BASE)
+    plan = propose(found).plan
+    why = "not guarded: /teleop acts on what any node sends there"
+    assert told(found, plan) == [("base", f"/joy: {why}")]
+
+
 FIRMWARE = BASE + "/board rosserial_python own\n"
 
 

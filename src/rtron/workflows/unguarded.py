@@ -2,14 +2,17 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 
 from rtron.coherence import guards_nothing
+from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import unread_drivers
+from rtron.findings.motion.arbiter import arbiters
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import Mode, Plan, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
 from rtron.vocabulary.names import are_nested
-from rtron.wording import join_names
+from rtron.wording import conjugate, join_names
 from rtron.workflows.scan import ScanResult
 
 
@@ -22,9 +25,14 @@ def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
     node that was not read may do it, if it is called like a driver and lies in a namespace of the
     topic's. No other: the remap would let what it publishes past the guard.
     Firmware behind rosserial may obey whatever others obey, too.
+
+    So are the inputs of arbiters that nobody sends: who comes to send one goes before others.
     """
     moving = (mover for mover in scan.inventory if mover.thing not in NO_MOTION)
-    commands = (each for mover in moving for each in mover.last_commands)
+    open_inputs = _open_inputs(scan.app)
+    commands = (
+        c for mover in moving for c in mover.commands if not c.hops or c.name in open_inputs
+    )
     topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
     unread = unread_drivers(scan.app)
     firmware = [n for n in unread if scan.app.nodes[n].package.startswith("rosserial_")]
@@ -33,6 +41,12 @@ def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
         for each in topics
         if (each.receivers and each.senders) or scan.app.is_motion(each.name)
     }
+
+
+def _open_inputs(app: AppFacts) -> frozenset[str]:
+    """Return the inputs of arbiters that no node of the app sends."""
+    inputs = chain.from_iterable(taken for taken, _ in arbiters(app).values())
+    return frozenset(topic for topic in inputs if not app.publishers(topic))
 
 
 def _within_reach(topic: str, nodes: Iterable[str]) -> Iterator[str]:
@@ -72,7 +86,20 @@ def _reasons(mover: Mover, modes: Mapping[str, Mode], *, is_void: bool) -> dict[
             names[_why(mover.thing, each, mode)].append(each.name)
     if not mover.last_commands:
         names[_UNREAD] += mover.drivers
+    for each in _passed_on(mover, modes):
+        who = f"{join_names(each.receivers)} {conjugate(each.receivers, 'act')}"
+        names[f"not guarded: {who} on what any node sends there"].append(each.name)
     return names
+
+
+def _passed_on(mover: Mover, modes: Mapping[str, Mode]) -> Iterator[Command]:
+    """Yield the topics without a guard that those obey who may send what is guarded."""
+    guarded = (c for c in mover.last_commands if modes.get(c.name) is Mode.ENFORCE)
+    senders = {node for each in guarded for node in each.senders}
+    for each in mover.commands:
+        is_open = each.means is Means.TOPIC and modes.get(each.name) is not Mode.ENFORCE
+        if is_open and each.hops and not senders.isdisjoint(each.receivers):
+            yield each
 
 
 def _to_be_guarded(mover: Mover) -> Iterator[Command]:
