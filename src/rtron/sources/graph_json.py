@@ -52,6 +52,7 @@ _OPTIONAL_KEYS = {
     "endpoints": ("gid",),
     "services": ("implicit",),
     "clients": ("implicit",),
+    "parameters": ("read_once",),
     "unresolved": ("missing", "nearest"),
 }
 _OPTIONAL_LISTS = ("clients", "parameters", "wiring")

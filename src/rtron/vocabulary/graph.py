@@ -114,11 +114,15 @@ NodeParameterValue: TypeAlias = bool | int | float | str | tuple[bool | int | fl
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeParameter:
-    """A parameter that a node has, and what it is at the start; None if not known."""
+    """A parameter that a node has, and what it is at the start; None if not known.
+
+    `read_once` says that its node is seen to read it at the start alone: to set it changes nothing.
+    """
 
     node: str
     name: str
     value: NodeParameterValue | None = None
+    read_once: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

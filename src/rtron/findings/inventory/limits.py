@@ -31,7 +31,7 @@ def limits(app: AppFacts, commands: AppCommands) -> Mover | None:
     names = {
         each.node: f"{each.node}.{each.name}"
         for each in reversed(app.graph.parameters)
-        if each.node in movers & settable and _LIMIT.search(each.name) and _is_used(each, loaded)
+        if each.node in movers & settable and _is_limit(each) and _is_used(each, loaded)
     }
     tunable = _with_reconfigure(app) | {n.name for n in app.graph.nodes if n.package in _LIMITERS}
     names = {node: f"{node}/set_parameters" for node in sorted(tunable & movers)} | names
@@ -59,6 +59,11 @@ def _loaded_planners(app: AppFacts) -> dict[str, str]:
     """Return the local planner that each node loads (ROS wiki: move_base)."""
     parameters = (each for each in app.graph.parameters if each.name == "base_local_planner")
     return {each.node: str(each.value).rpartition("/")[2] for each in parameters}
+
+
+def _is_limit(parameter: NodeParameter) -> bool:
+    """Return whether a parameter bounds motion by its name, and counts when it is set."""
+    return not parameter.read_once and _LIMIT.search(parameter.name) is not None
 
 
 def _is_used(parameter: NodeParameter, loaded: Mapping[str, str]) -> bool:

@@ -1,6 +1,6 @@
 """Runs one node's program on the abstract machine, and returns what the node declares."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -33,7 +33,7 @@ from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.interpreter.execution.statements import EXECUTORS
 from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
-from rtron.sources.code.ir import SourceProblem
+from rtron.sources.code.ir import Function, SourceProblem
 from rtron.sources.code.last_message import last_messages
 from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
 from rtron.sources.code.library_models.common.other_ros import (
@@ -62,6 +62,7 @@ from rtron.sources.code.library_models.rclpy.registry import rclpy_library
 from rtron.sources.code.library_models.roscpp.nodelets import start_nodelet
 from rtron.sources.code.library_models.roscpp.registry import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
 from rtron.sources.code.library_models.rospy.registry import ROSPY
+from rtron.sources.code.parameter_reads import mark_parameters_read_once
 from rtron.sources.code.reachability import (
     joins_nodes,
     names_written_by_callbacks,
@@ -96,7 +97,7 @@ def run_python(
         _run_all(machine, script, lambda: _run_script(runtime, script, function))
         return machine
 
-    return _run_to_fixpoint(run)
+    return _run_to_fixpoint(run, of_node=True)
 
 
 def _run_script(runtime: PythonRuntime, script: Path, function: str) -> None:
@@ -122,7 +123,25 @@ def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) ->
         return main.file, partial(runtime.machine.call, FunctionValue(main), arguments)
 
     missing = ("main", "the sources have no main function")
-    return _run_cpp_program(sources, site, files, start, missing)
+    return _run_cpp_program(sources, site, files, start, missing, of_node=True)
+
+
+def run_sketch(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) -> NodeInterface:
+    """Return what a sketch of Arduino declares to rosserial: its globals, `setup` and `loop`."""
+
+    def start(runtime: CppRuntime) -> _Start | None:
+        named = (runtime.symbols.functions.get(name, []) for name in ("setup", "loop"))
+        functions = [f for found in named for f in found if f.body is not None]
+        run = partial(_call_each, runtime.machine, functions)
+        return (functions[0].file, run) if functions else None
+
+    return _run_cpp_program(sources, site, files, start, ("setup", "the sketch has none"))
+
+
+def _call_each(machine: AbstractMachine, functions: Sequence[Function]) -> None:
+    for function in functions:
+        at = Arguments(line=function.line, frame=StackFrame(file=function.file))
+        machine.call(FunctionValue(function), at)
 
 
 def run_nodelet(
@@ -146,7 +165,7 @@ def run_component(
     """
     start = _class_start(cls, partial(_make_component, site))
     missing = (f"component {cls}", _MISSING_CLASS_REASON)
-    return _run_cpp_program(sources, site, files, start, missing, other_components)
+    return _run_cpp_program(sources, site, files, start, missing, other_components, of_node=True)
 
 
 def run_hardware(
@@ -192,6 +211,8 @@ def _run_cpp_program(
     start: Callable[[CppRuntime], _Start | None],
     missing: tuple[str, str],
     other_components: tuple[str, ...] = (),
+    *,
+    of_node: bool = False,
 ) -> NodeInterface:
     """Run a program from where it starts; without a start, what is missing is noted."""
 
@@ -208,7 +229,7 @@ def _run_cpp_program(
             _run_embedded_python(machine, files)
         return machine
 
-    return _run_to_fixpoint(run, other_components)
+    return _run_to_fixpoint(run, other_components, of_node=of_node)
 
 
 def _run_embedded_python(machine: AbstractMachine, files: SourceProvider) -> None:
@@ -257,11 +278,15 @@ def _load_plugin(runtime: CppRuntime, cls: ClassValue) -> None:
 
 
 def _run_to_fixpoint(
-    run: Callable[[frozenset[str]], AbstractMachine], other_components: tuple[str, ...] = ()
+    run: Callable[[frozenset[str]], AbstractMachine],
+    other_components: tuple[str, ...] = (),
+    *,
+    of_node: bool = False,
 ) -> NodeInterface:
     """Run a program, and once more with what its callbacks change taken as unknown.
 
-    In ROS 2 these run when the node is spun: what they change is unknown then, not before.
+    In ROS 2 these run when the node is spun: what they change is unknown then, not before. That of
+    a node is called by nobody else, so that all it reads of its parameters is seen.
     """
     machine = run(frozenset())
     if machine.recorder.site.ros == 1 and (volatile := names_written_by_callbacks(machine)):
@@ -270,6 +295,7 @@ def _run_to_fixpoint(
     own = ((n, f) for n, f in functions if f.name.rpartition("::")[0] not in other_components)
     note_unreached(machine, own)
     interface = machine.recorder.result()
+    interface = mark_parameters_read_once(machine, interface) if of_node else interface
     last = tuple(last_messages(machine))
     run_frame_users(machine)
     return replace(interface, frame_uses=machine.recorder.result().frame_uses, last_messages=last)

@@ -189,7 +189,7 @@ def _runnable_callbacks(machine: AbstractMachine) -> Iterator[FunctionValue]:
 def _instance_methods(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
     """Yield an object's destructor, and the methods that an unknown base class may call."""
     yield from _destructor(machine, instance)
-    if _has_unknown_base(machine, instance):
+    if has_unknown_base(machine, instance):
         for method in _methods(machine, instance):
             if _is_unexecuted(machine, method.function):
                 yield method
@@ -269,7 +269,7 @@ def joins_nodes(machine: AbstractMachine, function: Function) -> bool:
 def _reaches_client_library(machine: AbstractMachine, function: Function) -> bool:
     """Look for a call of a client library; what was looked through in vain needs no second look."""
     api, known, seen = _client_library_api(machine), machine.joins_cache, list[Function]()
-    for reached in _reachable_functions(machine, [function]):
+    for reached in reachable_functions(machine, [function]):
         if known.get(reached.key) or machine.runtime.related_names(reached) & api:
             return True
         seen.append(reached)
@@ -285,11 +285,11 @@ def _client_library_api(machine: AbstractMachine) -> frozenset[str]:
 
 def names_written_by_callbacks(machine: AbstractMachine) -> frozenset[str]:
     """Return the members and globals that callbacks may change while the program runs."""
-    reached = _reachable_functions(machine, list(machine.escaped_functions), include_unrelated=True)
+    reached = reachable_functions(machine, list(machine.escaped_functions), include_unrelated=True)
     return frozenset(name for function in reached for name in written_names(function))
 
 
-def _reachable_functions(
+def reachable_functions(
     machine: AbstractMachine, queue: list[Function], *, include_unrelated: bool = False
 ) -> Iterator[Function]:
     """Yield functions and what they may call, by plain names.
@@ -320,7 +320,8 @@ def _call_operators(machine: AbstractMachine, words: frozenset[str]) -> Iterator
             yield function
 
 
-def _has_unknown_base(machine: AbstractMachine, instance: Instance) -> bool:
+def has_unknown_base(machine: AbstractMachine, instance: Instance) -> bool:
+    """Tell whether a class of an object is not here, which may call its methods."""
     lineage = list(machine.runtime.lineage(instance.type))
     return any(
         isinstance(cls, (ExternalSymbol, Unknown)) and not _is_object(cls) for cls in lineage
@@ -350,7 +351,7 @@ def _calls_maker(machine: AbstractMachine, name: str, function: Function) -> boo
     """Tell whether a function of Python makes an endpoint by another; another program's main no."""
     if machine.runtime.passes_by_reference or name == "main" or not joins_nodes(machine, function):
         return False
-    reached = _reachable_functions(machine, [function])
+    reached = reachable_functions(machine, [function])
     return any(machine.runtime.related_names(one) & _PYTHON_ENDPOINT_CALLS for one in reached)
 
 

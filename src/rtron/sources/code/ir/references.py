@@ -116,7 +116,7 @@ def side_effects(body: tuple[Stmt, ...]) -> frozenset[str]:
 def _is_harmless(node: Any) -> bool:  # noqa: ANN401 - any part of the IR
     if isinstance(node, New):
         return "xception" in node.type.name or "error" in node.type.name
-    called = set(_callee_names(node.function)) if isinstance(node, Call) else set()
+    called = set(callee_names(node.function)) if isinstance(node, Call) else set()
     return bool(called) and all(
         name in _HARMLESS_CALLS or "xception" in name or name.endswith("_error") for name in called
     )
@@ -146,7 +146,7 @@ def _node_fields(kind: type) -> tuple[str, ...]:
 
 def _called_or_made_names(node: Any) -> Iterator[str]:  # noqa: ANN401 - any part of the IR
     if isinstance(node, Call):
-        yield from _callee_names(node.function)
+        yield from callee_names(node.function)
         yield from _passed_functions(node)
     elif isinstance(node, (New, TypeRef)):
         name = node.type.name if isinstance(node, New) else node.name
@@ -156,13 +156,14 @@ def _called_or_made_names(node: Any) -> Iterator[str]:  # noqa: ANN401 - any par
 
 def _passed_functions(call: Call) -> Iterator[str]:
     """Yield the functions of C++ that are handed on to be called later, `&Driver::start`."""
-    binds = not _BINDING_CALLS.isdisjoint(_callee_names(call.function))
+    binds = not _BINDING_CALLS.isdisjoint(callee_names(call.function))
     for given in call.args:
         if isinstance(given, Name) and (binds or "::" in given.id):
             yield given.id.rpartition("::")[2]
 
 
-def _callee_names(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression
+def callee_names(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression
+    """Yield the plain name of what a call calls, where that is written."""
     if isinstance(function, Attr):
         yield function.name
     elif isinstance(function, Name):

@@ -40,6 +40,7 @@ class NodeRole(StringEnum):
     MODEL_SPAWNER = "model_spawner"
     CONTROLLER_SPAWNER = "controller_spawner"
     CONTROLLER_MANAGER = "controller_manager"
+    FIRMWARE = "firmware"
 
 
 def _as_list(value: object) -> object:

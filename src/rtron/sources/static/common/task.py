@@ -14,6 +14,7 @@ from rtron.sources.code.program_runner import (
     run_nodelet,
     run_plugin,
     run_python,
+    run_sketch,
 )
 from rtron.sources.code.shell_script import read_shell_script
 from rtron.sources.code.workspace_sources import WorkspaceSources
@@ -32,6 +33,7 @@ class TaskKind(StringEnum):
     COMPONENT = "component"
     HARDWARE = "hardware"
     PLUGIN = "plugin"
+    SKETCH = "sketch"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,7 +128,8 @@ def _run(task: InterpretationTask, files: SourceProvider) -> NodeInterface:
         return run(task.sources, task.class_name, task.site, files, task.other_components)
     if task.kind is TaskKind.NODELET:
         return run_nodelet(task.sources, task.class_name, task.site, files)
-    return run_cpp(task.sources, task.site, files)
+    run = run_sketch if task.kind is TaskKind.SKETCH else run_cpp
+    return run(task.sources, task.site, files)
 
 
 @dataclass(slots=True)

@@ -20,6 +20,7 @@ from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros1.assembly import Assembly
+from rtron.sources.static.ros1.firmware import with_firmware
 from rtron.sources.static.ros1.node_parameters import unread_parameters
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch, RuntimeLaunches
 from rtron.sources.static.ros1.simulation import Simulation
@@ -147,6 +148,7 @@ def scan_app(
     )
     with closing(resolver):
         parts, nodes = _read_nodes(launch_trees, resolver)
+        parts = with_firmware(parts, resolver)
     return _assemble(launch_trees, resolver, parts, nodes)
 
 

@@ -14,6 +14,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
+    is_text,
     options,
     text_with_holes,
 )
@@ -22,6 +23,7 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import (
     callback_message_type,
     escape_functions,
+    message_type_of,
     resolve_in_handle,
     template_message_type,
 )
@@ -99,6 +101,8 @@ def _declare_endpoint(
 ) -> Value:
     """Record what an endpoint's name, or its options in the place of the name, say."""
     name = arguments.value(0)
+    if isinstance(name, Instance) and name.type is ENDPOINT:
+        return name  # rosserial's handle gets what is declared already
     if isinstance(name, Instance) and "options" in name.fields:
         type = type or text_with_holes(name.fields.get("type", Scalar("")))
         name = name.fields["options"]
@@ -106,6 +110,25 @@ def _declare_endpoint(
     escape_functions(machine, arguments)
     endpoints.declare_endpoint(machine, kind, full, type, arguments, latched=latched)
     return Instance(ENDPOINT, {"name": remap_name(machine, full)})
+
+
+def _make_firmware_endpoint(
+    kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments
+) -> Value:
+    """`ros::Subscriber<T> x("topic", callback)` of rosserial; those of roscpp get no name.
+
+    `ros::Publisher x("topic", &message)`, `ros::ServiceServer<Request, Response> x(…)`.
+    """
+    message = arguments.get(1)
+    if not (arguments.values and is_text(arguments.values[0])):
+        escape_functions(machine, arguments)
+        return Instance(ENDPOINT)
+    given = message.type if isinstance(message, Unknown) else None
+    type = template_message_type(machine, arguments)
+    type = type or callback_message_type(machine, arguments, 1)
+    type = _service_type(type or message_type_of(machine, given, arguments))
+    owner = handle(Scalar(node_namespace(machine)))
+    return _declare_endpoint(kind, machine, owner, arguments, type)
 
 
 def advertise(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
@@ -186,13 +209,22 @@ ENDPOINT = LibraryClass(
         **dict.fromkeys(("registerCallback", "setCallback", "call"), _register_callback),
     },
 )
+_FIRMWARE_KINDS = {
+    "ros::Publisher": DeclarationKind.PUBLISH,
+    "ros::Subscriber": DeclarationKind.SUBSCRIBE,
+    "ros::ServiceServer": DeclarationKind.SERVICE,
+    "ros::ServiceClient": DeclarationKind.SERVICE_CLIENT,
+}
 _HANDLE_POINTER = LibraryClass("pointer", lambda machine, arguments: arguments.get(0) or NONE)
 
 HANDLE_CLASSES = {
     "ros::NodeHandle": NODE_HANDLE,
     **dict.fromkeys(("ros::NodeHandlePtr", "ros::NodeHandleConstPtr"), _HANDLE_POINTER),
-    **dict.fromkeys(("ros::Publisher", "ros::Subscriber", "ros::ServiceServer"), ENDPOINT),
-    **dict.fromkeys(("ros::ServiceClient", "ros::Timer", "ros::WallTimer"), ENDPOINT),
+    **{
+        name: LibraryClass(name, partial(_make_firmware_endpoint, kind), ENDPOINT.methods)
+        for name, kind in _FIRMWARE_KINDS.items()
+    },
+    **dict.fromkeys(("ros::Timer", "ros::WallTimer"), ENDPOINT),
 }
 
 

@@ -1,0 +1,87 @@
+"""Sketches of Arduino: what the bridge of rosserial publishes, subscribes and serves for them."""
+
+import pytest
+
+from rtron.sources.static.common.launch_paths import find_launch_file
+from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.sources.static.ros1.app import scan_app
+from rtron.sources.workspace import read_workspace
+
+SKETCH = """#include <ros.h>
+#include <geometry_msgs/Twist.h>
+#include <std_msgs/Int16.h>
+#include <std_srvs/SetBool.h>
+ros::NodeHandle nh;
+std_msgs::Int16 ticks;
+ros::Publisher left("left_ticks", &ticks);
+void onCommand(const geometry_msgs::Twist &msg) { analogWrite(7, msg.linear.x); }
+ros::Subscriber<geometry_msgs::Twist> command("cmd_vel", onCommand);
+void onLift(const std_srvs::SetBool::Request &q, std_srvs::SetBool::Response &a) {}
+ros::ServiceServer<std_srvs::SetBool::Request, std_srvs::SetBool::Response> lift("lift", &onLift);
+void setup() {
+  nh.initNode();
+  nh.advertise(left);
+  nh.subscribe(command);
+  nh.advertiseService(lift);
+}
+void loop() { left.publish(&ticks); nh.spinOnce(); }
+"""
+BRIDGE = '<node pkg="rosserial_python" type="serial_node.py" name="{}" ns="base"/>'
+
+
+@pytest.fixture
+def scan(tmp_path):
+    """Return a function that scans an app of some bridges, with sketches by their paths."""
+
+    def graph(sketches, bridges=("board",)):
+        nodes = "".join(map(BRIDGE.format, bridges))
+        manifest = "<package><name>robot</name></package>"
+        files = {
+            "robot/package.xml": manifest,
+            "robot/launch/a.launch": f"<launch>{nodes}</launch>",
+        }
+        for name, text in {**files, **sketches}.items():
+            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / name).write_text(text)
+        path = find_launch_file("robot/a.launch", read_workspace([tmp_path], {}))
+        return scan_app([tmp_path], [(path, {})], {}, ScanOptions(workers=1)).graph
+
+    return graph
+
+
+def test_a_sketch_is_what_the_bridge_joins(scan):
+    found = scan({"arduino/drive/drive.ino": SKETCH})
+    ends = {(str(e.direction), e.topic, e.type) for e in found.endpoints if not e.implicit}
+    assert ends == {
+        ("publish", "/base/left_ticks", "std_msgs/Int16"),
+        ("subscribe", "/base/cmd_vel", "geometry_msgs/Twist"),
+    }
+    assert [(s.node, s.name, s.type) for s in found.services] == [
+        ("/base/board", "/base/lift", "std_srvs/SetBool")]  # fmt: skip
+    assert [node.unread for node in found.nodes] == [False]
+    assert [note.what for note in found.unresolved] == ["sketch drive.ino"]
+    (command,) = [e for e in found.endpoints if e.topic == "/base/cmd_vel"]
+    assert command.evidence[0].file.endswith("drive.ino")
+    assert command.evidence[0].line == 9
+
+
+@pytest.mark.parametrize(
+    ("names", "bridges"),
+    [(["a/a.ino", "b/b.ino"], ["board"]), (["a/a.ino"], ["left", "right"])],
+)
+def test_which_sketch_is_whose_is_not_guessed(scan, names, bridges):
+    found = scan(dict.fromkeys(names, SKETCH), bridges)
+    assert all(node.unread for node in found.nodes)
+    notes = [note for note in found.unresolved if note.what.startswith("firmware of /base/")]
+    assert [len(note.evidence) for note in notes] == [len(names)] * len(bridges)
+    assert not [e for e in found.endpoints if not e.implicit]
+
+
+@pytest.mark.parametrize("name", ["libraries/x/x.ino", "x/examples/x/x.ino", ".git/x/x.ino"])
+def test_examples_of_libraries_are_no_firmware(scan, name):
+    assert [node.unread for node in scan({name: SKETCH}).nodes] == [True]
+
+
+def test_a_sketch_without_rosserial_is_none(scan):
+    found = scan({"a/a.ino": "#include <Servo.h>\nvoid setup() {}\nvoid loop() {}\n"})
+    assert [node.unread for node in found.nodes] == [True]
