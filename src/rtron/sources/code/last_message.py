@@ -24,7 +24,7 @@ from rtron.sources.code.function_steps import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.ir import Assign, Attr, Call, Const, Expr, Function, New
 from rtron.sources.code.ir.references import called_names, ir_nodes
-from rtron.sources.code.reachability import CONTAINER_METHODS
+from rtron.sources.code.reachability import reachable_functions
 from rtron.sources.declaration import DeclarationKind, LastMessageFate, LastMessageUse
 from rtron.vocabulary import Evidence
 
@@ -147,14 +147,8 @@ class _Program:
 
     def _reached(self, functions: Iterable[Function]) -> list[FunctionSteps]:
         """Return what functions do, with those that they call by name."""
-        queue, found = list(functions), dict[tuple[str, int, str], FunctionSteps]()
-        while queue and len(found) < _MAX_REACHED:
-            current = queue.pop()
-            if current.key not in found:
-                found[current.key] = self._code(current)
-                for word in called_names(current) - CONTAINER_METHODS:
-                    queue.extend(self.machine.runtime.functions_named(word))
-        return list(found.values())
+        found = reachable_functions(self.machine, list(functions), include_unrelated=True)
+        return [self._code(each) for each in islice(found, _MAX_REACHED)]
 
     def _code(self, function: Function) -> FunctionSteps:
         if id(function) not in self._known:

@@ -72,7 +72,7 @@ ROS2_PYTHON_API = _ROS2_API | {
     "create_lifecycle_publisher",
     *("Buffer", "Popen", "check_call", "create_sub_node", "ParameterEventHandler"),
 }
-CONTAINER_METHODS = frozenset(
+_CONTAINER_METHODS = frozenset(
     [
         *("get", "size", "begin", "end", "empty", "push_back", "emplace_back", "emplace", "clear"),
         *("front", "back", "at", "find", "insert", "erase", "c_str", "str", "reset", "lock"),
@@ -297,7 +297,7 @@ def reachable_functions(
     Without `include_unrelated`, those that are known to join no nodes are left out.
     """
     seen: set[tuple[str, int, str]] = set()
-    left_out = frozenset[str]() if machine.recorder.site.ros == 1 else CONTAINER_METHODS
+    left_out = frozenset[str]() if machine.recorder.site.ros == 1 else _CONTAINER_METHODS
     while queue:
         current = queue.pop()
         if current.key in seen:
@@ -322,10 +322,9 @@ def _call_operators(machine: AbstractMachine, words: frozenset[str]) -> Iterator
 
 def has_unknown_base(machine: AbstractMachine, instance: Instance) -> bool:
     """Tell whether a class of an object is not here, which may call its methods."""
-    lineage = list(machine.runtime.lineage(instance.type))
-    return any(
-        isinstance(cls, (ExternalSymbol, Unknown)) and not _is_object(cls) for cls in lineage
-    )
+    lineage = machine.runtime.lineage(instance.type)
+    unknown = (cls for cls in lineage if isinstance(cls, (ExternalSymbol, Unknown)))
+    return not all(map(_is_object, unknown))
 
 
 def _is_object(cls: Value) -> bool:
@@ -398,4 +397,4 @@ def _wrappers(functions: Iterable[Function]) -> frozenset[str]:
         is_constructor = owner.rpartition("::")[2] == plain
         joins = bool(called_names(function) & ENDPOINT_CALLS) and not is_constructor
         joining[plain] = joining.get(plain, True) and joins
-    return frozenset(name for name, joins in joining.items() if joins) - CONTAINER_METHODS
+    return frozenset(name for name, joins in joining.items() if joins) - _CONTAINER_METHODS
