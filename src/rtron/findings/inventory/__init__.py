@@ -127,8 +127,8 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     behind = list(commands.forwarding.behind(topics))
     goals = commands.forwarding.goals(each for each in last if each.means is Means.ACTION)
     requests = [each for each in last if each.means is not Means.TOPIC and thing not in NO_MOTION]
-    told = [*(command for _, command in behind), *goals, *commands.forwarding.buttons(requests)]
-    everything = _distinct([*last, *told])
+    upstream = [*(command for _, command in behind), *goals, *commands.forwarding.buttons(requests)]
+    everything = _distinct([*last, *upstream])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
     end = stopping(app, drivers, topics, behind) if streamed and thing not in _HOLDING else None

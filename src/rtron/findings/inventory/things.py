@@ -160,8 +160,8 @@ def is_harmless(name: str, type: str) -> bool:
     """Return whether a name or a type says that something is read, shown or estimated."""
     last, type = _last_part(name), _plain_type(type)
     only_reads = all(map(_reads, last.split("_and_")))
-    only_asks = _ASKING_TYPES.match(type) and not _EXECUTES.search(last)
-    return bool(only_reads or only_asks or is_measured(name) or _HARMLESS_TYPES.match(type))
+    is_query = _ASKING_TYPES.match(type) and not _EXECUTES.search(last)
+    return bool(only_reads or is_query or is_measured(name) or _HARMLESS_TYPES.match(type))
 
 
 def _reads(clause: str) -> bool:
