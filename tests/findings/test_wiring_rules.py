@@ -965,3 +965,25 @@ class TestMistypedParameter:
 def test_names_are_near_in_a_namespace_more_a_slip_or_with_more_words(one, other, near):
     assert is_near(one, other) is near
     assert is_near(other, one) is near
+
+
+PARTNERS = (
+    "/teleop own own\n    pub /arm/speed own/Arm\n/can own own\n    sub /arm/angles own/Arm\n"
+)
+
+
+def test_two_topics_that_alone_have_a_type_of_the_apps_own_may_be_one():
+    finding = the_finding("unmatched_topic", small_graph(PARTNERS))
+    assert finding.topics == ("/arm/angles", "/arm/speed")
+    assert finding.remedy.startswith("find out who should publish /arm/angles")
+    heard = "/gui own own\n    sub /arm/speed own/Arm\n"
+    third = "/gui own own\n    pub /arm/third own/Arm\n"
+    own = PARTNERS.replace("/can own own\n", "/can own own\n    pub /arm/speed own/Arm\n")
+    for other in (
+        PARTNERS + heard,
+        PARTNERS + third,
+        own.replace("/teleop own own\n    pub /arm/speed own/Arm\n", ""),
+        PARTNERS.replace("own/Arm", "std_msgs/Float32"),
+        PARTNERS.replace("/arm/speed", "/leg/speed"),
+    ):
+        assert not found("unmatched_topic", small_graph(other))

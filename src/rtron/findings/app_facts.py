@@ -33,6 +33,7 @@ _MOST_COMPARED = 200
 """Among more names of one type a near one tells nothing, and comparing them takes long."""
 _UNKNOWN_TYPES = ("", "*", "topic_tools/ShapeShifter")
 """Not known, or any: ShapeShifter takes every type (ROS wiki: topic_tools)."""
+_COMMON_PACKAGES = ("std_msgs/", "geometry_msgs/", "sensor_msgs/", "nav_msgs/")
 _INDIRECT_TYPES = frozenset({"sensor_msgs/Joy", "std_msgs/String", "sound_play/SoundRequest"})
 """Types of what a node may turn into motion, or into speech, but that moves nothing itself."""
 _ECHOES = ("prev_", "previous_", "last_", "current_")
@@ -260,7 +261,8 @@ class AppFacts:
             and topic not in self.upstream_topics(self.publishers(name), types)
             and not (self.is_motion(name) and self._is_forwarded(name, types))
         ]
-        return sorted(near, key=lambda name: (bool(self.readers(name)), name))
+        near.sort(key=lambda name: (bool(self.readers(name)), name))
+        return near or self._only_partner(topic)
 
     def _unread_measurement(self, topic: str, others: Iterable[str]) -> list[str]:
         """Return the one measurement below or above a topic, if nobody reads it.
@@ -271,6 +273,23 @@ class AppFacts:
         is_unread = not any(self.readers(each) or self.open_readers(each) for each in nested)
         is_measured = bool(MEASURED_TYPES.match(self.facts.topic(topic).type))
         return nested if len(nested) == 1 and is_unread and is_measured else []
+
+    def _only_partner(self, topic: str) -> list[str]:
+        """Return the only other topic of its namespace with its own type, if nobody reads that."""
+        type, namespace = self.facts.topic(topic).type, topic.rpartition("/")[0]
+        of_type = () if type.startswith(_COMMON_PACKAGES) else self._topics_of_type.get(type, ())
+        beside = (each for each in of_type if each.rpartition("/")[0] == namespace)
+        other, *more = [each for each in beside if each != topic] or [topic]
+        is_made_of_it = {*self.publishers(other)} <= {*self.readers(topic)}
+        return [] if more or is_made_of_it or self.graph.subscribers(other) else [other]
+
+    @cached_property
+    def _topics_of_type(self) -> dict[str, set[str]]:
+        found: dict[str, set[str]] = defaultdict(set)
+        for topic in self.explicit_topics:
+            for type in self.facts.topic(topic).types:
+                found[type].add(topic)
+        return found
 
     def upstream_topics(self, nodes: Iterable[str], types: Collection[str]) -> set[str]:
         """Return the topics of some types that reach nodes, by themselves or through others."""

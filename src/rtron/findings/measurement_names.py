@@ -20,7 +20,7 @@ _MEASURED = re.compile(
 _MEASURED_BELOW = re.compile(
     r"/(?:local_position|global_position|odometry|odom|feedback|measured|sensors?"
     r"|navsat|gnss|gps|imu|vicon|mocap)/"
-    r"|(?:^|[/_])(?:image|compressed|points)(?:[/_]|$)|(?:^|/)depth(?:[/_]|$)"
+    r"|(?:^|[/_])(?:image|compressed|(?<!path_)(?<!way_)points)(?:[/_]|$)|(?:^|/)depth(?:[/_]|$)"
 )
 """Namespaces of what is measured, and words of what is seen."""
 _MAYBE_MEASURED = re.compile(

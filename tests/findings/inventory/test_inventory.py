@@ -432,6 +432,8 @@ def test_where_nobody_that_was_read_obeys_the_others_may():
     assert the_mover(TWO_DRIVERS + unread, unread=("/one",)).unread == ("/one",)
     assert the_mover(unread, unread=("/one",)).drivers == ("/one",)
     assert the_mover(TWO_DRIVERS + BASE + unread, unread=("/one",)).unread == ()
+    assert the_mover(BASE).is_whole
+    assert not the_mover(BASE + unread, unread=("/one",)).is_whole
 
 
 def test_a_bridge_that_was_not_read_obeys_nothing():
@@ -918,6 +920,8 @@ def test_a_service_of_an_own_node_that_commands_may_move_something():
         ("/enable", Thing.ARMING),
         ("/stop_navigation", Thing.STOP),
         ("/cancel_navigation", Thing.STOP),
+        ("/base/heartbeat", Thing.ARMING),
+        ("/Joystick", Thing.ARMING),
     ],
 )
 def test_a_signal_that_lets_a_commander_begin_or_end(topic, thing):
@@ -1034,3 +1038,59 @@ def test_what_the_launch_publishes_once_goes_to_firmware():
     (base, _) = inventory(text + "/b rosserial_python third_party\n", unread=("/b",))
     assert names(base.commands) == ["/left_motor/pid"]
     assert inventory(text) == ()
+
+
+def test_a_signal_lets_a_node_begin_whose_commands_a_driver_alone_knows():
+    text = "/mixer own own\n    sub /keepAlive std_msgs/Empty\n    pub /wheels own/Wheels\n"
+    text += "/board own own\n    sub /wheels own/Wheels\n"
+    found = inventory(text, wiring=(fact("device", "/board", "CAN"),))
+    assert {mover.thing: names(mover.commands) for mover in found} == {
+        Thing.BASE: ["/wheels"],
+        Thing.ARMING: ["/keepAlive"],
+    }
+
+
+def test_a_joystick_of_an_own_type_stands_behind_what_is_made_of_it():
+    text = "/format own own\n    sub /joy sensor_msgs/Joy\n    pub /formatted own/Joy\n"
+    teleop = f"/teleop own own\n    sub /formatted own/Joy\n    pub /cmd_vel {TWIST}\n"
+    hops = {each.name: each.hops for each in the_mover(text + teleop + BASE).commands}
+    assert hops == {"/cmd_vel": 0, "/formatted": 1, "/joy": 2}
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "is_button"),
+    [("/go_home_button", "std_msgs/Bool", True), ("/goal_name", "std_msgs/String", False)],
+)
+def test_signals_by_which_callers_are_told_stand_behind_what_they_call(topic, type, is_button):
+    text = f"/phone own own\n    sub {topic} {type}\n    client /pick own/action/Pick\n"
+    mover = the_mover(text + "/arm own own\n    server /pick own/action/Pick\n")
+    assert {each.name: each.hops for each in mover.commands} == {"/pick": 0} | (
+        {topic: 1} if is_button else {}
+    )
+
+
+def test_services_beside_one_that_moves_something_move_what_their_node_connects_to():
+    offered = tuple(
+        Service(node="/robot", name=f"/robot/{name}", type="std_srvs/srv/Trigger")
+        for name in ("home", "move_arm", "get_pose")
+    )
+    told = ["/robot/move_arm"]
+    assert names(the_mover("/robot own own\n", services=offered).commands) == told
+    link = (fact("device", "/robot", "TCP link"),)
+    movers = inventory("/robot own own\n", services=offered, wiring=link)
+    assert {name for mover in movers for name in names(mover.commands)} == {*told, "/robot/home"}
+    hears = f"/cloud own own\n    sub /cmd_vel {TWIST}\n    sub /legs std_msgs/String\n"
+    cloud = (fact("device", "/cloud", "TCP link"),)
+    movers = inventory(TWO_DRIVERS + BASE + hears, wiring=cloud)
+    assert {name for mover in movers for name in names(mover.commands)} == {"/cmd_vel"}
+
+
+def test_what_was_not_read_may_stop():
+    unread = "/one one third_party\n"
+    assert the_mover(TWO_DRIVERS + unread, unread=("/one",)).stop == "what obeys was not read"
+
+
+def test_a_pose_on_a_path_is_what_its_follower_is_told():
+    poses = "    sub /path_pose geometry_msgs/Pose\n    sub /robot_pose geometry_msgs/Pose\n"
+    mover = the_mover(f"/go own own\n{poses}    pub /cmd_vel {TWIST}\n" + BASE)
+    assert names(mover.commands) == ["/cmd_vel", "/path_pose"]

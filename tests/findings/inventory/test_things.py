@@ -75,6 +75,8 @@ TOPIC, SERVICE, ACTION, _ = Means
         ("/a/shoulder_lift_cmd", "own/Servo", TOPIC, Thing.ARM),
         ("/aux/camera_pano", "own/Angle", TOPIC, Thing.HEAD),
         ("/pick_object", "own/action/PickObject", ACTION, Thing.ARM),
+        ("/motion/PathPointsExec", "own/srv/GetPathPoints", SERVICE, Thing.BASE),
+        ("/vibration_enable", BOOL, TOPIC, Thing.TOOL),
         (
             "/cm/cleanup",
             "controller_manager_msgs/srv/CleanupController",

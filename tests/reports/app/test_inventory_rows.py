@@ -188,3 +188,20 @@ def test_as_json():
         "hops": 1,
         "priority": "1",
     }
+
+
+def test_who_sends_beside_an_arbiter_is_no_way_through_it():
+    last = replace(CMD_VEL, senders=("/follower", "/mux"))
+    goal = Command(means=Means.TOPIC, name="/goal", receivers=("/follower",), hops=1)
+    text = rows(
+        thing=Thing.BASE, commands=(last, NAV, goal), drivers=("/base",), arbiters=("/mux",)
+    )
+    assert (
+        text[1]
+        == "sent by /follower directly, and by /nav through /mux; the first of /nav_vel (1) wins"
+    )
+
+
+def test_where_not_all_was_read_an_unread_node_may_send_what_nobody_does():
+    text = rows(thing=Thing.BASE, commands=(JOY,), is_whole=False)
+    assert "open: nobody that was read sends /joy_vel; any node can" in text

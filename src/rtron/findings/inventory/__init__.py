@@ -126,10 +126,14 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     streamed = [each for each in topics if each.type not in SIGNALS]
     behind = list(commands.forwarding.behind(topics))
     goals = commands.forwarding.goals(each for each in last if each.means is Means.ACTION)
-    everything = _distinct([*last, *(command for _, command in behind), *goals])
+    requests = [each for each in last if each.means is not Means.TOPIC and thing not in NO_MOTION]
+    upstream = [*(command for _, command in behind), *goals, *commands.forwarding.buttons(requests)]
+    everything = _distinct([*last, *upstream])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
     end = stopping(app, drivers, topics, behind) if streamed and thing not in _HOLDING else None
+    unread = () if drivers else _unread_parts(app)
+    is_seen = bool(unread) and unread[0] in app.nodes
     senders = _nodes(each.senders for each in everything)
     endpoints = [end for each in topics for end in app.graph.subscribers(each.name)]
     return Mover(
@@ -141,9 +145,10 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
             dict.fromkeys(node for node, _ in behind if commands.forwarding.decides(node))
         ),
         doors=doors(app, (*senders, *drivers)),
-        unread=() if drivers else _unread_parts(app),
+        unread=unread,
+        is_whole=not set(app.unread_nodes).difference(bridges(app)),
         stops=end.stops if end else Stops.UNKNOWN,
-        stop=end.why if end else "",
+        stop="what obeys was not read" if end and is_seen else end.why if end else "",
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),
     )
 

@@ -7,14 +7,14 @@ from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.derived_commands import REPORTS, DerivedCommands
+from rtron.findings.inventory.derived_commands import DerivedCommands
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import may_be_command, thing_of, thing_of_node
+from rtron.findings.inventory.unheard_commands import UnheardCommands
 from rtron.findings.measurement_names import may_be_measured
 from rtron.findings.motion.arbiter import arbiters, priorities
-from rtron.findings.motion.several_publishers import ONE_SHOT_PACKAGES
 from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, normalise_type
-from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Thing
+from rtron.vocabulary.inventory import SIGNALS, Command, Means, Thing
 from rtron.vocabulary.names import snake_case
 
 COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
@@ -22,22 +22,18 @@ COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
 _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
 _ORDERS = SIGNALS | {"std_msgs/String"}
-_SETS = re.compile(r"^set_|_cmd$|_command$|^cmd_|^command_")
-"""How the names of commands begin or end; `set` alone is vague."""
-_NUMBER = re.compile(r"std_msgs/(?:U?Int|Float)\d+")
-_WHOLE = re.compile(r"std_msgs/U?Int\d+")
-_OF_ALL = re.compile(r"(?:std|geometry|sensor|nav|actionlib|action|trajectory)_msgs/")
-"""Packages of types that say more about what is measured or planned than about firmware."""
-_RELEASES = re.compile(r"^(?:control_)?(?:en|dis)able$|^(?:stop|cancel|abort)_")
-"""How the names of signals begin that stop what moves, or let it begin."""
-_PARTS = frozenset({Thing.GRIPPER, Thing.TOOL, Thing.HEAD, Thing.THRUSTERS})
+_RELEASES = re.compile(
+    r"^(?:control_)?(?:en|dis)able$|^(?:stop|cancel|abort)_|heart_?beat|keep_?alive|dead_?man"
+)
+"""Names of signals that stop what moves, or let it begin or go on."""
+_STOPPING = re.compile(r"(?:control_)?(?:stop|cancel|abort|disable)")
 _OF_BASE = re.compile(
     "drive|steer|wheel|base|chassis|omni|mecanum|ackermann|tricycle|bicycle", re.IGNORECASE
 )
 """Words in the classes of controllers that move a base: beside an arm, others move that."""
 _TWIST = "geometry_msgs/Twist"
 _JOY = "sensor_msgs/Joy"
-_HANDS = frozenset({_JOY, "visualization_msgs/InteractiveMarkerFeedback"})
+_HANDS = frozenset({"visualization_msgs/InteractiveMarkerFeedback"})
 """What a person does: with a joystick, and with a marker in a viewer."""
 
 
@@ -65,7 +61,8 @@ class CommandTopics:
         if topic in self.locks or self.app.is_stop(topic):
             return Thing.STOP
         if topic in self.releases:
-            return Thing.ARMING if "enable" in topic.rpartition("/")[2] else Thing.STOP
+            is_end = _STOPPING.match(snake_case(topic.rpartition("/")[2]))
+            return Thing.STOP if is_end else Thing.ARMING
         thing = self._things.get(topic) or self.derived.get(topic, Thing.DEVICE)
         if thing is Thing.BASE and self._has_arm and self._moves_tool(topic):
             return Thing.ARM
@@ -103,7 +100,11 @@ class CommandTopics:
         return {node: tuple(sorted(topics)) for node, topics in found.items()}
 
     def _is_input(self, end: Endpoint) -> bool:
-        return normalise_type(end.type) in _HANDS or self._may_command(end)
+        return self.is_by_hand(end.type) or self._may_command(end)
+
+    def is_by_hand(self, type: str) -> bool:
+        """Return whether a person sends a type: a joystick's, or a marker's of a viewer."""
+        return type.endswith("/Joy") or normalise_type(type) in _HANDS
 
     @cached_property
     def _things(self) -> dict[str, Thing | None]:
@@ -119,12 +120,17 @@ class CommandTopics:
         return thing_of(topic, type, Means.TOPIC)
 
     @cached_property
+    def unheard(self) -> UnheardCommands:
+        """The commands that nobody here hears."""
+        return UnheardCommands(self.app, self.roles, self._things)
+
+    @cached_property
     def named_topics(self) -> frozenset[str]:
         """The topics that command motion, and what nodes with a device obey."""
         motion = {topic for topic in self.app.motion_topics if self._moves(topic)}
         motion |= set(filter(self._is_joy_command, self._things))
         found = (motion | self.locks | self.derived.keys()) - self._action_topics
-        found |= set(filter(self._leaves, self._things))
+        found |= set(filter(self.unheard.leaves, self._things))
         for node in filter(self.roles.obeys, filter(self.roles.is_called_driver, self.app.nodes)):
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
         return frozenset(found | self.releases | set(filter(self._switches, self._things)))
@@ -135,10 +141,12 @@ class CommandTopics:
         return frozenset(filter(self._is_release, self.app.explicit_topics))
 
     def _is_release(self, topic: str) -> bool:
-        is_named = _RELEASES.search(snake_case(topic.rpartition("/")[2]))
-        if not is_named or self.app.facts.topic(topic).type not in SIGNALS:
+        last = snake_case(topic.rpartition("/")[2])
+        if self.app.facts.topic(topic).type not in SIGNALS:
             return False
-        return any(map(self._only_commands, self.app.readers(topic)))
+        named = (n for n in self.app.readers(topic) if last == snake_case(n.rpartition("/")[2]))
+        readers = self.app.readers(topic) if _RELEASES.search(last) else named
+        return any(map(self.unheard.only_commands, readers))
 
     @cached_property
     def derived(self) -> dict[str, Thing]:
@@ -171,60 +179,6 @@ class CommandTopics:
         clients = self.app.graph.clients
         modes = (c for c in clients if thing_of(c.name, c.type, Means.SERVICE) is Thing.MODE)
         return frozenset(client.node for client in modes)
-
-    def _leaves(self, topic: str) -> bool:
-        """Return whether a number that moves something goes to nobody here.
-
-        Its name says that it sets a part of the robot, or they alone send it that command motion.
-        """
-        type, senders = self.app.facts.topic(topic).type, self.app.publishers(topic)
-        thing, last = self._things[topic], snake_case(topic.rpartition("/")[2])
-        is_open = bool(senders) and not self.app.readers(topic) and not REPORTS.search(last)
-        if topic in self.to_firmware:
-            return True
-        if not is_open or thing in {None, Thing.DEVICE, *NO_MOTION}:
-            return False
-        is_set = _SETS.search(last) and thing in _PARTS and _NUMBER.fullmatch(type)
-        is_plain = type in SIGNALS and thing in _PARTS and "_" not in last
-        is_number = _NUMBER.match(type) and not may_be_measured(topic)
-        return bool(is_set or ((is_number or is_plain) and all(map(self._only_commands, senders))))
-
-    @cached_property
-    def to_firmware(self) -> frozenset[str]:
-        """The topics that nobody here hears, and that likely go to firmware of this launch."""
-        topics = self.app.explicit_topics if self.roles.firmware else ()
-        return frozenset(filter(self._may_reach_firmware, topics))
-
-    def _may_reach_firmware(self, topic: str) -> bool:
-        """Return whether what nobody here hears is sent as if to firmware.
-
-        What the launch publishes once, numbers or messages of one's own that move something, or
-        whole numbers beside commands, as those of buttons are.
-        """
-        type, senders = self.app.facts.topic(topic).type, self.app.publishers(topic)
-        is_report = REPORTS.search(topic.rpartition("/")[2]) or not may_be_command(topic, type)
-        if is_report or self.app.readers(topic) or not senders or "{" in topic:
-            return False
-        thing = self._things[topic]
-        is_moving = thing not in {None, Thing.DEVICE, *NO_MOTION}
-        nodes = [self.app.nodes[name] for name in senders if name in self.app.nodes]
-        if is_moving and any(node.package in ONE_SHOT_PACKAGES for node in nodes):
-            return True
-        if not all(map(self._hands_on, senders)):
-            return False
-        is_order = _WHOLE.fullmatch(type) and all(map(self._only_commands, senders))
-        return bool(is_order or (is_moving and (_NUMBER.match(type) or not _OF_ALL.match(type))))
-
-    def _hands_on(self, node: str) -> bool:
-        """Return whether a node drives nothing, and sends or obeys commands of motion."""
-        inputs = (end.topic for end in self.app.graph.subscribed_by(node))
-        is_moved = any(map(self.app.is_motion, inputs)) and self.roles.obeys(node)
-        return self._only_commands(node) or (is_moved and not self.roles.drives(node))
-
-    def _only_commands(self, node: str) -> bool:
-        """Return whether a node commands motion and drives nothing itself."""
-        sends = any(self.app.is_motion(end.topic) for end in self.app.graph.published_by(node))
-        return sends and not self.roles.drives(node) and not self.roles.is_called_sensor(node)
 
     def is_unnamed(self, end: Endpoint) -> bool:
         """Return whether a driver may obey a topic though neither its name nor its type tells."""

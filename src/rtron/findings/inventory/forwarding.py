@@ -9,7 +9,7 @@ from itertools import chain
 from rtron.findings.inventory.command_topics import COMMAND_NAMES, CommandTopics
 from rtron.findings.inventory.things import thing_of
 from rtron.vocabulary import Endpoint, normalise_type
-from rtron.vocabulary.inventory import Command, Means
+from rtron.vocabulary.inventory import SIGNALS, Command, Means
 
 _MOST_HOPS = 6
 
@@ -45,6 +45,14 @@ class Forwarding:
             for topic in () if self.topics.roles.drives(node) else self.topics.inputs.get(node, ()):
                 if not self.is_feedback(topic):
                     yield self.topics.command(topic, 1)
+
+    def buttons(self, requests: Iterable[Command]) -> Iterator[Command]:
+        """Yield the signals and joysticks by which those who call services and actions are told."""
+        for node in dict.fromkeys(node for each in requests for node in each.senders):
+            commands = map(self.topics.command, self.topics.inputs.get(node, ()))
+            for each in () if self.topics.roles.drives(node) else commands:
+                if each.type in SIGNALS or self.topics.is_by_hand(each.type):
+                    yield replace(each, hops=1)
 
     def decides(self, node: str) -> bool:
         """Return whether a node decides between commands: an arbiter, or one that takes several."""
@@ -101,7 +109,7 @@ class Forwarding:
             return False
         is_same = normalise_type(end.type) == command.type
         is_named = COMMAND_NAMES.search("/".join(end.topic.split("/")[-2:])) is not None
-        is_made = end.topic in self.topics.derived.keys() | self.topics.to_firmware
+        is_made = end.topic in self.topics.derived.keys() | self.topics.unheard.to_firmware
         is_made |= end.node in self.topics.ranks
         return is_same or is_named or is_made
 

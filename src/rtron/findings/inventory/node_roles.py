@@ -56,9 +56,9 @@ class NodeRoles:
 
     @cached_property
     def with_device(self) -> frozenset[str]:
-        """The nodes whose source opens hardware."""
-        kind = WiringFactKind.DEVICE
-        return frozenset(fact.subject for fact in self.app.graph.wiring if fact.kind is kind)
+        """The nodes whose source opens hardware; what they connect to may be a cloud."""
+        opened = self.devices(tuple(self.app.nodes))
+        return frozenset(fact.subject for fact in opened if fact.value != "TCP link")
 
     @cached_property
     def _controller_hosts(self) -> frozenset[str]:
@@ -68,11 +68,12 @@ class NodeRoles:
 
     @cached_property
     def beside_hardware(self) -> frozenset[str]:
-        """The nodes whose source opens hardware, and those that hardware of ros2_control makes."""
+        """The nodes that open hardware or connect to it, or that hardware of ros2_control makes."""
         hosts = (self.app.nodes[name] for name in self._controller_hosts & self.app.nodes.keys())
         processes = {host.process or host.name for host in hosts}
         inside = (n.name for n in self.app.graph.nodes if n.process in processes)
-        return self.with_device.union(name for name in inside if not self.is_controller(name))
+        outside = (fact.subject for fact in self.devices(tuple(self.app.nodes)))
+        return frozenset(name for name in inside if not self.is_controller(name)).union(outside)
 
     def package(self, node: str) -> str:
         """Return a node's package, empty if it is not known."""

@@ -42,7 +42,7 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.POWER, "power breaker charger poweroff shutdown reboot relay relays battery_switch"),
     (Thing.ARM, "shoulder elbow wrist forearm pick pickup"),
     (Thing.TOOL, "blade mow mower cutter torpedo torpedoes dropper launcher shooter valve pump"),
-    (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet"),
+    (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet vibration"),
     (Thing.HORN, "horn buzzer siren beep"),
     (Thing.GRIPPER, "gripper grippers claw finger fingers hands grasp"),
     (Thing.HEAD, "head pan pano tilt ptz gimbal neck mast camera_control camera_cmd"),
@@ -61,7 +61,7 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     ),
     (Thing.MODE, "mode modes autonomous autonomy manual teleop mission authority"),
     (Thing.DEVICE, "cmd cmds command commands control setpoint setpoints trajectory desired"),
-    (Thing.DEVICE, "actuator actuators execute"),
+    (Thing.DEVICE, "actuator actuators execute exec"),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
 _STOP_PARTS = ("e_stop", "emergency", "run_stop")
@@ -93,6 +93,8 @@ _READS = re.compile(
 )
 _STATES = re.compile(r"_?states?$")
 _SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps|transform|frame))")
+_ASKING_TYPES = re.compile(r"\w+/(?:Get|Query|List|Check|Compute|Describe)[A-Z]")
+_EXECUTES = re.compile(r"(?:^|_)(?:exec|execute|go|goto|move|drive)(?:_|$)")
 _MANNER = re.compile(r"_(?:in|from|to|at|by|with|for)_\w+$")
 """What follows a preposition: in `set_velocity_in_frame` no frame is set."""
 _ON_REQUEST = re.compile(
@@ -113,7 +115,7 @@ _HARMLESS_PACKAGES = (
 )
 _HARMLESS_TYPES = re.compile(
     rf"(?:{_HARMLESS_PACKAGES})(?:_msgs)?/|sensor_msgs/(?!(?:JointState|Joy)$)"
-    r"|geometry_msgs/\w+WithCovariance|\w+/(?:Get|Query|List|Check|Compute|Describe)[A-Z]"
+    r"|geometry_msgs/\w+WithCovariance"
     r"|mavros_msgs/(?:RCIn$|\w*State$|Param(?!Set)|File|RTCM|StreamRate$|MessageInterval$"
     r"|VehicleInfo|Waypoint(?:Pull|Clear)|Log)"
     r"|moveit_msgs/(?:Apply|Change|Set|Save|Load|Rename|Delete|Display"
@@ -156,8 +158,10 @@ def part_of_states(name: str, type: str) -> Thing | None:
 
 def is_harmless(name: str, type: str) -> bool:
     """Return whether a name or a type says that something is read, shown or estimated."""
-    only_reads = all(map(_reads, _last_part(name).split("_and_")))
-    return bool(only_reads or is_measured(name) or _HARMLESS_TYPES.match(_plain_type(type)))
+    last, type = _last_part(name), _plain_type(type)
+    only_reads = all(map(_reads, last.split("_and_")))
+    is_query = _ASKING_TYPES.match(type) and not _EXECUTES.search(last)
+    return bool(only_reads or is_query or is_measured(name) or _HARMLESS_TYPES.match(type))
 
 
 def _reads(clause: str) -> bool:

@@ -50,7 +50,7 @@ TIMEOUT_NAMES = (
     "timeout_cmd",
 )
 """Parameters that say how long a command counts."""
-CLEVER_DEVICES = frozenset({"vehicle link", "vendor SDK"})
+CLEVER_DEVICES = frozenset({"vehicle link", "vendor SDK", "TCP link"})
 """Devices that mostly stop by themselves: an autopilot, a base with a controller of its own."""
 _VELOCITIES = ("geometry_msgs/Twist", "ackermann_msgs/")
 

@@ -5,8 +5,9 @@
 A topic with a subscriber and no publisher, where another topic of the same type has a near name:
 most often a remap, a namespace or a slip of the pen parts the two. Of a measurement (of a sensor,
 odometry, a map) so has the only one below or above it, such as `/imu/data` of `/imu`, if nobody
-reads that. It is likely if nobody else subscribes the other topic and all nodes were read. Else it
-is possible, and shown from the level `pedantic` on. No other topic is named that is made of this
+reads that; and so have two topics beside each other that alone have a type of the app's own. It is
+likely if nobody else subscribes the other topic and all nodes were read. Else it is possible, and
+shown from the level `pedantic` on. No other topic is named that is made of this
 one, that another node forwards as a command, or where a publisher's name that is known in part may
 be this topic. A topic that is only recorded in a bag counts too, with any type. What a lost command
 likely means is left to `lost_command`, and a topic without a near name to `incomplete_launch`. What
@@ -30,7 +31,7 @@ the same, remap one to the other; never a command or a stop, which may be meant 
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
-from rtron.findings.app_facts import AppFacts, says_more
+from rtron.findings.app_facts import AppFacts, near_names, says_more
 from rtron.findings.lost_commands import lost_commands
 from rtron.findings.measurement_names import MEASURED_TYPES
 from rtron.findings.motion.arbiter import is_one_stack
@@ -47,6 +48,7 @@ from rtron.vocabulary import (
     ros1_topic_name,
     ros2_entity_name,
 )
+from rtron.vocabulary.names import are_nested
 from rtron.wording import conjugate, join_names
 
 _RECORDER_PACKAGE = "ros2bag"
@@ -130,6 +132,7 @@ def _finding(app: AppFacts, topic: str, near: list[str], readers: tuple[str, ...
     is_likely = bool(unread_near) and not maybe_elsewhere
     publishers = app.publishers(near[0])
     is_doubtful = app.is_motion(topic) or app.is_stop(topic) or _is_other_word(topic, near[0])
+    is_doubtful |= not near_names(topic, near[:1]) and not are_nested(topic, near[0])
     return make_finding(
         RULE.name,
         topic,

@@ -45,7 +45,8 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
         yield from _MEANS_ROWS[means](mover, commands) if commands else ()
     for verb, sent in _OPEN.items():
         if spare := [each for each in _open(mover) if each.means in sent]:
-            text = f"open: nobody in this launch {verb} {_names(spare)}; any node can"
+            nobody = "nobody in this launch" if mover.is_whole else "nobody that was read"
+            text = f"open: {nobody} {verb} {_names(spare)}; any node can"
             yield MoverRow(text, Tone.WARNING)
     if mover.doors:
         yield MoverRow(f"reached from a network through {join_names(mover.doors)}", Tone.WARNING)
@@ -92,12 +93,22 @@ def _sources(mover: Mover, last: Sequence[Command]) -> str:
     into = (each for each in mover.commands if not set(between).isdisjoint(each.receivers))
     passed = [node for node in _senders(c for c in into if c.type != _JOY) if node in behind]
     if arbiters and passed:
+        between = _relays(mover, between, passed)
         past = [node for node in direct if node not in between]
         passing = f"{_all(past)} directly, and by " if past else ""
         behind_them = _instructed_by(node for node in behind if node not in passed)
         return f"{passing}{_all(passed)} through {_all(between)}{behind_them}"
     behind_them = _instructed_by(node for node in sources if node not in direct)
     return f"{_all(direct) or 'nobody in this launch'}{behind_them}"
+
+
+def _relays(mover: Mover, between: Sequence[str], sources: Iterable[str]) -> list[str]:
+    """Return which of some nodes hand on what the sources send."""
+    found, behind = set(sources), [each for each in mover.commands if each.hops]
+    for _ in between:
+        reached = (each for each in behind if not found.isdisjoint(each.senders))
+        found.update(node for each in reached if each.type != _JOY for node in each.receivers)
+    return [node for node in between if node in found]
 
 
 def _instructed_by(nodes: Iterable[str]) -> str:

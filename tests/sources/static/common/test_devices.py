@@ -56,6 +56,9 @@ def cpp(text):
         ("from osr_control.roboclaw import Roboclaw", "motor controller"),
         ("from pymavlink import mavutil", "vehicle link"),
         ("from xarm.wrapper import XArmAPI", "vendor SDK"),
+        ("from pymodbus.client import ModbusTcpClient", "Modbus"),
+        ("self.robot.connect((host, 30002))", "TCP link"),
+        ("    link = socket.create_connection(address)", "TCP link"),
     ],
 )
 def test_devices_of_python(facts, line, device):
@@ -71,6 +74,8 @@ def test_devices_of_python(facts, line, device):
         ("#include <linux/i2c-dev.h>", "I2C"),
         ("#include <ethercat.h>", "EtherCAT"),
         ("#include <franka/robot.h>", "vendor SDK"),
+        ("  if (connect(fd, (struct sockaddr *)&address, size) < 0) {", "TCP link"),
+        ("#include <modbus/modbus.h>", "Modbus"),
     ],
 )
 def test_devices_of_cpp(facts, line, device):

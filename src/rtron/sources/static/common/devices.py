@@ -25,12 +25,15 @@ _LIBRARIES = {
     "servo bus": r"dynamixel_sdk|lx16a|scservo|SCServo|feetech|herkulex",
     "motor controller": r"roboclaw|odrive|vesc_(?:interface|packet)|pyvesc|[Rr]oboteq|phidget22"
     r"|sabertooth|tmc\d{4}|moteus",
+    "Modbus": r"\bpymodbus|minimalmodbus|\bmodbus(?:/modbus)?\.h",
+    "TCP link": r"\bcreate_connection\(|\.connect\(\s*\(|\bconnect\([^;\n]{0,60}sockaddr",
     "LCM": r"\blcm/lcm|^[ \t]*(?:import|from) lcm\b",
     "vehicle link": r"pymavlink|mavsdk|dronekit|mavlink/v2\.0|djitellopy|olympe|dji_vehicle\.hpp",
     "vendor SDK": r"unitree_(?:legged_)?sdk|bosdyn|xarm\.wrapper|ugv_sdk|franka/robot|ur_rtde"
     r"|ur_client_library|kortex|\bpyniryo|pymycobot|aubo_sdk",
 }
-"""What stands on a line that imports or includes the library of a device, its messages apart.
+"""What stands on a line that imports or includes the library of a device, its messages apart, or
+that connects to one.
 
 A terminal has termios too, and no speed that a program sets.
 """
@@ -42,7 +45,7 @@ _SOCKETS = {
     r"|from bottle|crow\.h|httplib\.h|cherrypy|SimpleHTTPServer|web\.Application\(",
     "TCP or UDP socket": r"socketserver\.|\.bind\(\s*\(|INADDR_ANY|in6addr_any|tcp::acceptor"
     r"|udp::endpoint\(\s*udp|QTcpServer",
-    "gRPC server": r"grpc\.server\(|grpc::ServerBuilder",
+    "gRPC server": r"grpc\.(?:aio\.)?server\(|grpc::ServerBuilder",
 }
 _COMMAND = r"(?<![a-z])(?:cmd_?vel|cmd|command|vel|velocity|twist|joy|setpoint|teleop|drive)"
 _AGE = (
@@ -73,7 +76,9 @@ _KINDS = {
     WiringFactKind.SOCKET: _SOCKETS,
     WiringFactKind.COMMAND_AGE: {"age of a command": f"(?i:{_AGE})"},
 }
-_IMPORTS = re.compile(rb"[ \t]*(?:(?:#[ \t]*include|import|from)\b|cfset[io]?speed)")
+_IMPORTS = re.compile(
+    rb"[ \t]*(?:(?:#[ \t]*include|import|from)\b|cfset[io]?speed)|[^\n]{0,80}connect(?:ion)?\("
+)
 _Places: TypeAlias = dict[tuple[WiringFactKind, str], Evidence]
 """Where each word of each kind stands first."""
 _PATTERNS = {
