@@ -59,6 +59,7 @@ CPP_BODY = """
 """
 KEEP = "self.speed = message.linear.x"
 KEEP_WITH_TIME = f"{KEEP}; self.last = now"
+STOP_IN_CALLBACK = f"if now - self.last > 1:\n    self.speed = 0.0\n{KEEP_WITH_TIME}"
 KEEP_CPP = "speed_ = message.linear.x;"
 KEEP_WITH_TIME_CPP = f"{KEEP_CPP} last_ = now();"
 
@@ -116,6 +117,7 @@ def told(found):
         (KEEP, "self.out.publish(self.speed)", "repeated", None),
         (KEEP_WITH_TIME, "self.out.publish(self.speed)", "repeated", None),
         (KEEP_WITH_TIME, "if self.last is None:\n    self.off()", "unnoticed", None),
+        (STOP_IN_CALLBACK, "self.drive(self.speed)", "unnoticed", None),
         (KEEP, "if now - self.last > 0.5:\n    self.off()", "unnoticed", None),
         (KEEP, "self.drive(self.speed)", "unnoticed", None),
         ("self.drive(message.linear.x)", "pass", "unnoticed", None),
@@ -152,6 +154,7 @@ def test_in_python(callback, timer, fate, seconds):
         (f"{KEEP_CPP} watchdog_timer_->reset();", "", "checked", None),
         (f"{KEEP_CPP} fresh_ = true;", "if (!fresh_) return; fresh_ = false;", "checked", None),
         (KEEP_CPP, "out_->publish(speed_);", "repeated", None),
+        (f"if (now() - last_ > limit_) send(0); {KEEP_WITH_TIME_CPP}", "", "unnoticed", None),
         (KEEP_CPP, "double speed = 0; send(speed_);", "unnoticed", None),
         (KEEP_CPP, "if ((now() - last_).seconds() > 0.5) speed_ = 0.0;", "unnoticed", None),
         ("auto last = now(); send(message.linear.x);", "", "unnoticed", None),
@@ -159,6 +162,38 @@ def test_in_python(callback, timer, fate, seconds):
 )
 def test_in_cpp(callback, timer, fate, seconds):
     assert told(cpp(callback, timer)) == (fate, seconds)
+
+
+UPDATE = """    def update(self):
+        if time.time() - self.last > 2:
+            self.off()
+
+    def is_late"""
+
+
+@pytest.mark.parametrize(
+    ("callback", "timer", "fate"),
+    [
+        ("self.update()", "pass", "unnoticed"),
+        ("self.update()", "self.update()", "stopped"),
+        ("pass", "self.update()", "stopped"),
+        ("pass", "pass", "checked"),
+    ],
+)
+def test_a_test_that_the_message_itself_runs_stops_nothing(callback, timer, fate):
+    text = PYTHON.format(
+        callback=indented(f"{KEEP_WITH_TIME}\n{callback}"), timer=indented(timer)
+    ).replace("    def is_late", UPDATE)
+    assert told(ros1_runs.run_text(text).last_messages)[0] == fate
+
+
+@pytest.mark.parametrize(("call", "fate"), [("self.update()", "stopped"), ("pass", "checked")])
+def test_a_loop_that_looks_at_the_age_stops(call, fate):
+    text = PYTHON.format(callback=indented(KEEP_WITH_TIME), timer=indented("pass"))
+    head = "    def run(self):\n        while not rospy.is_shutdown():\n            "
+    loop = f"{head}{call}\n\n{UPDATE}"
+    text = text.replace("    def is_late", loop).replace("Base()\n", "Base().run()\n")
+    assert told(ros1_runs.run_text(text).last_messages)[0] == fate
 
 
 def test_where_it_is():

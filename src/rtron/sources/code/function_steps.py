@@ -52,6 +52,8 @@ class FunctionSteps:
         self.tests = [test for node in nodes if (test := _test(node))]
         self.returned = [n.value for n in nodes if isinstance(n, Return) and n.value is not None]
         self.calls = [n for n in nodes if isinstance(n, Call)]
+        loops = [part for n in nodes if isinstance(n, While) for part in ir_nodes(n.body)]
+        self.loop_calls = {last_name(n.function) for n in loops if isinstance(n, Call)}
         self.members: list[tuple[str, Expr]] = []
         self.locals: list[tuple[str, Expr]] = []
         for node in nodes:
@@ -63,7 +65,7 @@ class FunctionSteps:
 
     def _member(self, target: Expr) -> str:
         """Return the member or global below which something is written, empty for a local."""
-        own = {"this", *(p.name for p in self.function.params[:1])}
+        own = {"this"} if self.is_cpp else {p.name for p in self.function.params[:1]}
         while isinstance(target, (Attr, Index)):
             owner = target.owner
             if isinstance(target, Attr) and isinstance(owner, Name) and owner.id in own:

@@ -74,9 +74,13 @@ class _Program:
         reached = self._reached(callbacks)
         keys = {each.function.key for each in reached}
         others = [each for each in self.codes if each.function.key not in keys]
+        beside = self._run_beside(callbacks)
         times = {name for each in reached for name, value in each.members if _is_time(value, each)}
-        if found := self._age_test(times, [*others, *reached]):
+        if found := self._age_test(times, beside):
             return replace(found, evidence=(place, *found.evidence))
+        if found := self._age_test(times, others):  # who calls them is not known
+            evidence = (place, *found.evidence)
+            return replace(found, fate=LastMessageFate.CHECKED, evidence=evidence)
         stored = {
             name for each in reached for name, value in each.members if not is_constant(value)
         }
@@ -87,6 +91,16 @@ class _Program:
         else:
             fate = LastMessageFate.UNNOTICED
         return LastMessageUse(fate=fate, evidence=(place,))
+
+    def _run_beside(self, callbacks: list[Function]) -> list[FunctionSteps]:
+        """Return what runs without the message: other callbacks, and loops with what they call."""
+        own = {each.key for each in callbacks}
+        given = (each for many in self.machine.callbacks_at.values() for each in many)
+        looping = [each for each in self.codes if each.loop_calls and each.function.key not in own]
+        called = {name for each in looping for name in each.loop_calls}
+        roots = [each for each in given if each.key not in own]
+        roots += [f for name in called for f in self.machine.runtime.functions_named(name)]
+        return [*looping, *self._reached(each for each in roots if each.key not in own)]
 
     def _age_test(self, times: set[str], codes: list[FunctionSteps]) -> LastMessageUse | None:
         """Return the first test of a time that was stored, rather one that stops something."""
