@@ -9,3 +9,14 @@ from rtron.coherence.effective_plan import (
 from rtron.coherence.flows import CoherenceProblem, guards_nothing
 from rtron.coherence.plan_changes import relaunch_reasons
 from rtron.coherence.plan_checks import coherence_problems
+
+__all__ = [
+    "CoherenceProblem",
+    "EffectivePlan",
+    "SettingsMismatchError",
+    "coherence_problems",
+    "compatible_settings",
+    "coordination_node_ids",
+    "guards_nothing",
+    "relaunch_reasons",
+]

@@ -12,3 +12,18 @@ from rtron.messages.common.stamp import stamp_reader
 from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec, velocity_codec
 from rtron.messages.expressions.condition import Condition
 from rtron.messages.expressions.evaluator import MessageEvaluator, check_expression
+
+__all__ = [
+    "VELOCITY_TYPES",
+    "Condition",
+    "Definition",
+    "DefinitionRegistry",
+    "Encoding",
+    "Field",
+    "MessageEvaluator",
+    "VelocityCodec",
+    "check_expression",
+    "parse_definition",
+    "stamp_reader",
+    "velocity_codec",
+]

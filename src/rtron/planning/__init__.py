@@ -6,3 +6,15 @@ from rtron.planning.plan_file.loader import parse_plan, read_plan
 from rtron.planning.plan_file.writer import write_plan
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
+
+__all__ = [
+    "PlanProblem",
+    "ProblemLevel",
+    "check_plan",
+    "parse_plan",
+    "plan_json_schema",
+    "propose_plan",
+    "read_plan",
+    "unguardable_topics",
+    "write_plan",
+]

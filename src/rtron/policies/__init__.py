@@ -15,6 +15,8 @@ from rtron.policies.velocity_limit.safe import Safe
 from rtron.policies.velocity_limit.safe_constrain import SafeConstrain
 from rtron.vocabulary import PolicyName, PolicySettings
 
+__all__ = ["POLICIES", "FrameMonitors", "Policy", "Release", "build_policy"]
+
 _FLOW_POLICIES: Mapping[PolicyName, Callable[[PolicySettings], Policy]] = {
     PolicyName.BLOCK: Block,
     PolicyName.FIFO_QUEUE: FIFOQueue,

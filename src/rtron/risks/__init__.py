@@ -11,6 +11,16 @@ from rtron.risks.lists import RiskLists, default_lists, load_lists
 from rtron.risks.rule import RiskRule, find_rule, format_rule_page, missing_inputs
 from rtron.vocabulary import InteractionGraph, Risk, RiskReport
 
+__all__ = [
+    "RULES",
+    "RiskLists",
+    "RiskRule",
+    "default_lists",
+    "discover_risks",
+    "load_lists",
+    "rule_page",
+]
+
 RULES: tuple[RiskRule, ...] = (
     gr_st.RULE,
     gr_mt.RULE,

@@ -5,3 +5,5 @@ from rtron.demos.cases.msr import MSR
 from rtron.demos.cases.rsr import RSR
 
 CASES = {case.name: case for case in (GR, RSR, MSR, AGENT)}
+
+__all__ = ["AGENT", "CASES", "GR", "MSR", "RSR", "Case", "Decisions", "RunConditions"]

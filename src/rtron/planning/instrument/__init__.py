@@ -9,3 +9,13 @@ from rtron.planning.instrument.common.guarded_launch import (
 from rtron.planning.instrument.ros1.instrumentation import instrument_ros1
 from rtron.planning.instrument.ros1.runtime_launch import RuntimeLaunchTree
 from rtron.planning.instrument.ros2.instrumentation import instrument_ros2
+
+__all__ = [
+    "EnforcementGap",
+    "GuardedLaunch",
+    "PlacedRemap",
+    "RuntimeLaunchTree",
+    "instrument_ros1",
+    "instrument_ros2",
+    "write_guarded_launch",
+]

@@ -9,3 +9,15 @@ from rtron.sources.gazebo.plugins import (
     read_plugins,
 )
 from rtron.sources.gazebo.world import GazeboWorld, model_folders, read_world
+
+__all__ = [
+    "GazeboPlugin",
+    "GazeboWorld",
+    "PluginScope",
+    "PluginValue",
+    "Sensor",
+    "model_folders",
+    "plugin_library",
+    "read_plugins",
+    "read_world",
+]

@@ -5,3 +5,14 @@ from rtron.sources.models.common.evaluation import node_interface, plugin_interf
 from rtron.sources.models.common.plugin_element import PluginElement
 from rtron.sources.models.common.schema import Model
 from rtron.sources.models.ros1.controllers import controller_interface
+
+__all__ = [
+    "ROS2_LIBRARY",
+    "Model",
+    "ModelCatalog",
+    "PluginElement",
+    "controller_interface",
+    "load_models",
+    "node_interface",
+    "plugin_interface",
+]

@@ -8,3 +8,14 @@ from rtron.sources.xacro.xml_element import (
     shorten_description,
     xml_text,
 )
+
+__all__ = [
+    "RobotDescriptions",
+    "XacroResult",
+    "XmlElement",
+    "evaluate_xacro",
+    "parse_element",
+    "read_element",
+    "shorten_description",
+    "xml_text",
+]

@@ -60,3 +60,13 @@ from rtron.sources.code.ir.statements import (
     Yield,
 )
 from rtron.sources.code.ir.types import TypeRef, adapter_alias, alias_parameter, substituted
+
+__all__ = [
+    "BRACES",
+    "Assign", "AssignExpr", "Attr", "Binary", "Break", "Breakable", "Call", "Class",
+    "Comprehension", "Concat", "Conditional", "Const", "Continue", "Declare", "Define", "Delete",
+    "Evaluate", "Expansion", "Expr", "ForEach", "Function", "Global", "If", "Import", "Index",
+    "Jump", "Lambda", "Logic", "MappingExpr", "Name", "New", "Opaque", "Param", "Raise", "Return",
+    "SequenceExpr", "SourceLanguage", "SourceProblem", "Star", "Stmt", "Try", "TypeRef", "Unary",
+    "Unit", "While", "With", "Yield", "adapter_alias", "alias_parameter", "substituted",
+]  # fmt: skip
