@@ -16,6 +16,8 @@ BASE = f"/base driver own\n    sub /cmd_vel {TWIST}\n"
 ARM = "/arm arm own\n    server /arm/follow control_msgs/FollowJointTrajectory\n"
 PICK = "/pick pick own\n    client /arm/follow control_msgs/FollowJointTrajectory\n"
 LAND = "/base driver own\n    sub /land std_msgs/Empty\n"
+ARMED = LAND.replace("/land std_msgs/Empty", "/arm_motors std_msgs/Bool")
+STOPPED = LAND.replace("/land std_msgs/Empty", "/estop std_msgs/Bool")
 KILL = Service(node="/base", name="/base/kill", type="std_srvs/Trigger")
 
 
@@ -236,7 +238,9 @@ def test_a_node_that_publishes_what_it_obeys_is_told():
     [
         ("/chat chat own\n    pub /chatter std_msgs/String\n", (), "nothing that was read moves"),
         ("/base driver own\n", (KILL,), "/base/kill: a plan cannot guard services: whoever"),
-        (LAND, (), "/land: a plan leaves switches and signals open: who stops the robot may"),
+        (LAND, (), "/land: a plan leaves switches and signals open: any node can send it"),
+        (ARMED, (), "/arm_motors: a plan leaves switches and signals open: any node can send it"),
+        (STOPPED, (), "/estop: a plan leaves stops open: who stops the robot may be anyone"),
     ],
 )
 def test_a_plan_that_guards_nothing_says_why_for_each_thing(text, services, why):

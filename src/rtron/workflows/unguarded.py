@@ -118,7 +118,7 @@ def _why(thing: Thing, command: Command, mode: Mode | None) -> str:
     if "{" in command.name:
         return "no plan can guard it: its whole name is not known"
     if thing in NO_MOTION or command.type in SIGNALS:
-        return "a plan leaves switches and signals open: who stops the robot may be anyone"
+        return _STOP if thing is Thing.STOP else _SIGNAL
     if command.receivers and command.senders:
         return _WHY_UNGUARDED[Means.TOPIC]
     missing = "sends" if command.receivers else "obeys"
@@ -129,6 +129,8 @@ def _warning(where: str, why: str) -> PlanProblem:
     return PlanProblem(ProblemLevel.WARNING, where, why)
 
 
+_STOP = "a plan leaves stops open: who stops the robot may be anyone"
+_SIGNAL = "a plan leaves switches and signals open: any node can send it"
 _OBSERVED = "its coordination node only observes: `mode: enforce` guards it"
 _NOTHING_MOVES = "nothing that was read moves a robot: give the launch file and source of what does"
 _UNREAD = "not read, so what moves it is not known: give its source"
