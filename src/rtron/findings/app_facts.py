@@ -101,11 +101,12 @@ class AppFacts:
         facts = (fact for fact in self.graph.wiring if fact.kind is kind)
         return {fact.subject: place for fact in facts for place in fact.evidence}
 
-    def last_messages(self, node: str, topics: Collection[str]) -> list[WiringFact]:
-        """Return what becomes of the last messages that a node gets on topics (LAST_MESSAGE)."""
+    def last_messages(self, node: str, topics: Collection[str]) -> dict[str, WiringFact]:
+        """Return the fates (LastMessageFate) of the last messages that a node gets on topics."""
         endpoints = (end for end in self.graph.subscribed_by(node) if end.topic in topics)
         places = {place for end in endpoints for place in end.evidence}
-        return [fact for fact in self._last_messages if places.intersection(fact.evidence[:1])]
+        facts = (fact for fact in self._last_messages if places.intersection(fact.evidence[:1]))
+        return {fact.value: fact for fact in facts}
 
     @cached_property
     def _last_messages(self) -> tuple[WiringFact, ...]:

@@ -5,6 +5,7 @@ from math import isfinite
 
 from rtron.vocabulary import (
     Evidence,
+    LastMessageFate,
     NodeParameter,
     NodeParameterValue,
     ParameterTree,
@@ -213,19 +214,6 @@ class FrameUse:
     frame: str
     evidence: Evidence
     is_look_up: bool = False
-
-
-class LastMessageFate(StringEnum):
-    """What a node does with the last message of a topic when no more come."""
-
-    STOPPED = "stopped"
-    """It compares the time of the message with now, and stops something."""
-    CHECKED = "checked"
-    """It may notice: it compares that time, restarts a timer, or sets a mark that is tested."""
-    REPEATED = "repeated"
-    """It publishes what it kept of the message again and again."""
-    UNNOTICED = "unnoticed"
-    """Nothing in its source notices."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

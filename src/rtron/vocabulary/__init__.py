@@ -204,4 +204,4 @@ from rtron.vocabulary.topic_access import (
     stage_nodes,
 )
 from rtron.vocabulary.velocity import TWIST_COMPONENTS, Velocity
-from rtron.vocabulary.wiring import WiringFact, WiringFactKind
+from rtron.vocabulary.wiring import LastMessageFate, WiringFact, WiringFactKind

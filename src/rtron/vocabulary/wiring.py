@@ -60,8 +60,21 @@ class WiringFactKind(StringEnum):
     COMMAND_AGE = "command_age"
     """A node whose source has a name that tells of how old a command is."""
     LAST_MESSAGE = "last_message"
-    """A node with a subscription at the first place; the value is what becomes of its last message
-    when no more come, others the seconds after which, and the second place where."""
+    """A node with a subscription at the first place; the value is a `LastMessageFate`, others are
+    the seconds after which, and the second place where."""
+
+
+class LastMessageFate(StringEnum):
+    """What a node does with the last message of a topic when no more come."""
+
+    STOPPED = "stopped"
+    """It compares the time of the message with now, and stops something."""
+    CHECKED = "checked"
+    """It may notice: it compares that time, restarts a timer, or sets a mark that is tested."""
+    REPEATED = "repeated"
+    """It publishes what it kept of the message again and again."""
+    UNNOTICED = "unnoticed"
+    """Nothing in its source notices."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.command_timeout import CLEVER_DEVICES, TIMEOUT_NAMES, is_off
-from rtron.vocabulary import WiringFact, WiringFactKind
+from rtron.vocabulary import LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
 
 _STREAMS = re.compile(
@@ -66,7 +66,7 @@ def stopping(
 
 def _of_forwarder(app: AppFacts, node: str, topic: str) -> Iterator[Stopping]:
     """Yield that a node sends its last command for ever, where its source shows it."""
-    if any(each.value == "repeated" for each in app.last_messages(node, {topic})):
+    if LastMessageFate.REPEATED in app.last_messages(node, {topic}):
         yield Stopping(Stops.NO, f"{node} sends its last command for ever when {topic} ends")
 
 
@@ -95,21 +95,21 @@ def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Sto
 
 
 def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | None:
-    last = {each.value: each for each in app.last_messages(node, topics)}
+    last = app.last_messages(node, topics)
     age = next(_facts(app, node, WiringFactKind.COMMAND_AGE), None)
     devices = [fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)]
-    if set(last) == {"stopped"}:
-        after = "".join(f", after {seconds}" for seconds in last["stopped"].others)
-        place = _place(last["stopped"])
-        return Stopping(Stops.YES, f"{node} looks at the age of commands{after}{place}")
-    if hint := last.get("checked") or age:
+    if set(last) == {LastMessageFate.STOPPED}:
+        stop = last[LastMessageFate.STOPPED]
+        after = "".join(f", after {seconds}" for seconds in stop.others)
+        return Stopping(Stops.YES, f"{node} looks at the age of commands{after}{_place(stop)}")
+    if hint := last.get(LastMessageFate.CHECKED) or age:
         return Stopping(Stops.UNKNOWN, f"{node} may look at the age of commands{_place(hint)}")
     if last and devices and CLEVER_DEVICES.isdisjoint(devices):
         why = f"nothing in the source of {node} looks at the age of a command"
         return Stopping(Stops.NO, why)
     if last and devices:
         return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
-    is_repeated = "repeated" in last
+    is_repeated = LastMessageFate.REPEATED in last
     return Stopping(Stops.NO, f"{node} sends its last command for ever") if is_repeated else None
 
 

@@ -35,6 +35,7 @@ from rtron.vocabulary import (
     Consequence,
     Endpoint,
     Finding,
+    LastMessageFate,
     NodeParameter,
     WiringFact,
     WiringFactKind,
@@ -52,6 +53,7 @@ TIMEOUT_NAMES = (
 """Parameters that say how long a command counts."""
 CLEVER_DEVICES = frozenset({"vehicle link", "vendor SDK", "TCP link"})
 """Devices that mostly stop by themselves: an autopilot, a base with a controller of its own."""
+_UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
 _VELOCITIES = ("geometry_msgs/Twist", "ackermann_msgs/")
 
 
@@ -78,8 +80,8 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
         opened[fact.subject].add(fact.value)
     for node in sorted(devices.keys() - aged.keys()):
         velocities = {end.topic for end in app.graph.subscribed_by(node) if _is_velocity(end)}
-        last = {each.value for each in app.last_messages(node, velocities)}
-        if last and last <= {"unnoticed", "repeated"} and opened[node].isdisjoint(CLEVER_DEVICES):
+        last = set(app.last_messages(node, velocities))
+        if last and last <= _UNCHECKED and opened[node].isdisjoint(CLEVER_DEVICES):
             yield node, devices[node]
 
 

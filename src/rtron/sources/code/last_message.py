@@ -25,8 +25,8 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.ir import Assign, Attr, Call, Const, Expr, Function, New
 from rtron.sources.code.ir.references import called_names, ir_nodes
 from rtron.sources.code.reachability import reachable_functions
-from rtron.sources.declaration import DeclarationKind, LastMessageFate, LastMessageUse
-from rtron.vocabulary import Evidence
+from rtron.sources.declaration import DeclarationKind, LastMessageUse
+from rtron.vocabulary import Evidence, LastMessageFate
 
 _CLOCKS = frozenset(
     [
