@@ -226,6 +226,47 @@ def test_no_remap_takes_firmware_behind_micro_ros_to_the_guard():
     assert doubt.message == f"{why}: {PAST}"
 
 
+PWM = "    pub /arduino/pwm own_msgs/PWM\n"
+MIXER = BASE.replace("/base driver", "/mixer mixer") + PWM
+BOARD = "/board rosserial_python own\n"
+GAINS = "/gains rostopic own\n    pub /motor/pid own_msgs/Gains\n"
+
+
+@pytest.mark.parametrize(
+    ("board", "successors"),
+    [
+        (BOARD, [("/board",)]),
+        (BOARD.replace("/board", "/other/board"), []),
+        (BOARD.replace("rosserial_python", "micro_ros_agent"), [()]),
+        (BOARD.replace("rosserial_python", "camera"), []),
+    ],
+)
+def test_what_goes_to_firmware_of_the_launch_is_guarded(board, successors):
+    found = unread(NAV + MIXER + board, "/board", "/other/board")
+    plan = propose(found).plan
+    assert [g.successors for g in plan.grcn if g.topic == "/arduino/pwm"] == successors
+
+
+def test_what_is_sent_once_is_refused_with_the_reason():
+    found = unread(NAV + BOARD + GAINS, "/board")
+    plan = propose(found).plan
+    assert enforced(plan) == ["/cmd_vel"]
+    why = "sent once, and a guard keeps no command for later: guard it yourself, with `kind: state`"
+    assert ("base", f"/motor/pid: {why}") in told(found, plan)
+
+
+@pytest.mark.parametrize(
+    ("other", "why"),
+    [
+        ("/box", "nobody that was read obeys it, and /box may: give the source"),
+        ("/none", "nobody in this launch obeys it: give the launch file of who should"),
+    ],
+)
+def test_who_may_obey_what_leaves_the_launch_is_told(other, why):
+    found = unread(NAV + "    pub /set_gripper std_msgs/Float64\n/box box own\n", other)
+    assert ("gripper", f"/set_gripper: {why}") in told(found, propose(found).plan)
+
+
 def test_a_node_that_publishes_what_it_obeys_is_told():
     proposed = propose(scan(BASE + f"    pub /cmd_vel {TWIST}\n" + NAV))
     assert [each.message for each in proposed.doubts][-1] == (

@@ -6,8 +6,9 @@ from itertools import chain
 
 from rtron.coherence import guards_nothing
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.node_roles import unread_drivers
+from rtron.findings.inventory.node_roles import NodeRoles, unread_drivers
 from rtron.findings.motion.arbiter import arbiters
+from rtron.findings.motion.several_publishers import speaks_once
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import Mode, Plan, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
@@ -24,7 +25,8 @@ def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
     it commands motion: a driver hears, and sends, measurements, too. Where that is who obeys, a
     node that was not read may do it, if it is called like a driver and lies in a namespace of the
     topic's. No other: the remap would let what it publishes past the guard.
-    Firmware behind rosserial may obey whatever others obey, too.
+    Firmware behind rosserial may obey whatever others obey, too. What nobody here obeys goes to the
+    firmware of the launch, but for what is sent only once: a guard keeps no command for later.
 
     So are the inputs of arbiters that nobody sends: who comes to send one goes before others.
     """
@@ -39,8 +41,20 @@ def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
     return {
         each.name: tuple(_within_reach(each.name, firmware if each.receivers else unread))
         for each in topics
-        if (each.receivers and each.senders) or scan.app.is_motion(each.name)
+        if _is_command(scan.app, each)
     }
+
+
+def _is_command(app: AppFacts, command: Command) -> bool:
+    """Return whether a topic of the inventory is known to command, not only to be told."""
+    if (command.receivers and command.senders) or app.is_motion(command.name):
+        return True
+    is_left = command.senders and not (command.receivers or _is_sent_once(app, command))
+    return bool(is_left) and any(_within_reach(command.name, NodeRoles(app).firmware))
+
+
+def _is_sent_once(app: AppFacts, command: Command) -> bool:
+    return any(speaks_once(app, node) for node in command.senders)
 
 
 def _open_inputs(app: AppFacts) -> frozenset[str]:
@@ -73,17 +87,19 @@ def find_unguarded_commands(plan: Plan, scan: ScanResult | None = None) -> tuple
     return tuple(
         _warning(str(mover.thing), f"{join_names(names)}: {why}")
         for mover in scan.inventory
-        for why, names in _reasons(mover, modes, is_void=is_void).items()
+        for why, names in _reasons(scan.app, mover, modes, is_void=is_void).items()
     )
 
 
-def _reasons(mover: Mover, modes: Mapping[str, Mode], *, is_void: bool) -> dict[str, list[str]]:
+def _reasons(
+    app: AppFacts, mover: Mover, modes: Mapping[str, Mode], *, is_void: bool
+) -> dict[str, list[str]]:
     """Return the names of commands that are not guarded, by why; an action is by its goals."""
     names: dict[str, list[str]] = defaultdict(list)
     for each in mover.last_commands if is_void else _to_be_guarded(mover):
         mode = modes.get(each.name) or modes.get(f"{each.name}/goal")
         if each.means is Means.SERVICE or mode is not Mode.ENFORCE:
-            names[_why(mover.thing, each, mode)].append(each.name)
+            names[_why(app, mover, each, mode)].append(each.name)
     if not mover.last_commands:
         names[_UNREAD] += mover.drivers
     for each in _passed_on(mover, modes):
@@ -110,17 +126,25 @@ def _to_be_guarded(mover: Mover) -> Iterator[Command]:
             yield each
 
 
-def _why(thing: Thing, command: Command, mode: Mode | None) -> str:
+def _why(app: AppFacts, mover: Mover, command: Command, mode: Mode | None) -> str:
     if mode and command.means is not Means.SERVICE:
         return _OBSERVED
     if command.means is not Means.TOPIC:
         return _WHY_UNGUARDED[command.means]
     if "{" in command.name:
         return "no plan can guard it: its whole name is not known"
-    if thing in NO_MOTION or command.type in SIGNALS:
-        return _STOP if thing is Thing.STOP else _SIGNAL
+    if mover.thing in NO_MOTION or command.type in SIGNALS:
+        return _STOP if mover.thing is Thing.STOP else _SIGNAL
     if command.receivers and command.senders:
         return _WHY_UNGUARDED[Means.TOPIC]
+    return _ONCE if _is_sent_once(app, command) else _missing_side(mover, command)
+
+
+def _missing_side(mover: Mover, command: Command) -> str:
+    """Return who is not known of a command: its senders, or who obeys it."""
+    unread = [name for name in mover.unread if name.startswith("/")]
+    if unread and not command.receivers:
+        return f"nobody that was read obeys it, and {join_names(unread)} may: give the source"
     missing = "sends" if command.receivers else "obeys"
     return f"nobody in this launch {missing} it: give the launch file of who should"
 
@@ -131,6 +155,7 @@ def _warning(where: str, why: str) -> PlanProblem:
 
 _STOP = "a plan leaves stops open: who stops the robot may be anyone"
 _SIGNAL = "a plan leaves switches and signals open: any node can send it"
+_ONCE = "sent once, and a guard keeps no command for later: guard it yourself, with `kind: state`"
 _OBSERVED = "its coordination node only observes: `mode: enforce` guards it"
 _NOTHING_MOVES = "nothing that was read moves a robot: give the launch file and source of what does"
 _UNREAD = "not read, so what moves it is not known: give its source"

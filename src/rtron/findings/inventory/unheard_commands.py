@@ -10,7 +10,7 @@ from rtron.findings.inventory.derived_commands import REPORTS
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import may_be_command
 from rtron.findings.measurement_names import may_be_measured
-from rtron.findings.motion.several_publishers import ONE_SHOT_PACKAGES
+from rtron.findings.motion.several_publishers import speaks_once
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Thing
 from rtron.vocabulary.names import snake_case
 
@@ -63,8 +63,7 @@ class UnheardCommands:
         if "{" in topic or not self._is_unheard(topic) or not may_be_command(topic, type):
             return False
         is_moving = self._is_moving(topic)
-        nodes = [self.app.nodes[name] for name in senders if name in self.app.nodes]
-        if is_moving and any(node.package in ONE_SHOT_PACKAGES for node in nodes):
+        if is_moving and any(speaks_once(self.app, node) for node in senders):
             return True
         if not all(map(self._hands_on, senders)):
             return False
