@@ -334,6 +334,33 @@ def test_goals_stand_with_what_they_move():
     assert names(mover.open_commands) == ["/navigate_to_pose"]
 
 
+MISSION = """
+/mission mission own
+    client /pick_object x/action/Pick
+    server /pick_up_all x/action/PickAll
+/picker picker own
+    server /pick_object x/action/Pick
+/arm arm own
+    server /arm/follow control_msgs/action/FollowJointTrajectory
+    pub /arm/{left,right,third}_cmd trajectory_msgs/msg/JointTrajectory
+"""
+
+
+def test_the_goal_that_leads_to_other_goals_comes_before_what_leads_to_topics():
+    goals = [each.name for each in the_mover(MISSION).commands if each.means is Means.ACTION]
+    assert goals == ["/pick_up_all", "/arm/follow", "/pick_object"]
+
+
+def test_signals_come_after_what_moves_and_those_that_stop_last():
+    buttons = "    sub /cancel_drive std_msgs/msg/Bool\n    sub /go std_msgs/msg/Bool\n"
+    action = "    client /drive nav2_msgs/action/DriveOnHeading\n"
+    server = "    server /drive nav2_msgs/action/DriveOnHeading\n"
+    text = f"/phone phone own\n{buttons}{action}/nav nav own\n    pub /cmd_vel {TWIST}\n{server}"
+    mover = the_mover(text + f"    sub /nav_vel {TWIST}\n" + BASE)
+    found = names(mover.commands)
+    assert found == ["/cmd_vel", "/drive", "/nav_vel", "/go", "/cancel_drive"]
+
+
 def test_actions_that_compute_move_nothing():
     assert inventory("/p p own\n    server /plan nav2_msgs/action/ComputePathToPose\n") == ()
 
@@ -506,7 +533,7 @@ def test_what_a_driver_hears_and_offers_whatever_its_name_stands_with_its_veloci
         for name in ("/go_home", "/roll", "/get_x", "/set_light")
     )
     mover = the_mover(BASE + FLIP, services=services)
-    assert names(mover.last_commands) == ["/cmd_vel", "/go_home", "/flip", "/roll"]
+    assert names(mover.last_commands) == ["/cmd_vel", "/flip", "/go_home", "/roll"]
 
 
 def all_last(text):

@@ -1,10 +1,11 @@
 """The inventory of an app: what can move this robot, who commands it, and what else can."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.command_topics import STOPPING
 from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
@@ -23,6 +24,7 @@ from rtron.vocabulary.inventory import (
     Stops,
     Thing,
 )
+from rtron.vocabulary.names import snake_case
 
 __all__ = ["take_inventory"]
 
@@ -154,13 +156,47 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
 
 
 def _distinct(commands: Iterable[Command]) -> tuple[Command, ...]:
-    """Return each command once, the shortest way first."""
+    """Return each command once, by its shortest way, in the order of harm."""
     found: dict[tuple[Means, str], Command] = {}
     for each in sorted(commands, key=lambda command: command.hops):
         first = found.setdefault((each.means, each.name), each)
         if each.priority and not first.priority:
             found[each.means, each.name] = replace(first, priority=each.priority)
-    return tuple(found.values())
+    return _by_harm(found.values())
+
+
+def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
+    """Return commands in the order of harm, since reports tell the first of many only.
+
+    What is nearer to the hardware goes first, and of requests those that lead to most others, then
+    to most topics. Mere signals come last, those that stop after those that start.
+    """
+    sent: dict[str, list[Command]] = defaultdict(list)
+    for each in commands:
+        for node in each.senders:
+            sent[node].append(each)
+    order = list(Means)
+
+    def harm(command: Command) -> tuple[bool, bool, int, int, int, int]:
+        is_end = bool(STOPPING.match(snake_case(command.name.rpartition("/")[2])))
+        is_signal = command.type in SIGNALS
+        led = [] if command.means is Means.TOPIC else _led(command, sent)
+        requests = sum(each.means is not Means.TOPIC for each in led)
+        means = order.index(command.means)
+        return is_signal, is_signal and is_end, command.hops, means, -requests, -len(led)
+
+    return tuple(sorted(commands, key=harm))
+
+
+def _led(command: Command, sent: Mapping[str, list[Command]]) -> list[Command]:
+    """Return the other commands of the nodes that obey a command, and of those that obey these."""
+    found, pending = {command.name: command}, [command]
+    while pending:
+        for node in pending.pop().receivers:
+            further = {each.name: each for each in sent.get(node, ()) if each.name not in found}
+            found |= further
+            pending += further.values()
+    return list(found.values())[1:]
 
 
 def _nodes(groups: Iterable[tuple[str, ...]]) -> tuple[str, ...]:

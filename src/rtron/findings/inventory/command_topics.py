@@ -26,7 +26,8 @@ _RELEASES = re.compile(
     r"^(?:control_)?(?:en|dis)able$|^(?:stop|cancel|abort)_|heart_?beat|keep_?alive|dead_?man"
 )
 """Names of signals that stop what moves, or let it begin or go on."""
-_STOPPING = re.compile(r"(?:control_)?(?:stop|cancel|abort|disable)")
+STOPPING = re.compile(r"(?:control_)?(?:stop|cancel|abort|disable)")
+"""How the names of signals begin that stop what moves."""
 _OF_BASE = re.compile(
     "drive|steer|wheel|base|chassis|omni|mecanum|ackermann|tricycle|bicycle", re.IGNORECASE
 )
@@ -61,7 +62,7 @@ class CommandTopics:
         if topic in self.locks or self.app.is_stop(topic):
             return Thing.STOP
         if topic in self.releases:
-            is_end = _STOPPING.match(snake_case(topic.rpartition("/")[2]))
+            is_end = STOPPING.match(snake_case(topic.rpartition("/")[2]))
             return Thing.STOP if is_end else Thing.ARMING
         thing = self._things.get(topic) or self.derived.get(topic, Thing.DEVICE)
         if thing is Thing.BASE and self._has_arm and self._moves_tool(topic):
