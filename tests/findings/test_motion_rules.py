@@ -38,9 +38,20 @@ MUX_PASSED_BY = MUX + f"/teleop teleop own\n    pub /cmd_vel {TWIST}\n"
 REMEDY = "put one arbiter before /cmd_vel: `rtron plan` proposes a guard (GRCN)"
 
 
-def wiring_of(kind, value):
-    place = Evidence(file="base.cpp", line=3)
-    return WiringFact(kind=WiringFactKind(kind), subject="/base", value=value, evidence=(place,))
+RADIO = f"/radio radio own\n    sub /channels x/msg/Channels\n    pub /cmd_vel {TWIST}\n"
+
+
+def wiring_of(kind, value, node="/base"):
+    place = Evidence(file=f"{node}.cpp", line=3)
+    return WiringFact(kind=WiringFactKind(kind), subject=node, value=value, evidence=(place,))
+
+
+def relaying(relay, *facts):
+    """Return the graph of a relay before a base, with what its source says of last messages."""
+    graph = small_graph(relay + BASE, unread=("/firmware",), wiring=facts)
+    places = {fact.subject: fact.evidence for fact in facts}
+    ends = tuple(replace(e, evidence=places.get(e.node, ())) for e in graph.endpoints)
+    return replace(graph, endpoints=ends)
 
 
 class TestSeveralPublishers:
@@ -246,6 +257,36 @@ class TestCommandTimeout:
         for other in (aged, wiring_of("last_message", "stopped")):
             assert not found("command_timeout", replace(graph, wiring=(device, kept, other)))
         assert not found("command_timeout", replace(graph, wiring=(device,)))
+
+    @pytest.mark.parametrize(
+        ("relay", "fate", "is_found"),
+        [
+            (RADIO, "repeated", True),
+            (RADIO + "    sub /stop std_msgs/msg/Bool\n", "repeated", True),
+            (RADIO + "    sub /odom nav_msgs/msg/Odometry\n", "repeated", False),
+            (RADIO.replace("/channels x/msg/Channels", f"/nav_vel {TWIST}"), "repeated", True),
+            (RADIO, "unnoticed", False),
+            (RADIO, "checked", False),
+            (RADIO.replace("x/msg/Channels", "geometry_msgs/msg/Pose"), "repeated", False),
+            (RADIO.replace("/cmd_vel", "/other_vel"), "repeated", False),
+            (RADIO.replace("/cmd_vel", "/arduino/pwm") + FIRMWARE, "repeated", True),
+            (RADIO.replace("/cmd_vel", "/wheel_speeds") + FIRMWARE, "repeated", False),
+        ],
+    )
+    def test_who_repeats_the_last_command_for_ever(self, relay, fate, is_found):
+        kept, aged = (
+            wiring_of("last_message", fate, "/radio"),
+            wiring_of("command_age", "", "/radio"),
+        )
+        assert bool(found("command_timeout", relaying(relay, kept))) == is_found
+        assert not found("command_timeout", relaying(relay, kept, aged))
+
+    def test_what_is_told_of_who_repeats_it(self):
+        kept = wiring_of("last_message", "repeated", "/radio")
+        finding = the_finding("command_timeout", relaying(RADIO, kept))
+        assert finding.summary == "/radio sends its last command for ever when /channels ends"
+        assert (finding.severity, finding.level) == (Severity.HIGH, FindingLevel.REGULAR)
+        assert finding.topics == ("/channels", "/cmd_vel")
 
     @pytest.mark.parametrize("type", ["std_msgs/msg/Float64", "sensor_msgs/msg/Imu"])
     def test_a_driver_that_obeys_no_velocity_may_keep_its_last_command(self, type):

@@ -278,6 +278,12 @@ def test_who_forwards_the_last_command_for_ever_counts_for_the_driver():
         replace(each, evidence=elsewhere if each.node == "/relay" else PLACE)
         for each in graph.endpoints
     )
+    nodes = tuple(replace(each, unread=each.name == "/base") for each in graph.nodes)
+    away = replace(graph, nodes=nodes, endpoints=[e for e in endpoints if e.node != "/base"])
+    mover, _ = take_inventory(
+        app_facts(replace(away, wiring=(replace(last("repeated"), evidence=elsewhere),)))
+    )
+    assert (mover.stops, mover.stop[:16]) == (Stops.NO, "/relay sends its")
     for fate, stops in (("repeated", Stops.NO), ("stopped", Stops.YES), ("unnoticed", Stops.YES)):
         facts = (*wiring, replace(last(fate), evidence=elsewhere))
         (mover,) = take_inventory(app_facts(replace(graph, endpoints=endpoints, wiring=facts)))

@@ -196,6 +196,37 @@ def test_a_loop_that_looks_at_the_age_stops(call, fate):
     assert told(ros1_runs.run_text(text).last_messages)[0] == fate
 
 
+HELPERS = """    def report(self, value):
+        self.out.publish(value)
+
+    def kept(self):
+        return self.speed
+
+    def unused(self):
+        self.out.publish(self.speed)
+
+    def beat(self, event):
+        self.out.publish(1.0)
+
+    def is_late"""
+
+
+@pytest.mark.parametrize(
+    ("timer", "fate"),
+    [
+        ("self.drive(self.speed)", "unnoticed"),
+        ("self.report(self.speed)", "repeated"),
+        ("self.report(self.limit)", "unnoticed"),
+        ("self.out.publish(self.kept())", "repeated"),
+    ],
+)
+def test_what_publishes_something_else_repeats_nothing(timer, fate):
+    text = PYTHON.format(callback=indented(KEEP), timer=indented(timer))
+    second = "self.tick)\n        rospy.Timer(rospy.Duration(1), self.beat)"
+    text = text.replace("    def is_late", HELPERS).replace("self.tick)", second)
+    assert told(ros1_runs.run_text(text).last_messages)[0] == fate
+
+
 def test_where_it_is():
     (last,) = python(KEEP_WITH_TIME, "if now - self.last > 0.5:\n    self.off()")
     lines = PYTHON.format(callback="\n", timer="HERE").splitlines()

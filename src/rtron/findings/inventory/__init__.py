@@ -10,7 +10,7 @@ from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
 from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles
-from rtron.findings.inventory.stopping import stopping
+from rtron.findings.inventory.stopping import Stopping, stopping
 from rtron.findings.measurement_names import is_called_sensor, moves_nothing
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
@@ -150,9 +150,14 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         unread=unread,
         is_whole=not set(app.unread_nodes).difference(bridges(app)),
         stops=end.stops if end else Stops.UNKNOWN,
-        stop="what obeys was not read" if end and is_seen else end.why if end else "",
+        stop=_why_it_stops(end, is_seen=is_seen) if end else "",
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),
     )
+
+
+def _why_it_stops(end: Stopping, *, is_seen: bool) -> str:
+    is_unread = is_seen and end.stops is Stops.UNKNOWN
+    return "what obeys was not read" if is_unread else end.why
 
 
 def _distinct(commands: Iterable[Command]) -> tuple[Command, ...]:

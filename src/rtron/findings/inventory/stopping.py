@@ -38,6 +38,9 @@ class Stopping(NamedTuple):
     why: str
 
 
+_ABSENT = Stopping(Stops.UNKNOWN, "what obeys is not in this launch")
+
+
 def stopping(
     app: AppFacts,
     drivers: tuple[str, ...],
@@ -48,11 +51,9 @@ def stopping(
 
     A controller of ROS 1 is no node: its topics and its parameters are below its name.
     """
-    if not drivers:
-        return Stopping(Stops.UNKNOWN, "what obeys is not in this launch")
     topics = {command.name for command in commands}
     controllers = {topic.rpartition("/")[0] for topic in topics} - app.nodes.keys()
-    found = [_of_driver(app, node, controllers, topics) for node in drivers]
+    found = [_of_driver(app, node, controllers, topics) for node in drivers] or [_ABSENT]
     types = {command.type for command in commands}
     found += (
         stop

@@ -8,6 +8,9 @@ And a node that obeys velocities, whose source opens hardware, and in whose sour
 how old a command is: no name tells of a watchdog or a timeout, it compares no time of a command
 with now, and a command starts no timer anew. Then only the hardware could stop; whether it does, no
 scan sees. An autopilot or a vendor's base mostly does: no finding.
+And a node that drives a base by repeating what it heard last, in a timer or a loop, while nothing
+in its source looks at how old that is: velocities, or a joystick's or a radio's messages if it
+hears nothing else. Then no timeout of who obeys helps.
 
 ## Why it matters
 
@@ -23,12 +26,14 @@ for so long.
 `/diff_drive_controller` has `cmd_vel_timeout: 0.0`.
 """
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from math import inf
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.measurement_names import is_measured
+from rtron.findings.inventory.things import thing_of
+from rtron.findings.measurement_names import is_measured, may_be_measured
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (
     Certainty,
@@ -41,7 +46,8 @@ from rtron.vocabulary import (
     WiringFactKind,
     normalise_type,
 )
-from rtron.wording import join_names
+from rtron.vocabulary.inventory import SIGNALS, Means, Thing
+from rtron.wording import conjugate, join_names
 
 TIMEOUT_NAMES = (
     "cmd_vel_timeout",
@@ -53,6 +59,12 @@ TIMEOUT_NAMES = (
 """Parameters that say how long a command counts."""
 CLEVER_DEVICES = frozenset({"vehicle link", "vendor SDK", "TCP link"})
 """Devices that mostly stop by themselves: an autopilot, a base with a controller of its own."""
+STREAMS = re.compile(
+    r"geometry_msgs/Twist|ackermann_msgs/|sensor_msgs/Joy|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)"
+)
+"""Types of commands that come again and again, by their names."""
+_DRIVEN = frozenset({Thing.BASE, Thing.VEHICLE, Thing.THRUSTERS})
+_SOURCE = (WiringFactKind.DEVICE, WiringFactKind.COMMAND_AGE, WiringFactKind.LAST_MESSAGE)
 _UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
 _VELOCITIES = ("geometry_msgs/Twist", "ackermann_msgs/")
 
@@ -69,6 +81,8 @@ def check(app: AppFacts) -> Iterator[Finding]:
     for node, device in _ageless_drivers(app):
         if node not in off:
             yield _ageless(app, node, device)
+    for node, inputs in _repeaters(app):
+        yield _repeating(app, node, inputs)
 
 
 def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
@@ -83,6 +97,30 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
         last = set(app.last_messages(node, velocities))
         if last and last <= _UNCHECKED and opened[node].isdisjoint(CLEVER_DEVICES):
             yield node, devices[node]
+
+
+def _repeaters(app: AppFacts) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield the nodes that drive by repeating what they heard last, and the topics they hear."""
+    facts = {kind: {f.subject for f in app.graph.wiring if f.kind is kind} for kind in _SOURCE}
+    known = facts[WiringFactKind.DEVICE] | facts[WiringFactKind.COMMAND_AGE]
+    for node in sorted(facts[WiringFactKind.LAST_MESSAGE] - known):
+        explicit = [end for end in app.graph.subscribed_by(node) if not end.implicit]
+        inputs = [end for end in explicit if normalise_type(end.type) not in SIGNALS]
+        velocities = {end.topic for end in inputs if _is_velocity(end)}
+        streams = {end.topic for end in inputs if STREAMS.search(normalise_type(end.type))}
+        commands = velocities or (streams if len(inputs) == 1 else set())
+        fates = set(app.last_messages(node, commands))
+        if fates == {LastMessageFate.REPEATED} and any(_driving(app, node)):
+            yield node, tuple(sorted(commands))
+
+
+def _driving(app: AppFacts, node: str) -> Iterator[str]:
+    """Yield what a node publishes that drives a base, and that somebody obeys or may obey."""
+    for end in app.graph.published_by(node):
+        is_command = thing_of(end.topic, end.type, Means.TOPIC) in _DRIVEN
+        is_measurement = is_measured(end.topic) or may_be_measured(end.topic)
+        if is_command and not is_measurement and (app.readers(end.topic) or app.unread_nodes):
+            yield end.topic
 
 
 def _is_velocity(end: Endpoint) -> bool:
@@ -105,6 +143,24 @@ def _ageless(app: AppFacts, node: str, device: WiringFact) -> Finding:
         nodes=(node,),
         topics=[end.topic for end in obeyed],
         evidence=(*device.evidence, *app.evidence(obeyed)),
+    )
+
+
+def _repeating(app: AppFacts, node: str, inputs: tuple[str, ...]) -> Finding:
+    sent = list(_driving(app, node))
+    names, outputs = join_names(inputs), join_names(sent)
+    return make_finding(
+        RULE.name,
+        node,
+        summary=f"{node} sends its last command for ever when {names} {conjugate(inputs, 'end')}",
+        cause=f"it publishes what it kept of {names} again and again on {outputs}, and nothing in "
+        "its source looks at how old that is",
+        remedy=f"in {node}, send zero when nothing came for 0.5 s",
+        consequence=Consequence.MOTION,
+        certainty=Certainty.LIKELY,
+        nodes=(node,),
+        topics=(*inputs, *sent),
+        evidence=app.evidence(e for e in app.graph.subscribed_by(node) if e.topic in inputs),
     )
 
 

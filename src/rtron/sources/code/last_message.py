@@ -86,7 +86,7 @@ class _Program:
         }
         if _restarts_timer(reached) or self._is_marked(reached, others):
             fate = LastMessageFate.CHECKED
-        elif self._is_repeated(stored - times, reached, others):
+        elif _is_repeated(stored - times, reached, beside):
             fate = LastMessageFate.REPEATED
         else:
             fate = LastMessageFate.UNNOTICED
@@ -148,17 +148,6 @@ class _Program:
         changed = {name for name, _ in marks} & {name for name, _ in values - marks}
         return any(mentioned_names(t.condition) & changed for each in others for t in each.tests)
 
-    def _is_repeated(
-        self, stored: set[str], reached: list[FunctionSteps], others: list[FunctionSteps]
-    ) -> bool:
-        """Return whether what runs beside a callback publishes, and uses what that stored."""
-        sends_itself, others_send = (
-            any("publish" in called_names(each.function) for each in codes)
-            for codes in (reached, others)
-        )
-        is_used = any(stored & mentioned_names(each.function.body) for each in others)
-        return is_used and others_send and not sends_itself
-
     def _reached(self, functions: Iterable[Function]) -> list[FunctionSteps]:
         """Return what functions do, with those that they call by name."""
         found = reachable_functions(self.machine, list(functions), include_unrelated=True)
@@ -169,6 +158,29 @@ class _Program:
             is_cpp = self.machine.runtime.passes_by_reference
             self._known[id(function)] = FunctionSteps(function, is_cpp=is_cpp)
         return self._known[id(function)]
+
+
+def _is_repeated(
+    stored: set[str], reached: list[FunctionSteps], beside: list[FunctionSteps]
+) -> bool:
+    """Return whether what runs beside a callback publishes what that stored.
+
+    One function does both, or one of the two calls the other. A callback that publishes itself
+    does not count.
+    """
+    if any("publish" in called_names(each.function) for each in reached):
+        return False
+    users = [each.function for each in beside if stored & mentioned_names(each.function.body)]
+    senders = (each.function for each in beside if "publish" in called_names(each.function))
+    return any(
+        user.key == sender.key or _calls(user, sender) or _calls(sender, user)
+        for sender in senders
+        for user in users
+    )
+
+
+def _calls(caller: Function, called: Function) -> bool:
+    return called.name.rpartition("::")[2] in called_names(caller)
 
 
 def _is_time(value: Expr, code: FunctionSteps) -> bool:
