@@ -7,6 +7,7 @@ from finding_graphs import BASE, FIRMWARE, MUX, TWIST, TWO_DRIVERS, parameters, 
 
 from cpu_time import growth
 from rtron.findings import app_facts, take_inventory
+from rtron.findings.inventory.stopping import stopping
 from rtron.vocabulary import (
     Evidence,
     NodeParameter,
@@ -17,7 +18,7 @@ from rtron.vocabulary import (
     WiringFactKind,
 )
 from rtron.vocabulary.enums import HiddenPart
-from rtron.vocabulary.inventory import Means, Stops, Thing
+from rtron.vocabulary.inventory import Command, Means, Stops, Thing
 
 LIDAR = "/lidar lidar third_party\n    pub /scan sensor_msgs/msg/LaserScan\n"
 NAV_AND_JOY = f"""
@@ -58,6 +59,7 @@ def last(fate, *seconds):
 
 
 DRIVER, KEPT = fact("device", "/base", "CAN"), last("unnoticed")
+AGED = fact("command_age", "/base", "age")
 
 
 def names(commands):
@@ -244,6 +246,7 @@ def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
         ((DRIVER, last("checked")), (), Stops.UNKNOWN, "/base may look at the age of commands, d"),
         ((last("repeated"),), (), Stops.NO, "/base sends its last command for ever"),
         ((KEPT,), (), Stops.UNKNOWN, "/base does not tell"),
+        ((DRIVER, KEPT, AGED), (), Stops.UNKNOWN, "/base is not seen to look at the age of these"),
         ((fact("command_age", "/base", "age"),), (), Stops.UNKNOWN, "/base may look at the age"),
         ((), parameters("cmd_vel_timeout", base=0.5), Stops.YES, "/base: cmd_vel_timeout is 0.5"),
         (
@@ -259,6 +262,26 @@ def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
 def test_whether_it_stops(wiring, values, stops, why):
     mover = the_mover(TWO_DRIVERS + BASE, wiring=wiring, parameters=values)
     assert (mover.stops, mover.stop[: len(why)]) == (stops, why)
+
+
+@pytest.mark.parametrize(
+    ("fate", "file", "read", "stops"),
+    [
+        ("stopped", "driver.py", ("/cmd_vel",), Stops.NO),
+        ("stopped", "other.py", ("/cmd_vel",), Stops.UNKNOWN),
+        ("checked", "driver.py", ("/cmd_vel",), Stops.UNKNOWN),
+        ("stopped", "driver.py", ("/cmd_vel", "/raw_vel"), Stops.UNKNOWN),
+    ],
+)
+def test_a_name_that_tells_of_the_age_of_other_commands_tells_nothing(fate, file, read, stops):
+    graph = small_graph(BASE + f"    sub /other_cmd x/msg/OtherCmd\n    sub /raw_vel {TWIST}\n")
+    places = {"/cmd_vel": PLACE, "/other_cmd": (Evidence(file=file, line=9),)}
+    ends = tuple(replace(each, evidence=places.get(each.topic, ())) for each in graph.endpoints)
+    other = replace(last(fate), evidence=places["/other_cmd"])
+    facts = (fact("device", "/base", "CAN"), KEPT, AGED, other)
+    commands = [Command(means=Means.TOPIC, name=name) for name in read]
+    app = app_facts(replace(graph, endpoints=ends, wiring=facts))
+    assert stopping(app, ("/base",), commands, ()).stops is stops
 
 
 def test_the_worst_of_two_drivers_counts():

@@ -1,18 +1,13 @@
 """Whether what drivers move stops by itself when commands end, as far as it can be told."""
 
-import re
 from collections.abc import Collection, Iterable, Iterator
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.command_timeout import CLEVER_DEVICES, TIMEOUT_NAMES, is_off
+from rtron.findings.motion.command_timeout import CLEVER_DEVICES, STREAMS, TIMEOUT_NAMES, is_off
 from rtron.vocabulary import LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
 
-_STREAMS = re.compile(
-    r"geometry_msgs/Twist|ackermann_msgs/|sensor_msgs/Joy|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)"
-)
-"""Types of commands that come again and again, by their names."""
 _KNOWN = {
     "diff_drive_controller": (Stops.YES, "cmd_vel_timeout, by default 0.5 s"),
     "mecanum_drive_controller": (Stops.YES, "reference_timeout"),
@@ -58,7 +53,7 @@ def stopping(
     found += (
         stop
         for node, command in behind
-        if command.type in types or _STREAMS.search(command.type)
+        if command.type in types or STREAMS.search(command.type)
         for stop in _of_forwarder(app, node, command.name)
     )
     order = (Stops.NO, Stops.UNKNOWN, Stops.YES)
@@ -98,20 +93,32 @@ def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Sto
 def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | None:
     last = app.last_messages(node, topics)
     age = next(_facts(app, node, WiringFactKind.COMMAND_AGE), None)
+    obeyed = [topic for topic in topics if node in app.readers(topic)]
+    is_read = all(app.last_messages(node, {topic}) for topic in obeyed)
     devices = [fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)]
     if set(last) == {LastMessageFate.STOPPED}:
         stop = last[LastMessageFate.STOPPED]
         after = "".join(f", after {seconds}" for seconds in stop.others)
         return Stopping(Stops.YES, f"{node} looks at the age of commands{after}{_place(stop)}")
-    if hint := last.get(LastMessageFate.CHECKED) or age:
+    if hint := last.get(LastMessageFate.CHECKED) or (None if last and is_read else age):
         return Stopping(Stops.UNKNOWN, f"{node} may look at the age of commands{_place(hint)}")
+    if age and not _is_of_others(app, node, age):
+        why = f"{node} is not seen to look at the age of these commands; a name may tell of it"
+        return Stopping(Stops.UNKNOWN, f"{why}{_place(age)}")
     if last and devices and CLEVER_DEVICES.isdisjoint(devices):
-        why = f"nothing in the source of {node} looks at the age of a command"
+        why = f"nothing in the source of {node} looks at the age of these commands"
         return Stopping(Stops.NO, why)
     if last and devices:
         return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
     is_repeated = LastMessageFate.REPEATED in last
     return Stopping(Stops.NO, f"{node} sends its last command for ever") if is_repeated else None
+
+
+def _is_of_others(app: AppFacts, node: str, age: WiringFact) -> bool:
+    """Return whether the file of a name that tells of an age stops other commands by theirs."""
+    topics = {end.topic for end in app.graph.subscribed_by(node)}
+    stop = app.last_messages(node, topics).get(LastMessageFate.STOPPED)
+    return stop is not None and stop.evidence[-1].file == age.evidence[0].file
 
 
 def _place(fact: WiringFact) -> str:
