@@ -196,6 +196,17 @@ def test_what_else_the_only_sender_acts_on_is_told():
     plan = propose(found).plan
     why = "not guarded: /teleop acts on what any node sends there"
     assert told(found, plan) == [("base", f"/joy: {why}")]
+    behind = scan(MUX + TELEOP + STICK + BASE)
+    assert ("base", f"/joy: {why}") in told(behind, propose(behind).plan)
+
+
+def test_the_buttons_of_who_sends_guarded_goals_are_told():
+    phone = PICK.replace("/pick pick", "/phone phone") + "    sub /go std_msgs/Bool\n"
+    found = scan(ARM + PICK + phone)
+    plan = propose(found).plan
+    assert enforced(plan) == ["/arm/follow/goal"]
+    why = "not guarded: /phone acts on what any node sends there"
+    assert told(found, plan) == [("arm", f"/go: {why}")]
 
 
 FIRMWARE = BASE + "/board rosserial_python own\n"

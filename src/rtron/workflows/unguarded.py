@@ -97,7 +97,7 @@ def _reasons(
     """Return the names of commands that are not guarded, by why; an action is by its goals."""
     names: dict[str, list[str]] = defaultdict(list)
     for each in mover.last_commands if is_void else _to_be_guarded(mover):
-        mode = modes.get(each.name) or modes.get(f"{each.name}/goal")
+        mode = _mode(each, modes)
         if each.means is Means.SERVICE or mode is not Mode.ENFORCE:
             names[_why(app, mover, each, mode)].append(each.name)
     if not mover.last_commands:
@@ -110,12 +110,17 @@ def _reasons(
 
 def _passed_on(mover: Mover, modes: Mapping[str, Mode]) -> Iterator[Command]:
     """Yield the topics without a guard that those obey who may send what is guarded."""
-    guarded = (c for c in mover.last_commands if modes.get(c.name) is Mode.ENFORCE)
+    guarded = (c for c in mover.commands if _mode(c, modes) is Mode.ENFORCE)
     senders = {node for each in guarded for node in each.senders}
     for each in mover.commands:
         is_open = each.means is Means.TOPIC and modes.get(each.name) is not Mode.ENFORCE
         if is_open and each.hops and not senders.isdisjoint(each.receivers):
             yield each
+
+
+def _mode(command: Command, modes: Mapping[str, Mode]) -> Mode | None:
+    """Return how a plan guards a command, an action by its goals; None if it does not."""
+    return modes.get(command.name) or modes.get(f"{command.name}/goal")
 
 
 def _to_be_guarded(mover: Mover) -> Iterator[Command]:
