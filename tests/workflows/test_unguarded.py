@@ -278,11 +278,17 @@ def test_who_may_obey_what_leaves_the_launch_is_told(other, why):
     assert ("gripper", f"/set_gripper: {why}") in told(found, propose(found).plan)
 
 
-def test_a_node_that_publishes_what_it_obeys_is_told():
-    proposed = propose(scan(BASE + f"    pub /cmd_vel {TWIST}\n" + NAV))
-    assert [each.message for each in proposed.doubts][-1] == (
-        "/base publishes what it obeys: what it sends itself does not pass the guard"
-    )
+SELF = "/base publishes what it obeys: what it sends itself does not pass the guard"
+LONELY = (
+    "nobody but /base may send /cmd_vel: a joystick or a navigation that is to drive needs a flow"
+)
+
+
+@pytest.mark.parametrize(("others", "told"), [(NAV, [SELF]), ("", [SELF, LONELY])])
+def test_a_node_that_publishes_what_it_obeys_is_told(others, told):
+    proposed = propose(scan(BASE + f"    pub /cmd_vel {TWIST}\n" + others))
+    assert [each.message for each in proposed.doubts][-len(told) :] == told
+    assert (LONELY in [each.message for each in proposed.doubts]) == (LONELY in told)
 
 
 @pytest.mark.parametrize(

@@ -172,10 +172,14 @@ def _unclosed_outputs(
 
 
 def _self_deliveries(stream: Stream) -> Iterator[str]:
-    for publisher in (flow.publisher for flow in stream.flows):
-        if any(matches_node(publisher, name) for name in stream.successors):
-            what = "publishes what it obeys"
-            yield f"{publisher} {what}: what it sends itself does not pass the guard"
+    passed = [flow.publisher for flow in stream.flows if not flow.block]
+    own = [name for name in passed if _is_known(name, stream.successors)]
+    for publisher in own:
+        what = "publishes what it obeys"
+        yield f"{publisher} {what}: what it sends itself does not pass the guard"
+    if own and own == passed:
+        drives = "a joystick or a navigation that is to drive needs a flow"
+        yield f"nobody but {join_names(own)} may send {stream.topic}: {drives}"
 
 
 def _is_known(publisher: str, known: Iterable[str]) -> bool:
