@@ -134,8 +134,13 @@ class GuardNames:
         return normalise_uri(self._guard.node_uris().get(node, "")) == normalise_uri(uri)
 
     def _guarded(self, node: str) -> tuple[str, ...]:
+        """Return the streams that a name is for; all of them if it is for none.
+
+        Where else the other one has registered nobody sees once the name is taken back.
+        """
         topics = self._expected.topics.values()
-        return tuple({topic.stream_topic for topic in topics if topic.may_publish(node)})
+        named = {topic.stream_topic for topic in topics if topic.may_publish(node)}
+        return tuple(named or {topic.stream_topic for topic in topics})
 
 
 def _alarm(node: str, uri: str) -> Alarm:
