@@ -15,7 +15,7 @@ from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transpo
 from rtron.vocabulary import Mode, build_streams, normalise_type
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from rtron.guard.audit.common.alarm_response import AlarmResponse
     from rtron.guard.audit.common.audit_response import AuditResponse
@@ -49,10 +49,6 @@ class Middleware(Protocol):
 
     def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
         """Call these with a topic and who begins or ceases to hear it, where only we see that."""
-        ...
-
-    def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
-        """Take the ids of the guard's other processes, for who asks our nodes."""
         ...
 
     def create_listener(self, response: AlarmResponse) -> Part:
@@ -89,10 +85,6 @@ class Ros1Middleware:
         """Call these with each planned node that has connected, or is connected no more."""
         self.transport.on_subscriber = self._for_planned(on_new)
         self.transport.on_subscriber_lost = self._for_planned(on_lost)
-
-    def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
-        """Let our nodes tell them to `rtron verify`."""
-        self.transport.other_pids = pids
 
     def create_listener(self, response: AlarmResponse) -> Part:
         """Return what connects to the intruders' publishers."""
@@ -131,9 +123,6 @@ class Ros2Middleware:
 
     def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
         """Do nothing: the audit sees it in the graph."""
-
-    def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
-        """Do nothing: they have the parent that we have."""
 
     def create_listener(self, response: AlarmResponse) -> Part:
         """Return what reads the private outputs."""

@@ -132,7 +132,6 @@ def _audit_parts(
     """Return the audit, whose alarms the command process responds to."""
     streams = frozenset(each.topic for each in build_streams(command_part(plan)))
     commands = CommandNodes(connection, loop, streams)
-    middleware.set_other_pids(connection.pids)
     middleware.transport.set_supervisor(lambda: commands.report.supervisor_participant)
     middleware.transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
     stops_streams = plan.audit.on_foreign is OnForeign.STOP

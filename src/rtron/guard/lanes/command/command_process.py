@@ -125,8 +125,7 @@ def _create_authority(
 def _follow_audit(
     connection: BulkConnection, response: AlarmResponse, middleware: Middleware, loop: EventLoop
 ) -> None:
-    """Do what the audit in the bulk process asks for; that process is ours."""
-    middleware.set_other_pids(connection.pids)
+    """Do what the audit in the bulk process asks for."""
     RemoteAudit(connection, response, loop)
 
     def register(message: object) -> None:

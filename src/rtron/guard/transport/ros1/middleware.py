@@ -2,7 +2,7 @@
 
 import logging
 import socket
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from rtron.guard.core.event_loop import EventLoop
@@ -65,8 +65,6 @@ class Ros1Transport:
         address = bind_address(self._host)
         self._server = TcpServer(loop, address, self._on_connection, network=network)
         self._registrar = Registrar(loop, master, lambda: list(self._nodes.values()), network)
-        self.other_pids: Callable[[], Iterable[int]] = tuple
-        """Tells the ids of the guard's other processes."""
         self.on_shutdown_request: Callable[[str, str], None] = lambda node, reason: None
         self.on_subscriber: Callable[[str, str], None] = lambda topic, node: None
         self.on_subscriber_lost: Callable[[str, str], None] = lambda topic, node: None
@@ -264,7 +262,6 @@ class Ros1Transport:
         if name not in self._nodes:
             node = Ros1Node(self._loop, name, self._host, self._public, self.network)
             node.tcpros_address = (self._host, self._server.port)
-            node.other_pids = self.other_pids
             node.on_publisher_update = lambda topic: self._registrar.subscribe(node, topic)
             node.on_shutdown_request = lambda reason: self.on_shutdown_request(name, reason)
             self._nodes[name] = node
