@@ -94,7 +94,10 @@ class Ros1Middleware:
     def create_auditor(self, response: AuditResponse, commands: CommandNodes | None) -> Part:
         """Return an audit that asks the nodes and the master."""
         nodes = JoinedNodes(self.transport, commands) if commands else self.transport
-        return Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
+        auditor = Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
+        if commands:
+            commands.on_change = auditor.look_again
+        return auditor
 
     def _for_planned(self, handler: OnListener) -> OnListener:
         """Return a handler that leaves strangers out: they may come and go at any rate."""

@@ -29,7 +29,6 @@ from rtron.guard.lanes.exchange.messages import (
     StoppedStreams,
 )
 from rtron.guard.middleware import Middleware, open_middleware
-from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce
@@ -133,7 +132,6 @@ def _audit_parts(
     streams = frozenset(each.topic for each in build_streams(command_part(plan)))
     commands = CommandNodes(connection, loop, streams)
     middleware.transport.set_supervisor(lambda: commands.report.supervisor_participant)
-    middleware.transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
     stops_streams = plan.audit.on_foreign is OnForeign.STOP
     response = RemoteResponse(connection, loop, stops_streams=stops_streams)
     participant = middleware.report_nodes().participant

@@ -68,8 +68,6 @@ class Ros1Transport:
         self.on_shutdown_request: Callable[[str, str], None] = lambda node, reason: None
         self.on_subscriber: Callable[[str, str], None] = lambda topic, node: None
         self.on_subscriber_lost: Callable[[str, str], None] = lambda topic, node: None
-        self.on_nodes_change: Callable[[], None] = lambda: None
-        """Never called: all nodes here are known."""
         self.now = loop.now
         self.call_at = loop.call_at
 
@@ -198,15 +196,6 @@ class Ros1Transport:
         if name in self._nodes:
             self._registrar.register_all(self._nodes[name])
 
-    def remove_node(self, name: str) -> None:
-        """Take a node out of the graph."""
-        node = self._nodes.pop(name, None)
-        if node:
-            self._registrar.unregister_all(node)
-            for topic in node.publications:
-                self._publications.pop(topic, None)
-            node.close()
-
     def remove_publication(self, node: str, topic: str) -> None:
         """Publish a topic as a node no more; nothing if it does not."""
         owner = self._node(node)
@@ -245,8 +234,11 @@ class Ros1Transport:
         self._registrar.close(wait=False)
 
     def _close_all(self) -> None:
-        for name in list(self._nodes):
-            self.remove_node(name)
+        for node in self._nodes.values():
+            self._registrar.unregister_all(node)
+            node.close()
+        self._nodes.clear()
+        self._publications.clear()
         self._server.close()
         self._queues.close()
         for workers in self._workers.values():
