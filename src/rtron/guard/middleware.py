@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
-from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, PlannedListeners
 from rtron.guard.audit.ros1.intruder_links import IntruderLinks
-from rtron.guard.audit.ros1.planned_listeners import PlannedListeners
 from rtron.guard.cell.access import WATCH
 from rtron.guard.lanes.bulk.joined_nodes import JoinedNodes
 from rtron.guard.lanes.exchange.messages import NodesReport
