@@ -8,12 +8,12 @@ from pathlib import Path
 
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER
+from bench.common.unsupervised_guard import run_coordinator
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
 from rtron.guard.middleware import Ros1Middleware
-from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import CoordinationKind, Mode, PolicySettings, Stage, Stream, build_streams

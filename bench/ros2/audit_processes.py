@@ -8,12 +8,12 @@ from pathlib import Path
 from geometry_msgs.msg import Twist
 
 from bench.common.pubsub import PUBLISHER
+from bench.common.unsupervised_guard import run_coordinator
 from bench.ros2.audit import DRIVER, FLOW, OPEN, OUT
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.middleware import Ros2Middleware
-from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import build_streams

@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER
+from bench.common.unsupervised_guard import run_coordinator
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.runner import run_coordinator
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.vocabulary import Plan, Stream, build_streams
 from rtron.wire.ros2.session import Ros2Session

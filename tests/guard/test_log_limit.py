@@ -4,7 +4,7 @@ import logging
 
 import pytest
 
-from rtron.guard.log_limit import BURST, LogLimit
+from rtron.guard.log_format import BURST, LogLimit
 
 
 class Log:

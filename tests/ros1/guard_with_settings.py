@@ -14,7 +14,7 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.control_socket import ControlSocket
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
-from rtron.guard.runner import run_coordinator
+from rtron.guard.runner import INTERRUPTS, GraphPart, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.planning.plan_file.loader import read_plan
@@ -66,7 +66,8 @@ def main():
         applying.apply(message.settings, message.now)
         return {"applied": applying.revision}
 
-    run_coordinator(host, transport, loop, ControlSocket(loop, Path(door), answer))
+    parts = [GraphPart(host.open, transport), ControlSocket(loop, Path(door), answer)]
+    run_parts(loop, parts, until=INTERRUPTS)
 
 
 if __name__ == "__main__":

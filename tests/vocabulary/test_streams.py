@@ -20,6 +20,7 @@ from rtron.vocabulary import (
     StopProfile,
     StreamKind,
     build_streams,
+    streams,
 )
 
 GENERAL = grcn(
@@ -186,6 +187,22 @@ def test_a_name_is_meant_by_a_pattern_of_the_stream():
     aflow = Flow(name="aflow1", publisher="/nav_1")
     (made,) = with_rules(rule("aflow1"), flows=(aflow,), general=(general,))
     assert made.blocked_flows == {"flow1"}
+
+
+def test_names_are_not_compared_with_each_other(monkeypatch):
+    comparisons = []
+    overlap = streams.patterns_overlap
+    monkeypatch.setattr(
+        streams, "patterns_overlap", lambda *p: comparisons.append(p) or overlap(*p)
+    )
+    flows = tuple(Flow(name=f"flow{n}", publisher=f"/node{n}", block=True) for n in range(100))
+    flows += (Flow(name="teleops", publisher="/teleop_*"),)
+    general, topic = replace(GENERAL, flows=flows), guarded(*flows)
+    mission = replace(MISSION, aflows=(topic,), rules=(rule(*(f.name for f in flows)),))
+    robot = replace(ROBOT, vflows=(topic,))
+    (made,) = build_streams(Plan(app="app", grcn=(general,), msrcn=mission, rsrcn=robot))
+    assert [flow.block for flow in made.stages[0].settings.flows] == [True] * 100 + [False]
+    assert len(comparisons) < 20 * len(flows)
 
 
 def test_each_rule_stands_at_each_topic_in_order():

@@ -113,13 +113,6 @@ class Coordinator:
             stream.open()
         self._inputs.open()
 
-    def shut_down_node(self, node: str, reason: str) -> bool:
-        """Shut down the streams of a killed node; return whether it was the guard's own node."""
-        for stream in self.streams:
-            if node in stream.nodes:
-                stream.shut_down(f"{node} was shut down, {reason}")
-        return node == GUARD_NODE
-
     def statuses(self) -> list[Status]:
         """Return the state of every stream, image node and rule."""
         now = self._transport.now()

@@ -17,7 +17,6 @@ from rtron.guard.core.observations import observations_of
 from rtron.guard.link.service_link import ServiceLink
 from rtron.guard.measurement.run import RunMeasurement, WriteFigures
 from rtron.guard.middleware import open_middleware
-from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import (
     INTERRUPTS,
     GraphPart,
@@ -78,7 +77,6 @@ def run_dry(
     parts.append(middleware.create_auditor(response, None))
     supervisor.attach(loop, coordinator)
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
-    transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
     parts.append(LeaseTopics(leases, transport))
     stops = LatchedStops(coordinator, transport, plan)
     handler = create_request_handler(coordinator, transport, leases, stops)

@@ -7,20 +7,28 @@ around what stands beside it, or begin a line that looks like one of ours is wri
 
 A terminal or a pipe that nobody reads stops who writes to it. So a thread writes the lines: who
 logs never waits, and a robot is stopped whether somebody reads of it or not.
+
+Strangers decide how often some lines are written: a connection that says nothing, a call that is
+none. So each place in the code may write a hundred lines at once, and one a second after that.
 """
 
 import logging
 import os
 import time
+from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from logging.handlers import QueueHandler
 from queue import Full, Queue
 from threading import Thread
-from typing import Any
+from typing import Any, Final
 
-from rtron.guard.log_limit import LogLimit
 from rtron.sanitize import sanitize
 
+BURST: Final = 100
+"""How many lines a place in the code may write at once."""
+PERIOD_S: Final = 1.0
+"""After how long it may write one more, in seconds."""
 _LINE = "%(asctime)s.%(msecs)03dZ %(levelname)s {}%(message)s"
 _TIME = "%Y-%m-%dT%H:%M:%S"
 _STANDARD_ERROR = 2
@@ -107,3 +115,47 @@ def log_formatter(process: str = "") -> logging.Formatter:
     formatter = _NeutralFormatter(_LINE.format(f"{process}: " if process else ""), _TIME)
     formatter.converter = time.gmtime
     return formatter
+
+
+@dataclass(slots=True)
+class _Place:
+    """What a place in the code may still write, and how much was left out since it last did."""
+
+    lines: float
+    filled_at: float
+    omitted: int = 0
+
+
+class LogLimit(logging.Filter):
+    """Lets through what a log has room for; the last line before a gap and the first after say so.
+
+    `now` is a clock in seconds that is never set back.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        super().__init__()
+        self._now = now
+        self._places: dict[tuple[str, int], _Place] = {}
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Return whether the record is to be written."""
+        now = self._now()
+        key = record.pathname, record.lineno
+        place = self._places.setdefault(key, _Place(BURST, now))
+        place.lines = min(BURST, place.lines + (now - place.filled_at) / PERIOD_S)
+        place.filled_at = now
+        if place.lines < 1:
+            place.omitted += 1
+            return False
+        place.lines -= 1
+        _note_gaps(record, place)
+        place.omitted = 0
+        return True
+
+
+def _note_gaps(record: logging.LogRecord, place: _Place) -> None:
+    """Add to a line what was left out before it, and that more may be left out after it."""
+    before = f" (after {place.omitted} such lines that were left out)" if place.omitted else ""
+    after = " (if more such lines come, one a second is written)" if place.lines < 1 else ""
+    if before or after:
+        record.msg, record.args = f"{record.getMessage()}{before}{after}", None

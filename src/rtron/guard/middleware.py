@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
-from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
+from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, PlannedListeners
 from rtron.guard.audit.ros1.intruder_links import IntruderLinks
-from rtron.guard.audit.ros1.planned_listeners import PlannedListeners
 from rtron.guard.cell.access import WATCH
 from rtron.guard.lanes.bulk.joined_nodes import JoinedNodes
 from rtron.guard.lanes.exchange.messages import NodesReport
@@ -15,7 +14,7 @@ from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transpo
 from rtron.vocabulary import Mode, build_streams, normalise_type
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from rtron.guard.audit.common.alarm_response import AlarmResponse
     from rtron.guard.audit.common.audit_response import AuditResponse
@@ -49,10 +48,6 @@ class Middleware(Protocol):
 
     def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
         """Call these with a topic and who begins or ceases to hear it, where only we see that."""
-        ...
-
-    def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
-        """Take the ids of the guard's other processes, for who asks our nodes."""
         ...
 
     def create_listener(self, response: AlarmResponse) -> Part:
@@ -90,10 +85,6 @@ class Ros1Middleware:
         self.transport.on_subscriber = self._for_planned(on_new)
         self.transport.on_subscriber_lost = self._for_planned(on_lost)
 
-    def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
-        """Let our nodes tell them to `rtron verify`."""
-        self.transport.other_pids = pids
-
     def create_listener(self, response: AlarmResponse) -> Part:
         """Return what connects to the intruders' publishers."""
         response.listener = links = IntruderLinks(self._loop, self.transport.master, response)
@@ -102,7 +93,10 @@ class Ros1Middleware:
     def create_auditor(self, response: AuditResponse, commands: CommandNodes | None) -> Part:
         """Return an audit that asks the nodes and the master."""
         nodes = JoinedNodes(self.transport, commands) if commands else self.transport
-        return Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
+        auditor = Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
+        if commands:
+            commands.on_change = auditor.look_again
+        return auditor
 
     def _for_planned(self, handler: OnListener) -> OnListener:
         """Return a handler that leaves strangers out: they may come and go at any rate."""
@@ -131,9 +125,6 @@ class Ros2Middleware:
 
     def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
         """Do nothing: the audit sees it in the graph."""
-
-    def set_other_pids(self, pids: Callable[[], Iterable[int]]) -> None:
-        """Do nothing: they have the parent that we have."""
 
     def create_listener(self, response: AlarmResponse) -> Part:
         """Return what reads the private outputs."""

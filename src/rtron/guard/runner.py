@@ -11,14 +11,11 @@ from typing import TYPE_CHECKING, Protocol
 
 from rtron.errors import SourceError
 from rtron.guard.core.control_socket import ControlSocket, RequestHandler, control_path
-from rtron.guard.node_shutdown import ShutdownSequence
-from rtron.guard.rehearsal import Rehearsal
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
     from pathlib import Path
 
-    from rtron.guard.coordinator import Coordinator
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.vocabulary import Plan
@@ -66,19 +63,6 @@ class GraphPart:
     def __init__(self, open: Callable[[], None], transport: LiveTransport) -> None:
         self.open = open
         self.close = transport.close
-
-
-def run_coordinator(
-    coordinator: Coordinator,
-    transport: LiveTransport,
-    loop: EventLoop,
-    *audit: Part,
-) -> None:
-    """Guard in one process without a supervisor, until stopped or the guard's node is shut down."""
-    transport.set_shutdown_handler(ShutdownSequence(coordinator, transport, loop).handle)
-    graph = GraphPart(coordinator.open, transport)
-    rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
-    run_parts(loop, [graph, *audit, rehearsal], until=INTERRUPTS)
 
 
 def open_control_socket(

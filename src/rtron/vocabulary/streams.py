@@ -1,6 +1,6 @@
 """From a plan to its streams: the stages of each topic in the order GRCN, MSRCN, RSRCN."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -199,23 +199,46 @@ def _append(stream: Stream, part: _StageOnTopic) -> Stream:
     flows = part.topic.flows
     settings = replace(
         part.stage.settings,
-        flows=tuple(_with_stage_priority(flow, flows) for flow in stream.flows),
+        flows=tuple(_with_stage_priorities(stream.flows, flows)),
         rules=tuple(_stage_rules(part.rules, stream, flows)),
     )
-    blocked = tuple(flow.publisher for flow in flows if flow.block)
+    blocked = [flow.publisher for flow in flows if flow.block]
     stages = (*stream.stages, replace(part.stage, settings=settings))
     if not blocked:
         return replace(stream, stages=stages)
-    return replace(stream, stages=tuple(_with_blocks(each, blocked) for each in stages))
+    index = _PublisherIndex(blocked)
+    return replace(stream, stages=tuple(_with_blocks(each, index) for each in stages))
 
 
-def _with_stage_priority(flow: Flow, guarded: Sequence[Flow]) -> Flow:
-    """Return the stream's flow with the priority that the stage gives it."""
-    priorities = (other.priority for other in guarded if _same_publisher(flow, other))
-    priority = max(priorities, default=0)
-    if priority == flow.priority and not flow.block:
-        return flow
-    return replace(flow, block=False, priority=priority)
+class _PublisherIndex:
+    """Publishers of flows: a name is looked up, only patterns are compared one by one."""
+
+    def __init__(self, publishers: Iterable[str]) -> None:
+        self._publishers = frozenset(publishers)
+        self._patterns = tuple(filter(_is_pattern, self._publishers))
+
+    def overlapping(self, publisher: str) -> list[str]:
+        """Return those that mean a publisher, or that it means."""
+        candidates = self._publishers
+        if not _is_pattern(publisher):
+            candidates = candidates.intersection([publisher]).union(self._patterns)
+        return [each for each in candidates if patterns_overlap(publisher, each)]
+
+
+def _is_pattern(publisher: str) -> bool:
+    return any(character in publisher for character in "*?[")
+
+
+def _with_stage_priorities(flows: Iterable[Flow], guarded: Iterable[Flow]) -> Iterator[Flow]:
+    """Yield the stream's flows with the priorities that the stage gives them."""
+    highest: dict[str, int] = {}
+    for flow in guarded:
+        highest[flow.publisher] = max(flow.priority, highest.get(flow.publisher, flow.priority))
+    index = _PublisherIndex(highest)
+    for flow in flows:
+        priority = max((highest[each] for each in index.overlapping(flow.publisher)), default=0)
+        is_same = priority == flow.priority and not flow.block
+        yield flow if is_same else replace(flow, block=False, priority=priority)
 
 
 def _stage_rules(
@@ -250,25 +273,17 @@ def _matching_flows(
     """Return the flows of a stream that are meant by their names, or all by their topic's."""
     if stream.topic in names:
         return frozenset(flow.name for flow in stream.flows) | {UNAPPROVED}
-    named_flows = [flow for flow in guarded if flow.name in names]
-    return frozenset(
-        f.name for f in stream.flows if any(_same_publisher(f, other) for other in named_flows)
-    )
+    named = frozenset(names)
+    index = _PublisherIndex(flow.publisher for flow in guarded if flow.name in named)
+    return frozenset(flow.name for flow in stream.flows if index.overlapping(flow.publisher))
 
 
-def _with_blocks(stage: Stage, blocked: tuple[str, ...]) -> Stage:
+def _with_blocks(stage: Stage, blocked: _PublisherIndex) -> Stage:
     flows = tuple(
-        replace(
-            flow,
-            block=flow.block or any(patterns_overlap(flow.publisher, name) for name in blocked),
-        )
+        replace(flow, block=flow.block or bool(blocked.overlapping(flow.publisher)))
         for flow in stage.settings.flows
     )
     return replace(stage, settings=replace(stage.settings, flows=flows))
-
-
-def _same_publisher(one: Flow, other: Flow) -> bool:
-    return patterns_overlap(one.publisher, other.publisher)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,10 +15,11 @@ from leased_base import NAV, PLAN, STRANGER, TELEOP, TWIST, LeasedBase
 from velocity_messages import twist
 
 from rtron.errors import WireError
-from rtron.guard.authority.latched_stops import LatchedStops, StopFile, stop_file
+from rtron.guard.authority.latched_stops import LatchedStops, stop_file
 from rtron.guard.authority.lease_commands import StopCommands
 from rtron.guard.authority.stop_buttons import StopButtons
 from rtron.guard.core.handover_state import STOPS, HandoverState
+from rtron.guard.core.state_file import StateFile
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
 from rtron.vocabulary import SECOND, Mode, PolicyName, StopButton, StopSources
 
@@ -26,6 +27,10 @@ BOOL = TypeInfo("std_msgs/Bool", "8b94c1b53db61fb6aed406028ad6332a")
 BUTTON = StopButton(name="red", topic="/estop", publisher="/estop_driver")
 PRESSED, FREE = (struct.pack("<IB", 1, each) for each in (1, 0))
 RELEASE = {"release": "robot", "reason": "the track is free"}
+
+
+def state_file(path):
+    return StateFile(path, "what is stopped is not kept for the time after a reboot")
 
 
 def prioritised(plan):
@@ -72,7 +77,7 @@ class Stopped(LeasedBase):
 
 @pytest.fixture
 def file(tmp_path):
-    return StopFile(tmp_path / "app" / "stops.json")
+    return state_file(tmp_path / "app" / "stops.json")
 
 
 @pytest.fixture
@@ -265,7 +270,7 @@ def test_the_next_guard_is_stopped_before_it_opens(base, tmp_path):
     base.ask_guard(stop="a person on the track")
     stops = json.loads(base.handed_over[-1])[STOPS]
     assert stops["robot"]["reason"] == "a person on the track"
-    other = StopFile(tmp_path / "elsewhere" / "stops.json")
+    other = state_file(tmp_path / "elsewhere" / "stops.json")
     after = Stopped(prioritised(PLAN), other, base.handed_over[-1])
     assert not after.drive(NAV, 0.0)
     after.ask_guard(**RELEASE)
@@ -278,12 +283,12 @@ def test_it_outlives_the_supervisor_and_the_machine(base, file, tmp_path):
     base.ask_guard(stop="a person on the track")
     wait_for(path.exists, what="the file")
     assert path.stat().st_mode & 0o077 == 0
-    after = Stopped(prioritised(PLAN), StopFile(path))
+    after = Stopped(prioritised(PLAN), state_file(path))
     assert not after.drive(NAV, 0.0)
     assert after.stops.stops["robot"]["by"] == "ann"
     after.ask_guard(**RELEASE)
     wait_for(lambda: not path.exists(), what="the file's end")
-    assert Stopped(prioritised(PLAN), StopFile(path)).drive(NAV, 0.5)
+    assert Stopped(prioritised(PLAN), state_file(path)).drive(NAV, 0.5)
 
 
 def test_a_stop_is_confirmed_when_the_disk_has_it(base, tmp_path, monkeypatch):
@@ -320,7 +325,7 @@ def test_a_stop_that_the_disk_has_not_yet_says_so(base, monkeypatch):
 def test_the_cause_of_a_button_counts_as_there_after_a_restart(with_button, tmp_path):
     with_button.press(PRESSED)
     plan = replace(prioritised(PLAN), stop_sources=StopSources(buttons=(BUTTON,)))
-    other = StopFile(tmp_path / "elsewhere" / "stops.json")
+    other = state_file(tmp_path / "elsewhere" / "stops.json")
     after = Stopped(plan, other, with_button.handed_over[-1])
     with pytest.raises(WireError, match="is still there"):
         after.ask_guard(release="red", reason="test")
@@ -334,7 +339,7 @@ def test_a_file_that_cannot_be_read_stops_the_robot(text, tmp_path):
     path = tmp_path / "app" / "stops.json"
     path.parent.mkdir(mode=0o700)
     path.write_bytes(text)
-    base = Stopped(prioritised(PLAN), StopFile(path))
+    base = Stopped(prioritised(PLAN), state_file(path))
     assert not base.drive(NAV, 0.0)
     assert base.reason("nav").startswith("latched stop: file by the guard: ")
     base.ask_guard(release="file", reason="looked at it")
@@ -346,7 +351,7 @@ def test_a_folder_that_others_may_enter_is_not_trusted(tmp_path, caplog):
     path = tmp_path / "app" / "stops.json"
     path.parent.mkdir()
     path.parent.chmod(0o777)
-    base = Stopped(prioritised(PLAN), StopFile(path))
+    base = Stopped(prioritised(PLAN), state_file(path))
     assert not base.drive(NAV, 0.0)
     assert "others may enter" in caplog.text
     told = base.ask_guard(stop="test")["answer"]
@@ -360,7 +365,7 @@ def test_a_folder_that_others_may_enter_is_not_trusted(tmp_path, caplog):
 
 def test_each_master_has_a_file_of_its_own(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    one, other = (stop_file(PLAN, uri)._path for uri in ("http://a:11311", "http://b:11311"))
+    one, other = (stop_file(PLAN, uri).path for uri in ("http://a:11311", "http://b:11311"))
     assert one != other
     assert one.parent == other.parent == tmp_path / "rtron" / "app" / "stops"
 
@@ -369,14 +374,14 @@ def test_each_master_has_a_file_of_its_own(monkeypatch, tmp_path):
 def test_a_master_on_this_machine_has_one_file_however_it_is_spelled(host):
     own = socket.gethostname()
     spelled = {None: own, "local": f"{own.partition('.')[0]}.local"}.get(host, host)
-    one = stop_file(PLAN, "http://localhost:11311")._path
-    assert stop_file(PLAN, f"http://{spelled}:11311/")._path == one
+    one = stop_file(PLAN, "http://localhost:11311").path
+    assert stop_file(PLAN, f"http://{spelled}:11311/").path == one
     assert one.name == "http___localhost_11311.json"
-    assert stop_file(PLAN, f"http://{spelled}:11312/")._path != one
+    assert stop_file(PLAN, f"http://{spelled}:11312/").path != one
 
 
 def test_a_domain_has_a_file_of_its_own():
-    assert [stop_file(PLAN, each)._path.name for each in ("0", "1")] == ["0.json", "1.json"]
+    assert [stop_file(PLAN, each).path.name for each in ("0", "1")] == ["0.json", "1.json"]
 
 
 def test_where_nothing_is_enforced_a_stop_says_that_it_has_no_effect(file):

@@ -90,6 +90,13 @@ def test_diagnostics(encoding, statuses):
         assert {each.key: each.value for each in one.values} == other.values
 
 
+@pytest.mark.parametrize("encoding", Encoding)
+def test_a_clock_before_1970_keeps_no_diagnostics_back(encoding):
+    message = diagnostics_message(encoding, 7, 5 - 2 * SECOND, [])
+    stamp = decoded(encoding, "diagnostic_msgs/DiagnosticArray", message).header.stamp
+    assert (stamp.sec, stamp.nanosec) == (-2, 5)
+
+
 def test_what_ends_a_string_is_not_in_it():
     message = string_message(CDR, "a\0b\ud800")
     cdr_validator(STANDARD[CDR].find(STRING.type))(message)

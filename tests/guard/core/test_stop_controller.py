@@ -124,16 +124,6 @@ def test_a_state_is_not_stopped():
     assert len(driver) == 1
 
 
-def test_a_killed_coordination_node_stops_the_robot():
-    transport, host, driver = guarded()
-    transport.publisher(NAV, peer("/nav"))(twist(1.0))
-    host.shut_down_node("/rtron/grcn_cmd_vel", "a test")
-    assert [x for x, _ in speeds(driver)] == pytest.approx([1.0, 0.8])
-    transport.publisher(NAV, peer("/nav"))(twist(1.0))
-    transport.advance(5 * SECOND)
-    assert [x for x, _ in speeds(driver)][2:6] == pytest.approx([0.6, 0.4, 0.2, 0.0])
-
-
 def test_the_reason_is_told_while_the_robot_is_stopped():
     transport, host, _ = guarded()
     active = transport.listen("/rtron/grcn_cmd_vel/cmd_vel/active")

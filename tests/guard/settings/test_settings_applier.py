@@ -476,7 +476,9 @@ def test_whatever_is_swapped_nothing_that_is_forbidden_goes_out(steps):
             )
             assert not (passed and blocked)
             assert base.tally(name).last.revision == base.applying.revision
-    base.stream().shut_down("the end")
+    pipeline = base.stream().pipeline
+    for policy in pipeline.policies:
+        pipeline.drop_held(policy.close())
     for by, name in (("nav", "flow1"), ("teleop", "flow2")):
         tally = base.tally(name)
         said = sum(what == by for what, _ in steps)

@@ -12,7 +12,7 @@ from rtron.guard.intrusion_latch import handover_document, intrusions_in
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.intrusion_file import intrusion_file
 from rtron.guard.supervision.shared_memory import GuardMemory
-from rtron.vocabulary import SECOND, Audit, OnForeign
+from rtron.vocabulary import Audit, OnForeign
 
 PLAN = plan_of(grcn("/cmd_vel", ("/nav",), ("/driver",)))
 TOPIC = PLAN.grcn[0].topic
@@ -44,7 +44,7 @@ def keep(state, reasons, file=None):
     """Let a guard tell of intrusions, and wait until they are saved."""
     file = file or file_of()
     state.write(handover_document(reasons))
-    file.follow(state, 0)
+    file.follow(state)
     wait_for(lambda: file.is_saved, what="the file")
 
 
@@ -90,7 +90,7 @@ def test_two_writers_that_write_one_count_are_both_followed(folder, state):
     keep(state, {}, file)
     late = GuardMemory.create(1)
     late.handover_state.write(b"{}")
-    file.follow(late.handover_state, 0)
+    file.follow(late.handover_state)
     late.handover_state._write_count = 0
     keep(late.handover_state, STOPPED, file)
     assert inherited() == STOPPED
@@ -126,12 +126,10 @@ def test_what_could_not_be_written_is_tried_again(folder, state, caplog):
     folder.chmod(0o755)
     file = file_of()
     state.write(handover_document(STOPPED))
-    file.follow(state, 0)
+    file.follow(state)
     wait_for(lambda: "is not kept" in caplog.text, what="the failure")
-    folder.chmod(0o700)
-    file.follow(state, SECOND - 1)
     assert list(folder.iterdir()) == []
-    file.follow(state, SECOND)
+    folder.chmod(0o700)
     wait_for(lambda: file.is_saved, what="the file")
     assert inherited() == STOPPED
 
@@ -140,8 +138,7 @@ def test_a_guard_that_has_told_nothing_yet_leaves_the_file_as_it_is(folder, stat
     keep(state, STOPPED)
     file = file_of()
     empty = GuardMemory.create(1)
-    file.follow(empty.handover_state, 0)
-    file._save()
+    file.follow(empty.handover_state)
     empty.close()
     assert inherited() == STOPPED
 
@@ -157,12 +154,12 @@ def test_a_strange_reason_comes_back_as_it_was(folder, state):
 def test_an_end_waits_for_the_disk_and_says_what_is_not_on_it(folder, state, caplog):
     file = file_of()
     state.write(handover_document(STOPPED))
-    file.follow(state, 0)
+    file.follow(state)
     file.finish(20.0)
     assert inherited() == STOPPED
     folder.chmod(0o755)
     state.write(handover_document({}))
-    file.follow(state, SECOND)
+    file.follow(state)
     file.finish(0.0)
     assert "what intruders have stopped is not saved" in caplog.text
     folder.chmod(0o700)

@@ -120,6 +120,11 @@ def test_results_are_read_and_written(status, stamp, rest):
     assert result_message(stamp, status, struct.pack("<I", len(encoded)) + encoded) == message
 
 
+def test_a_clock_before_1970_keeps_no_result_back():
+    status = GoalStatus(GoalID(b"goal", 1), 3)
+    assert read_result(result_message(-5, status, b"")) == status
+
+
 def test_ids_need_not_be_text():
     message = with_goal_id(goal_of(GoalID(b"", 0)), GoalID(b"\xff\x00", 0))
     assert read_goal(message).id == b"\xff\x00"

@@ -1,28 +1,22 @@
 """The latched stop of a guard: what sources have stopped keeps standing until persons release it.
 
 What is latched is in the handover state at once, for the next guard, and in a file of the user's
-state folder (XDG base folders) soon after, for the time after the supervisor. A thread writes the
-file, since a disk may hang.
+state folder soon after, for the time after the supervisor.
 """
 
-import json
 import logging
-import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rtron.errors import RTronError
 from rtron.guard.coordinator import Coordinator
-from rtron.guard.core.event_loop import BackgroundWorker
 from rtron.guard.core.handover_state import STOPS, HandoverState
+from rtron.guard.core.state_file import StateFile
 from rtron.guard.settings.emergency_stop import can_move_robot
-from rtron.guard.system.durable_file import make_private_folder, remove_file, replace_file
 from rtron.guard.system.master_name import master_file_name
 from rtron.guard.system.state_folder import state_folder
-from rtron.guard.system.unix_socket import open_own_folder
 from rtron.guard.transport.common.protocol import Transport
 from rtron.policies.authority.stop_latch import StopAnswer, StopLatch
 from rtron.vocabulary import SECOND, Plan
@@ -33,12 +27,9 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 _BRAKE = "latched stop"
-_MOST_BYTES = 1 << 16
-_RETRY_S = 1.0
 _SAVE_TIMEOUT = SECOND
 """How long the answer to a stop waits for the disk before it says that it is slow, ns."""
 _LOOK_AGAIN = SECOND // 100
-_HELP = "set XDG_STATE_HOME to a folder of your own (mode 700)"
 
 
 class LatchedStops:
@@ -50,7 +41,7 @@ class LatchedStops:
         self._streams: list[GuardedStream] = list(filter(can_move_robot, coordinator.streams))
         self._transport = transport
         self._store: Callable[[dict[str, Any]], None] = lambda state: None
-        self._file: StopFile | None = None
+        self._file: StateFile | None = None
 
     @property
     def has_effect(self) -> bool:
@@ -62,10 +53,10 @@ class LatchedStops:
         """What is not released, by source: who has stopped it, why, and since when (ns)."""
         return self._latch.export_state()
 
-    def keep(self, handover: HandoverState, file: "StopFile") -> None:
+    def keep(self, handover: HandoverState, file: StateFile) -> None:
         """Latch what was latched before, and keep from now on what is; call it before the open."""
         inherited = handover.inherited(STOPS)
-        state = {**file.read(), **(inherited if isinstance(inherited, dict) else {})}
+        state = {**_read(file), **(inherited if isinstance(inherited, dict) else {})}
         self._latch.restore_state(state, time.time_ns(), self._buttons)
         self._store = partial(_store, handover, file)
         self._file = file
@@ -131,79 +122,21 @@ class LatchedStops:
         self._store(self._latch.export_state())
 
 
-class StopFile:
-    """What is latched under one plan at one master."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._state: Mapping[str, Any] = {}
-        self._saved: Mapping[str, Any] = self._state
-        self._failure = ""
-        self._worker: BackgroundWorker | None = None
-
-    @property
-    def is_saved(self) -> bool:
-        """Whether the disk has the state of the last `save`, so that a power cut leaves it."""
-        return self._saved is self._state
-
-    @property
-    def failure(self) -> str:
-        """Why the last try to write failed, "" if it did not."""
-        return self._failure
-
-    def read(self) -> dict[str, Any]:
-        """Return what was latched; a file that cannot be read is a source of its own."""
-        try:
-            return self._read()
-        except (OSError, ValueError, TypeError, RecursionError, RTronError) as error:
-            log.error("%s: what was stopped cannot be read: %s", self._path, error)  # noqa: TRY400
-            return {"file": {"by": "the guard", "reason": f"{self._path} cannot be read"}}
-
-    def save(self, state: Mapping[str, Any]) -> None:
-        """Have the state written."""
-        self._state = state
-        if self._worker is None:
-            self._worker = BackgroundWorker(self._save, "stops")
-        self._worker.request()
-
-    def _read(self) -> dict[str, Any]:
-        if not self._path.parent.is_dir():
-            return {}
-        os.close(open_own_folder(self._path.parent, _HELP))
-        if not self._path.exists():
-            return {}
-        with self._path.open("rb") as file:
-            state = json.loads(file.read(_MOST_BYTES))
-        if not isinstance(state, dict):
-            raise TypeError("no JSON object")
-        return state
-
-    def _save(self) -> None:
-        """Write the state, in the thread; try again later if that fails."""
-        state, failure = self._state, ""
-        try:
-            make_private_folder(self._path.parent)
-            os.close(open_own_folder(self._path.parent, _HELP))
-            if state:
-                replace_file(self._path, json.dumps(state).encode())
-            else:
-                remove_file(self._path)
-            self._saved = state
-        except (OSError, RTronError) as error:
-            failure = str(error)
-        if failure and failure != self._failure:
-            log.error("what is stopped is not kept for the time after a reboot: %s", failure)
-        self._failure = failure
-        if failure and self._worker:
-            time.sleep(_RETRY_S)
-            self._worker.request()
-
-
-def stop_file(plan: Plan, master: str) -> StopFile:
+def stop_file(plan: Plan, master: str) -> StateFile:
     """Return the file of a guard at a master or in a domain."""
-    return StopFile(state_folder(plan.app) / "stops" / f"{master_file_name(master)}.json")
+    path = state_folder(plan.app) / "stops" / f"{master_file_name(master)}.json"
+    return StateFile(path, "what is stopped is not kept for the time after a reboot")
 
 
-def _store(handover: HandoverState, file: StopFile, state: dict[str, Any]) -> None:
+def _read(file: StateFile) -> dict[str, Any]:
+    """Return what was latched; a file that cannot be read is a source of its own."""
+    try:
+        return file.read()
+    except (OSError, ValueError, RTronError) as error:
+        log.error("%s: what was stopped cannot be read: %s", file.path, error)  # noqa: TRY400
+        return {"file": {"by": "the guard", "reason": f"{file.path} cannot be read"}}
+
+
+def _store(handover: HandoverState, file: StateFile, state: dict[str, Any]) -> None:
     handover.store(STOPS, state or None)
     file.save(state)

@@ -84,8 +84,6 @@ def _lost(stream: GuardedStream) -> dict[str, str]:
 
 
 def _level(stream: GuardedStream) -> tuple[int, str]:
-    if stream.pipeline.closed_reason:
-        return ERROR, stream.pipeline.closed_reason
     if stream.dry_run:
         return WARN, f"dry run, everything passes: {active_text(stream)}"
     if stream.stop_controller.reason:

@@ -56,18 +56,11 @@ class Pipeline:
         self._bars: dict[tuple[str, str], Verdict] = {}
         self._revision = 0
         self.last_emitted: tuple[str, bytes, int] | None = None
-        self.closed_reason = ""
         self.on_verdict_change: Callable[[Verdict], None] | None = None
         self.on_dropped: Callable[[bytes, Verdict], None] = _ignore_dropped
 
-    def receive(self, flow: str, message: bytes, now: int) -> Verdict | None:
-        """Decide about a message that arrived at `now` (ns); emit it if all stages pass it.
-
-        None if the pipeline is shut down.
-        """
-        if self.closed_reason:
-            self.tallies[flow].dropped += 1
-            return None
+    def receive(self, flow: str, message: bytes, now: int) -> Verdict:
+        """Decide about a message that arrived at `now` (ns); emit it if all stages pass it."""
         entry = self._bar_on(flow) or self._gate.verdict(flow, message)
         if entry and entry.decision is _MODIFY:
             message = entry.message  # type: ignore[assignment]
@@ -107,7 +100,7 @@ class Pipeline:
 
     def tick(self, now: int) -> None:
         """Let time pass; messages that a stage releases go on to the next stages."""
-        for at, policy in enumerate(() if self.closed_reason else self.policies):
+        for at, policy in enumerate(self.policies):
             for release in policy.tick(now):
                 self._release(at, release, now)
 
@@ -138,8 +131,6 @@ class Pipeline:
 
     def refusal(self, flow: str, now: int, message: bytes | None = None) -> str:
         """Return why `message`, or any message of `flow`, would be refused at `now` (ns), or ""."""
-        if self.closed_reason:
-            return self.closed_reason
         refusals = (policy.refusal(flow, now, message) for policy in self.policies)
         refusal = self._bar_on(flow) or next(filter(None, refusals), None)
         return refusal.reason if refusal else ""
@@ -156,16 +147,8 @@ class Pipeline:
 
     def deadline(self) -> int | None:
         """Return when (ns) `tick` next has something to do, or None."""
-        if self.closed_reason:
-            return None
         times = [due for policy in self.policies if (due := policy.deadline()) is not None]
         return min(times, default=None)
-
-    def shut_down(self, why: str) -> None:
-        """Drop all messages from now on, also the held ones, each with a verdict."""
-        self.closed_reason = why
-        for policy in self.policies:
-            self.drop_held(policy.close())
 
     def _bar_on(self, flow: str) -> Verdict | None:
         if not self._bars:
@@ -175,7 +158,7 @@ class Pipeline:
     @property
     def owner(self) -> str | None:
         """The flow that has the output."""
-        return self.policies[0].owner if self.policies and not self.closed_reason else None
+        return self.policies[0].owner if self.policies else None
 
     def _release(self, at: int, release: "Release", now: int) -> None:
         """Pass on a message that the stage `at` releases; an earlier stage may refuse it now.

@@ -116,7 +116,7 @@ def diagnostics_message(
     if encoding is Encoding.ROS1:
         writer.uint32(seq)
     for part in divmod(stamp, 1_000_000_000):
-        writer.uint32(part)
+        writer.uint32(part % (1 << 32))  # before 1970 as in ROS 2's int32, whatever the clock says
     writer.string("")
     writer.uint32(len(statuses))
     for status in statuses:

@@ -118,13 +118,6 @@ class GuardedStream:
         """Call `on_type` when the type is learned, and `on_sent` with each message and its flow."""
         self.endpoints.outputs.set_listeners(on_type, on_sent)
 
-    def shut_down(self, why: str) -> None:
-        """Block all messages: a coordination node of the pipeline was shut down."""
-        log.error("%s: all messages are blocked: %s", self.spec.topic, why)
-        self.pipeline.shut_down(why)
-        self.endpoints.outputs.clear_latched()
-        self.recheck(self._transport.now())
-
     @property
     def details(self) -> Mapping[str, str]:
         """More entries for the diagnostics."""

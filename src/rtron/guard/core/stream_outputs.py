@@ -103,11 +103,6 @@ class StreamOutputs:
         """How many messages did not reach a subscriber, by the topic where any was lost."""
         return {topic: output.lost for topic, output in self._topics.items() if output.lost}
 
-    def clear_latched(self) -> None:
-        """Keep nothing for late subscribers any more."""
-        for output in (*self._outputs, *self._mirrors.values()):
-            output.clear_latched()
-
     def _latch_key(self, flow: str) -> str | None:
         """Return the key under which a flow's message is latched, None if it is not."""
         if self._takes_turns:

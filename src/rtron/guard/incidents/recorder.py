@@ -53,8 +53,11 @@ _SLACK = 5 * SECOND
 
 
 def machine_wall_offset() -> int:
-    """Return what this machine's wall clock is ahead of its steady one now, ns."""
-    return time.time_ns() - time.monotonic_ns()
+    """Return what this machine's wall clock is ahead of its steady one now, ns.
+
+    0 if it is behind: MCAP has no time before 1970.
+    """
+    return max(0, time.time_ns() - time.monotonic_ns())
 
 
 def run_recorder(sock: socket.socket) -> None:

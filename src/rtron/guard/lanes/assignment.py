@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from rtron.vocabulary import (
     BULK_NODE,
-    GRCN,
     CoordinationKind,
     Plan,
     Stream,
@@ -19,19 +18,22 @@ def command_part(plan: Plan) -> Plan:
 
     A coordination node lives in one process, so this has every topic of the RSRCN and the MSRCN.
     """
-    return replace(plan, grcn=tuple(each for each in plan.grcn if not _is_bulk(plan, each)))
+    bulk = _bulk_topics(plan)
+    return replace(plan, grcn=tuple(each for each in plan.grcn if each.topic not in bulk))
 
 
 def bulk_part(plan: Plan) -> Plan:
     """Return what the bulk process carries: states and sensor data, frames and events."""
     msrcn = plan.msrcn and replace(plan.msrcn, aflows=(), rules=())
-    grcn = tuple(each for each in plan.grcn if _is_bulk(plan, each))
+    bulk = _bulk_topics(plan)
+    grcn = tuple(each for each in plan.grcn if each.topic in bulk)
     return replace(plan, grcn=grcn, msrcn=msrcn, rsrcn=None)
 
 
-def _is_bulk(plan: Plan, grcn: GRCN) -> bool:
-    streams = (each for each in build_streams(plan) if each.topic == grcn.topic)
-    return not any(map(_moves_robot, streams))
+def _bulk_topics(plan: Plan) -> frozenset[str]:
+    streams = build_streams(plan)
+    moving = {stream.topic for stream in streams if _moves_robot(stream)}
+    return frozenset(stream.topic for stream in streams) - moving
 
 
 def _moves_robot(stream: Stream) -> bool:

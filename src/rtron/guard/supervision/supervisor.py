@@ -156,7 +156,7 @@ class Supervisor:
         if self._memory[StatusWord.SERVING] and not self._is_leaving:
             self._tick_helpers(now)
         if self._intrusions:
-            self._intrusions.follow(self._memory.handover_state, now)
+            self._intrusions.follow(self._memory.handover_state)
 
     def _tick_helpers(self, now: int) -> None:
         for helper in self._helpers:

@@ -9,6 +9,7 @@ from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.preload import preload
 from rtron.guard.supervision.programs import open_descriptors, run_program
 from rtron.guard.supervision.supervisor import Supervisor
+from rtron.guard.system.machine_time import check_steady_clock
 from rtron.guard.system.process_attributes import set_process_name
 from rtron.guard.transport.factory import share_memory
 
@@ -20,6 +21,7 @@ def main(numbers: str) -> None:
     config = read_config(config_file)
 
     def supervise() -> int:
+        check_steady_clock()
         preload(config)
         server = ForkServer()  # before there is a thread or a node of ours
         start_logging(config.log_level, "supervisor")

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from rtron.errors import SourceError
+
 _BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 
 
@@ -14,6 +16,13 @@ class MachineTime:
 
     now: int
     boot: str
+
+
+def check_steady_clock() -> None:
+    """Check that the steady clock counts from a start; SourceError if it is faked (libfaketime)."""
+    if time.monotonic_ns() < 0:
+        help = "start rtron with FAKETIME_DONT_FAKE_MONOTONIC=1"
+        raise SourceError("this machine's steady clock is negative", help=help)
 
 
 def machine_time() -> MachineTime:

@@ -121,7 +121,8 @@ def read_result(message: bytes) -> GoalStatus:
 
 def result_message(stamp: int, status: GoalStatus, result: bytes) -> bytes:
     """Return an ActionResult of time `stamp` (ns) whose own fields are the bytes `result`."""
-    header = _HEADER.pack(0, *divmod(stamp, SECOND)) + _string(b"")
+    seconds, rest = divmod(stamp, SECOND)
+    header = _HEADER.pack(0, seconds % (1 << 32), rest) + _string(b"")
     return _framed(header + _packed_status(status) + result)
 
 

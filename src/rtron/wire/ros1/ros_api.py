@@ -72,13 +72,9 @@ def query_process_id(uri: str, caller: str, timeout: float, network: Network = H
     return parse_process_id(ros_call(uri, "getPid", caller, timeout=timeout, network=network))
 
 
-def query_guard_pids(
-    uri: str, caller: str, timeout: float, network: Network = HOST_NETWORK
-) -> frozenset[int]:
-    """Ask the guard's own node for the ids of all processes of the guard."""
-    return parse_process_ids(
-        ros_call(uri, "getGuardPids", caller, timeout=timeout, network=network)
-    )
+def query_parent_id(uri: str, caller: str, timeout: float, network: Network = HOST_NETWORK) -> int:
+    """Ask a node of the guard for the id of its parent process, which other nodes do not tell."""
+    return parse_process_id(ros_call(uri, "getParentPid", caller, timeout=timeout, network=network))
 
 
 def query_bus_info(
@@ -131,17 +127,10 @@ def parse_bus_peers(reply: object) -> frozenset[NamedNode]:
 
 
 def parse_process_id(reply: object) -> int:
-    """Read the answer of getPid; WireError if no process can have that number."""
+    """Read the answer of getPid or getParentPid; WireError if no process can have that number."""
     if isinstance(reply, bool) or not isinstance(reply, int) or reply <= 0:
         raise WireError("the process id is not a positive number")
     return reply
-
-
-def parse_process_ids(reply: object) -> frozenset[int]:
-    """Read the answer of getGuardPids; WireError if it is no list of process ids."""
-    if not isinstance(reply, list):
-        raise WireError("the process ids are no list")
-    return frozenset(map(parse_process_id, reply))
 
 
 def parse_text(reply: object) -> str:

@@ -100,14 +100,13 @@ class Audit:
         self.loop, self.response = EventLoop(), Response()
         stack.callback(self.loop.close)
         self.uris, self.unknown = {GUARD: OURS}, frozenset()
-        self.listeners, self.shutdowns = set(), []
+        self.listeners = set()
         self.guard = SimpleNamespace(
             node_uris=lambda: dict(self.uris),
             ports=frozenset(),
             former_uris=frozenset,
             unknown_streams=lambda: self.unknown,
             subscribers=lambda _topic: self.listeners,
-            on_shutdown_request=lambda node, reason: self.shutdowns.append((node, reason)),
             set_shutdown_handler=lambda handler: None,
             register_node=lambda name: None,
         )
@@ -246,7 +245,7 @@ def test_the_audit_looks_again_when_the_guards_nodes_become_known(audit):
     audit.unknown = frozenset({"/cmd_vel"})
     assert audit.missing == "the command process has not told its nodes"
     audit.unknown = frozenset()
-    audit.guard.on_nodes_change()
+    audit.auditor.look_again()
     assert audit.missing == "the master does not answer"
     assert audit.run(lambda: not audit.missing)
 
@@ -265,15 +264,15 @@ def test_who_is_excused_is_waited_for(audit, monkeypatch):
     assert audit.run(lambda: not audit.missing)
 
 
-def test_without_enforced_streams_nothing_is_missing_and_a_shutdown_is_refused_as_ever(stack):
+def test_without_enforced_streams_nothing_is_missing_and_a_shutdown_is_refused(stack, caplog):
     observed = plan_of(grcn("/tf", ["/a"], ["/b"], mode=Mode.OBSERVE))
     audit = Audit(stack, observed)
-    commands = SimpleNamespace(on_shutdown_request=lambda node, reason: None)
+    commands = SimpleNamespace()
     nodes = JoinedNodes(audit.guard, commands)
     Ros1Auditor(observed, audit.master.uri, nodes, audit.response, audit.loop).open()
     assert audit.missing == ""
     commands.on_shutdown_request("/rtron_guard", "why")
-    assert audit.shutdowns == [("/rtron_guard", "why")]
+    assert "/rtron_guard is not shut down, end rtron guard itself: why" in caplog.text
 
 
 @pytest.fixture

@@ -282,7 +282,7 @@ def answers(rows, publishers=(), subscribers=((OUT, "/driver"),), **more):
         "uris": uris,
         "connections": {"/driver": parse_connections(rows)},
         "pids": {"/rtron_guard": 9, "/rtron_bulk": 7, GUARD: 9, "/nav": 7},
-        "guard_pids": frozenset({9, 7}),
+        "guard_parents": {"/rtron_guard": 5, "/rtron_bulk": 5, GUARD: 5},
     }
     return ApiAnswers(**given | more)
 
@@ -366,9 +366,9 @@ def test_a_node_that_does_not_answer_cannot_be_told():
     [
         ({"uris": {}}, "is not running"),
         ({"pids": {"/rtron_guard": 9}}, "does not answer"),
-        ({"pids": {"/rtron_guard": 9, GUARD: 8}, "guard_pids": {9, 7}}, "taken its name"),
-        ({"pids": {"/rtron_guard": 9, GUARD: 8}, "guard_pids": set()}, "taken its name"),
-        ({"pids": {GUARD: 8}, "guard_pids": set()}, "whose the guard's nodes are is not known"),
+        ({"guard_parents": {"/rtron_guard": 5, GUARD: 8}}, "taken its name"),
+        ({"guard_parents": {"/rtron_guard": 5}}, "taken its name"),
+        ({"guard_parents": {GUARD: 5}}, "whose the guard's nodes are is not known"),
         ({"publishers": [(OUT, "/rogue")]}, "/rogue registered"),
     ],
 )

@@ -13,7 +13,7 @@ from driven_base import CMD_VEL_GUARD, TURN_RIGHT, drive_plan
 from harness import Ros1, wait_for
 
 from rtron.vocabulary import Audit, OnForeign
-from rtron.vocabulary.names import SUPERVISOR_NODE
+from rtron.vocabulary.names import GUARD_NODE, SUPERVISOR_NODE
 
 pytestmark = pytest.mark.ros1
 RUNS = 2
@@ -101,11 +101,12 @@ def test_a_rogue_behind_a_second_master(ros1, program, tmp_path):
         assert_found_and_stopped(scene, "ghost publisher", lambda: bridged(scene, other))
 
 
-def test_an_impostor_with_the_guards_name(ros1, program):
+@pytest.mark.parametrize("name", [CMD_VEL_GUARD, GUARD_NODE])
+def test_an_impostor_with_the_guards_name(ros1, program, name):
     with Scene(ros1, program) as scene:
         for _ in range(RUNS):
             stops = scene.stops()
-            with Impostor(ros1, CMD_VEL_GUARD) as impostor:
+            with Impostor(ros1, name) as impostor:
                 wait_until_found(scene, impostor, "impostor")
                 wait_for_stop(scene, stops)
                 wait_for(impostor.shut_down.is_set, what="the master's call to the impostor")

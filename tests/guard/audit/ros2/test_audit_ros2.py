@@ -13,6 +13,7 @@ from ros2_harness import LASTING
 
 from rtron.guard.transport.ros2.participants import ParticipantLiveness, ParticipantState
 from rtron.guard.transport.ros2.process_table import ProcessTable
+from rtron.vocabulary import GUARD_NODE
 from rtron.wire.ros2.endpoints import publishers_of
 from rtron.wire.ros2.session import Ros2Session
 
@@ -98,11 +99,13 @@ def test_a_stranger_brakes_where_the_plan_says_so(ros2):
 
 
 # Unanswered, there would be 0.4 stops for each message of the first and 0.1 of the second.
-@pytest.mark.parametrize(("rate", "share"), [("50", 0.9), ("200", 0.5)])
-def test_each_message_of_a_stranger_is_answered(ros2, rate, share):
+@pytest.mark.parametrize(
+    ("name", "rate", "share"), [("/rogue", "50", 0.9), (GUARD_NODE, "200", 0.5)]
+)
+def test_each_message_of_a_stranger_is_answered(ros2, name, rate, share):
     base = GuardedBase2(ros2, "stop")
     base.start()
-    base.speaker("/rogue", OUT, "7.0", rate)
+    base.speaker(name, OUT, "7.0", rate)
     wait_for(lambda: base.alarms("alarm: intrusion"), what="the alarm")
     wait_for(lambda: base.speeds("0.0") > 20, what="the end of the braking")
     before = len(base.heard())

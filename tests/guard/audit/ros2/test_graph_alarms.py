@@ -18,6 +18,7 @@ from domain_scene import (
     NAV,
     NAV_PUBLISHES,
     NAVIGATE,
+    NAVIGATE_GRCN,
     OUT,
     ROGUE,
     SEND_GOAL,
@@ -49,6 +50,7 @@ from rtron.guard.intrusion_latch import IntrusionLatch
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.ros2.participants import MAX_LEASE, ParticipantLiveness
 from rtron.vocabulary import (
+    BULK_NODE,
     GUARD_NODE,
     SUPERVISOR_NODE,
     Alarm,
@@ -173,6 +175,22 @@ def test_the_guards_and_the_supervisors_names_are_ours_too():
     for name, braked in ((GUARD_NODE, ()), (SUPERVISOR_NODE, (CMD_VEL,))):
         ((alarm, past),) = found(*CLOSED, publisher("/rosout", name, ROGUE))
         assert (alarm.kind, past) == (AlarmKind.IMPOSTOR, braked)
+
+
+@pytest.mark.parametrize("name", [GUARD_NODE, BULK_NODE])
+def test_who_speaks_past_the_guard_with_a_name_that_speaks_nowhere_stops_the_robot(name):
+    ((alarm, braked),) = found(*CLOSED, publisher(OUT, name, ROGUE))
+    assert (alarm.kind, alarm.node, braked) == (AlarmKind.IMPOSTOR, name, (CMD_VEL,))
+    ((_, braked),) = found(*CLOSED, publisher(FLOW1, name, ROGUE))
+    assert braked == ()  # the guard refuses it there
+    ((_, braked),) = found(publisher(ACTION_STATUS, name, ROGUE), plan=action_plan())
+    assert braked == (NAVIGATE,)
+
+
+def test_who_speaks_past_the_guard_with_the_name_of_another_stream_stops_both():
+    both = replace(base_plan(), grcn=(*base_plan().grcn, *action_plan().grcn))
+    ((alarm, braked),) = found(*CLOSED, publisher(OUT, NAVIGATE_GRCN, ROGUE), plan=both)
+    assert (alarm.kind, braked) == (AlarmKind.IMPOSTOR, (CMD_VEL, NAVIGATE))
 
 
 def test_the_supervisors_own_participant_may_speak_named_or_not():

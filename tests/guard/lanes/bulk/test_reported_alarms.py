@@ -7,7 +7,7 @@ import pytest
 from rtron.guard.audit.ros1.registrations import MAX_NAME
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.printable import printable
-from rtron.guard.lanes.bulk.reported_alarms import ReportedAlarms
+from rtron.guard.lanes.bulk.remote_response import ReportedAlarms
 from rtron.guard.lanes.exchange.message_channel import MAX_MESSAGE_BYTES
 from rtron.guard.lanes.exchange.messages import MAX_ALARMS, ActiveAlarms, RaiseAlarm
 from rtron.vocabulary import Alarm, AlarmKind

@@ -8,8 +8,7 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.command.node_reports import MAX_TEXT, NodeReports
-from rtron.guard.lanes.command.rate_limited_sender import MAX_PER_PERIOD
+from rtron.guard.lanes.command.node_reports import MAX_PER_PERIOD, MAX_TEXT, NodeReports
 from rtron.guard.lanes.exchange.messages import (
     LostListener,
     NewListener,

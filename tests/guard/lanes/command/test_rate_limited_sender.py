@@ -3,7 +3,7 @@
 import pytest
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.command.rate_limited_sender import (
+from rtron.guard.lanes.command.node_reports import (
     MAX_PER_PERIOD,
     MAX_WAITING,
     PERIOD,

@@ -90,13 +90,12 @@ class Ros1Auditor:
         )
 
     def open(self) -> None:
-        """Audit from now on, if anything is enforced."""
+        """Audit from now on, if anything is enforced; refuse to shut our nodes down anyway."""
+        self._guard.set_shutdown_handler(self._guard_names.handle_shutdown)
         if not self._expected.topics:
             return
         self._guard.on_subscriber = self._on_new_listener
         self._guard.on_subscriber_lost = self._on_lost_listener
-        self._guard.on_nodes_change = self._on_nodes_change
-        self._intercept_shutdowns()
         self._audited_nodes.watch(sorted(self._named_nodes))
         self._schedule.add(self._state_poll)
         self._schedule.start()
@@ -116,20 +115,12 @@ class Ros1Auditor:
         ):
             part.close()
 
-    def _intercept_shutdowns(self) -> None:
-        """Handle requests to shut down our nodes first: a master sends one to a replaced node."""
-        shut_down = self._guard.on_shutdown_request
-        self._guard.set_shutdown_handler(
-            lambda node, reason: self._guard_names.handle_shutdown(
-                node, reason, partial(shut_down, node, reason)
-            )
-        )
-
-    def _on_nodes_change(self) -> None:
+    def look_again(self) -> None:
         """Look at everything again: the nodes of another process of ours are known, or others."""
-        self._is_state_current = False
-        self._intrusions.update_all()
-        self._guard_names.update()
+        if self._expected.topics:
+            self._is_state_current = False
+            self._intrusions.update_all()
+            self._guard_names.update()
 
     def _on_new_listener(self, topic: str, name: str) -> None:
         """Look for a node that has just begun to listen to us: it may have come, or come back."""

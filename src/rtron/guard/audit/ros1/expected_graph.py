@@ -1,8 +1,9 @@
 """What the plan says about who speaks to whom: pure, for the audit and for `rtron verify`."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
 
-from rtron.guard.audit.common.guard_inputs import GuardInput
+from rtron.guard.audit.common.guard_inputs import GuardInput, matches_any
 from rtron.vocabulary import (
     BULK_NODE,
     GUARD_NODE,
@@ -20,6 +21,8 @@ from rtron.vocabulary import (
 )
 from rtron.vocabulary.action import ROS1_CLIENT_TOPICS, ROS1_SERVER_TOPICS, SERVER_FLOW
 
+MAX_MATCHING = 64
+"""How many subscribers of a topic count that only match a pattern of the plan."""
 _MAX_KNOWN_NODES = 1024
 """How many nodes' topics are remembered: strangers may have any number of names."""
 
@@ -91,3 +94,34 @@ def _inputs(stream: Stream) -> Iterator[GuardInput]:
         public = ros1_topic_name(stream.action, part)
         private = flow_topic(public, SERVER_FLOW)
         yield GuardInput(public=public, private=private, publishers=stream.successors)
+
+
+class PlannedListeners:
+    """Selects the subscribers that the audit asks for: those that the plan expects.
+
+    Whom the plan names always counts. Patterns match any number of names, so of these the first
+    ones count.
+    """
+
+    def __init__(self, expected: ExpectedGraph) -> None:
+        listed = list(expected.listener_patterns())
+        self._guard_nodes = expected.guard_nodes
+        self._names = frozenset(each for each in listed if "*" not in each)
+        self._patterns = tuple(each for each in listed if "*" in each)
+
+    def includes(self, node: str) -> bool:
+        """Tell whether the plan expects a node to listen to the guard."""
+        return node in self._names or self._matches(node)
+
+    def select(self, subscribers: Mapping[str, Iterable[str]]) -> dict[str, frozenset[str]]:
+        """Return the subscribers of each topic that the plan expects, given the oldest first."""
+        found = {topic: self._select(nodes) for topic, nodes in subscribers.items()}
+        return {topic: nodes for topic, nodes in found.items() if nodes}
+
+    def _select(self, nodes: Iterable[str]) -> frozenset[str]:
+        nodes = list(nodes)
+        matching = filter(self._matches, nodes) if self._patterns else ()
+        return self._names.intersection(nodes).union(islice(matching, MAX_MATCHING))
+
+    def _matches(self, node: str) -> bool:
+        return matches_any(self._patterns, node) and node not in self._guard_nodes

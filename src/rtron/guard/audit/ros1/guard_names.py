@@ -5,7 +5,7 @@ one before to shut down (rosmaster, `_register_node_api`).
 """
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,6 +17,7 @@ from rtron.guard.audit.ros1.master_queries import WorkerThreads, query_uri, refu
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
+from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.vocabulary import Alarm, AlarmKind
 
 log = logging.getLogger(__name__)
@@ -53,6 +54,7 @@ class GuardNames:
         self._threads = WorkerThreads(loop, "audit-names", 2)
         self._is_checking = False
         self._log_throttle = LogThrottle()
+        self._refusal = ShutdownRefusal(loop)
         self._takeovers: dict[str, _Takeover] = {}
         self._checked: dict[str, str] = {}
 
@@ -82,10 +84,10 @@ class GuardNames:
             self._response.withdraw(takeover.alarm)
         self.check()
 
-    def handle_shutdown(self, node: str, reason: str, shut_down: Callable[[], None]) -> None:
-        """Deal with a call to shut a node down: a kill is obeyed, another node's arrival is not."""
+    def handle_shutdown(self, node: str, reason: str) -> None:
+        """Refuse to shut a node down; if the master asks since its name was taken, take it back."""
         if _REPLACED not in reason:
-            shut_down()
+            self._refusal.handle(node, reason)
             return
         if self._log_throttle.allows(node, self._loop.now()):
             log.error("%s is not shut down: its name was taken", node)
@@ -134,8 +136,13 @@ class GuardNames:
         return normalise_uri(self._guard.node_uris().get(node, "")) == normalise_uri(uri)
 
     def _guarded(self, node: str) -> tuple[str, ...]:
+        """Return the streams that a name is for; all of them if it is for none.
+
+        Where else the other one has registered nobody sees once the name is taken back.
+        """
         topics = self._expected.topics.values()
-        return tuple({topic.stream_topic for topic in topics if topic.may_publish(node)})
+        named = {topic.stream_topic for topic in topics if topic.may_publish(node)}
+        return tuple(named or {topic.stream_topic for topic in topics})
 
 
 def _alarm(node: str, uri: str) -> Alarm:

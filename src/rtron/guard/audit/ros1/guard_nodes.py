@@ -11,13 +11,6 @@ class GuardNodes(Protocol):
     """Called with a topic of ours and the name of a node that has begun to listen to it."""
     on_subscriber_lost: Callable[[str, str], None]
     """Called with a topic of ours and the name of a node that has ceased to listen to it."""
-    on_nodes_change: Callable[[], None]
-    """Called when the nodes of another process have become known, or are others."""
-
-    @property
-    def on_shutdown_request(self) -> Callable[[str, str], None]:
-        """Takes a node that others shut down, and why."""
-        ...
 
     @property
     def ports(self) -> frozenset[int]:

@@ -17,14 +17,14 @@ from rtron.guard.cell.access import WATCH, CellAccess, CellNetwork
 from rtron.guard.cell.cell_report import verify_cells
 from rtron.guard.master_proxy.master_file import find_private_master
 from rtron.guard.transport.ros1.celled_transport import PRIVATE_MASTER
-from rtron.vocabulary import GUARD_NODE, Plan
+from rtron.vocabulary import Plan
 from rtron.vocabulary.verification import Verification
 from rtron.wire.ros1.network import HOST_NETWORK, Network
 from rtron.wire.ros1.ros_api import (
     parse_bus_peers,
     query_bus_info,
-    query_guard_pids,
     query_node_uri,
+    query_parent_id,
     query_process_id,
     query_system_state,
 )
@@ -95,12 +95,8 @@ def _query_app(
             lambda uri: query_process_id(uri, _CALLER, timeout, network),
             timeout,
         ),
-        guard_pids=frozenset().union(
-            *_query_all(
-                _select(uris, frozenset({GUARD_NODE})),
-                lambda uri: query_guard_pids(uri, _CALLER, timeout, network),
-                timeout,
-            ).values()
+        guard_parents=_query_all(
+            guards, lambda uri: query_parent_id(uri, _CALLER, timeout, network), timeout
         ),
     )
 

@@ -36,7 +36,8 @@ class ApiAnswers:
     `connections` and `pids` lack a node that does not answer, `uris` one that the master does not
     know. `nodes` are all that the master lists, `guard_peers` are topics and whom the guard's nodes
     are connected to on them, as these call themselves: only the guard knows of them after a restart
-    of the master. `guard_pids` are the guard's processes.
+    of the master. `guard_parents` are the parents' ids of the processes of the guard's nodes: all
+    have been forked by one.
     """
 
     state: MasterRegistrations
@@ -46,7 +47,7 @@ class ApiAnswers:
     uris: Mapping[str, str] = field(default_factory=dict)
     connections: Mapping[str, frozenset[BusConnection]] = field(default_factory=dict)
     pids: Mapping[str, int] = field(default_factory=dict)
-    guard_pids: frozenset[int] = frozenset()
+    guard_parents: Mapping[str, int] = field(default_factory=dict)
 
 
 def verify(plan: Plan, answers: ApiAnswers) -> Verification:
@@ -198,15 +199,13 @@ def _problems(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
 
 
 def _impostors(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
-    """Yield the nodes with a name of the guard's that are in none of its processes."""
-    own = answers.guard_pids or frozenset(
-        pid for node, pid in answers.pids.items() if node == GUARD_NODE
-    )
+    """Yield the nodes with a name of the guard's whose process was started by another one."""
+    parent = answers.guard_parents.get(GUARD_NODE)
     nodes = sorted(answers.pids.keys() & expected.guard_nodes)
-    if nodes and not own:
-        yield f"{GUARD_NODE} does not answer: whose the guard's nodes are is not known"
-    for node in nodes if own else ():
-        if answers.pids[node] not in own:
+    if nodes and parent is None:
+        yield f"{GUARD_NODE} does not tell its parent: whose the guard's nodes are is not known"
+    for node in nodes if parent is not None else ():
+        if answers.guard_parents.get(node) != parent:
             yield f"{node} is no node of the guard: another process has taken its name"
 
 

@@ -56,9 +56,7 @@ def foreign_endpoint_alarms(
     """Return who speaks where the plan lets them not, and who has a name of ours."""
     alarms = [*_name_takeovers(expected, observed, guard_participants)]
     for topic in _audited_topics(expected, observed):
-        is_past_guard = topic.stream_topic not in expected.celled and (
-            expected.has_consumers_outside_guard(topic) or topic.topic in expected.outputs
-        )
+        is_past_guard = _leads_past_guard(expected, topic)
         endpoints = (
             e
             for e in foreign_publishers(expected, observed, topic, guard_participants)
@@ -176,12 +174,34 @@ def _name_takeovers(
         ):
             who = participant.hex()
             reason = f"the participant {who} has taken the name {node}"
-            topics = expected.topics.values()
-            bypassed = {topic.stream_topic for topic in topics if topic.may_publish(node)}
-            bypassed -= expected.celled
+            bypassed = _bypassed_streams(expected, observed, node, participant)
             alarm = Alarm(kind=AlarmKind.IMPOSTOR, reason=reason, node=node, peer=who)
             endpoints = observed.endpoints_of(participant)
             yield BrakingAlarm(alarm, tuple(sorted(bypassed)), endpoints)
+
+
+def _bypassed_streams(
+    expected: ExpectedGraph, observed: ObservedGraph, node: str, participant: bytes
+) -> frozenset[str]:
+    """Return the streams that a name of ours is for, and those past whose guard it speaks."""
+    topics = [topic for topic in expected.topics.values() if topic.may_publish(node)]
+    topics += [
+        topic
+        for topic in _audited_topics(expected, observed)
+        if (_leads_past_guard(expected, topic) or _is_server_topic(expected, topic))
+        and any(
+            (each.node, each.participant) == (node, participant)
+            for each in observed.publishers(topic.topic)
+        )
+    ]
+    return frozenset(topic.stream_topic for topic in topics) - expected.celled
+
+
+def _leads_past_guard(expected: ExpectedGraph, topic: TopicAccess) -> bool:
+    """Tell whether others than the guard rely on what a stranger says on a topic."""
+    return topic.stream_topic not in expected.celled and (
+        expected.has_consumers_outside_guard(topic) or topic.topic in expected.outputs
+    )
 
 
 def _foreign_publisher_alarm(

@@ -29,7 +29,6 @@ from rtron.guard.lanes.exchange.messages import (
     StoppedStreams,
 )
 from rtron.guard.middleware import Middleware, open_middleware
-from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce
@@ -132,9 +131,7 @@ def _audit_parts(
     """Return the audit, whose alarms the command process responds to."""
     streams = frozenset(each.topic for each in build_streams(command_part(plan)))
     commands = CommandNodes(connection, loop, streams)
-    middleware.set_other_pids(connection.pids)
     middleware.transport.set_supervisor(lambda: commands.report.supervisor_participant)
-    middleware.transport.set_shutdown_handler(ShutdownRefusal(loop).handle)
     stops_streams = plan.audit.on_foreign is OnForeign.STOP
     response = RemoteResponse(connection, loop, stops_streams=stops_streams)
     participant = middleware.report_nodes().participant

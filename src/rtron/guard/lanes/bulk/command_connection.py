@@ -55,7 +55,6 @@ class CommandConnection:
         self._record: RecordEvent | None = None
         self._on_change: Callable[[], None] = lambda: None
         self._channel: MessageChannel | None = None
-        self._pid = 0
         self._place = BulkSocket(configuration)
         self._server = self._place.listen()
 
@@ -63,10 +62,6 @@ class CommandConnection:
     def is_connected(self) -> bool:
         """Whether a command process is there."""
         return self._channel is not None
-
-    def pids(self) -> list[int]:
-        """Return the id of the command process, while it is connected."""
-        return [self._pid] if self._channel else []
 
     def open(self) -> None:
         """Let the command process connect from now on."""
@@ -109,7 +104,7 @@ class CommandConnection:
 
     def _accept(self) -> None:
         sock, _ = self._server.accept()
-        pid, uid = peer_credentials(sock)
+        _, uid = peer_credentials(sock)
         if uid != os.getuid():
             sock.close()
             return
@@ -117,7 +112,6 @@ class CommandConnection:
             self._channel.close()
         with suppress(OSError):  # it has ended at once, which the channel sees
             socket.send_fds(sock, [GREETING], [self._writer.board.descriptor])
-        self._pid = pid
         self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)
         if self._settings:
             self.send(ApplySettings(self._settings))

@@ -13,7 +13,6 @@ class JoinedNodes:
     def __init__(self, own: GuardNodes, commands: CommandNodes) -> None:
         self._own = own
         self._commands = commands
-        commands.on_shutdown_request = self._handle_shutdown
 
     @property
     def on_subscriber(self) -> Callable[[str, str], None]:
@@ -32,20 +31,6 @@ class JoinedNodes:
     @on_subscriber_lost.setter
     def on_subscriber_lost(self, handler: Callable[[str, str], None]) -> None:
         self._own.on_subscriber_lost = self._commands.on_subscriber_lost = handler
-
-    @property
-    def on_nodes_change(self) -> Callable[[], None]:
-        """Called when the nodes of the command process have become known, or are others."""
-        return self._commands.on_change
-
-    @on_nodes_change.setter
-    def on_nodes_change(self, handler: Callable[[], None]) -> None:
-        self._commands.on_change = handler
-
-    @property
-    def on_shutdown_request(self) -> Callable[[str, str], None]:
-        """Called with a node that others shut down, and why."""
-        return self._own.on_shutdown_request
 
     @property
     def ports(self) -> frozenset[int]:
@@ -80,7 +65,3 @@ class JoinedNodes:
         """Call `handler` with a node that others shut down, and why."""
         self._own.set_shutdown_handler(handler)
         self._commands.on_shutdown_request = handler
-
-    def _handle_shutdown(self, node: str, reason: str) -> None:
-        """Deal with a request to the command process as with one to this process."""
-        self.on_shutdown_request(node, reason)

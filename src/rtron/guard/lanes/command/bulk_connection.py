@@ -88,10 +88,6 @@ class BulkConnection:
         """Whether a bulk process is there and has read what it was told."""
         return self._channel is not None and not self._channel.has_pending
 
-    def pids(self) -> list[int]:
-        """Return the id of the bulk process, while it is connected."""
-        return [self._pid] if self._channel else []
-
     def former_participants(self) -> frozenset[bytes]:
         """Return the participants of the bulk processes before this one (ROS 2).
 

@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.authority.latched_stops import LatchedStops, StopFile, stop_file
+from rtron.guard.authority.latched_stops import LatchedStops, stop_file
 from rtron.guard.authority.lease_controller import LeaseController
 from rtron.guard.authority.lease_topics import LeaseTopics
 from rtron.guard.authority.stop_buttons import StopButtons
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rtron.guard.core.control_socket import RequestHandler
+    from rtron.guard.core.state_file import StateFile
     from rtron.guard.link.options import LinkOptions
     from rtron.guard.supervision.supervisor_client import SupervisorClient
     from rtron.guard.transport.common.protocol import LiveTransport
@@ -111,7 +112,7 @@ def _create_authority(
     coordinator: Coordinator,
     transport: LiveTransport,
     handover: HandoverState,
-    file: StopFile,
+    file: StateFile,
 ) -> tuple[list[Part], RequestHandler, LeaseController]:
     """Return what listens to commanders and stop buttons, and what persons may ask for."""
     stops = LatchedStops(coordinator, transport, plan)
@@ -125,8 +126,7 @@ def _create_authority(
 def _follow_audit(
     connection: BulkConnection, response: AlarmResponse, middleware: Middleware, loop: EventLoop
 ) -> None:
-    """Do what the audit in the bulk process asks for; that process is ours."""
-    middleware.set_other_pids(connection.pids)
+    """Do what the audit in the bulk process asks for."""
     RemoteAudit(connection, response, loop)
 
     def register(message: object) -> None:

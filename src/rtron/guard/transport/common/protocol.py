@@ -237,10 +237,6 @@ class LiveTransport(Transport, Protocol):
         """Return where messages can be rehearsed as this transport receives and sends them."""
         ...
 
-    def remove_node(self, name: str) -> None:
-        """Take a node out of the graph."""
-        ...
-
     def close(self) -> None:
         """Leave the graph."""
         ...

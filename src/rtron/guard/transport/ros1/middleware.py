@@ -2,7 +2,7 @@
 
 import logging
 import socket
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from rtron.guard.core.event_loop import EventLoop
@@ -65,13 +65,9 @@ class Ros1Transport:
         address = bind_address(self._host)
         self._server = TcpServer(loop, address, self._on_connection, network=network)
         self._registrar = Registrar(loop, master, lambda: list(self._nodes.values()), network)
-        self.other_pids: Callable[[], Iterable[int]] = tuple
-        """Tells the ids of the guard's other processes."""
         self.on_shutdown_request: Callable[[str, str], None] = lambda node, reason: None
         self.on_subscriber: Callable[[str, str], None] = lambda topic, node: None
         self.on_subscriber_lost: Callable[[str, str], None] = lambda topic, node: None
-        self.on_nodes_change: Callable[[], None] = lambda: None
-        """Never called: all nodes here are known."""
         self.now = loop.now
         self.call_at = loop.call_at
 
@@ -200,15 +196,6 @@ class Ros1Transport:
         if name in self._nodes:
             self._registrar.register_all(self._nodes[name])
 
-    def remove_node(self, name: str) -> None:
-        """Take a node out of the graph."""
-        node = self._nodes.pop(name, None)
-        if node:
-            self._registrar.unregister_all(node)
-            for topic in node.publications:
-                self._publications.pop(topic, None)
-            node.close()
-
     def remove_publication(self, node: str, topic: str) -> None:
         """Publish a topic as a node no more; nothing if it does not."""
         owner = self._node(node)
@@ -247,8 +234,11 @@ class Ros1Transport:
         self._registrar.close(wait=False)
 
     def _close_all(self) -> None:
-        for name in list(self._nodes):
-            self.remove_node(name)
+        for node in self._nodes.values():
+            self._registrar.unregister_all(node)
+            node.close()
+        self._nodes.clear()
+        self._publications.clear()
         self._server.close()
         self._queues.close()
         for workers in self._workers.values():
@@ -264,7 +254,6 @@ class Ros1Transport:
         if name not in self._nodes:
             node = Ros1Node(self._loop, name, self._host, self._public, self.network)
             node.tcpros_address = (self._host, self._server.port)
-            node.other_pids = self.other_pids
             node.on_publisher_update = lambda topic: self._registrar.subscribe(node, topic)
             node.on_shutdown_request = lambda reason: self.on_shutdown_request(name, reason)
             self._nodes[name] = node

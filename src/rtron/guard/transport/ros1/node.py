@@ -15,7 +15,7 @@ from rtron.wire.ros1.host_address import bind_address
 from rtron.wire.ros1.network import HOST_NETWORK, Network
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from rtron.guard.transport.ros1.publication import Publication
     from rtron.guard.transport.ros1.subscription import Subscription
@@ -41,8 +41,6 @@ class Ros1Node:
         self.subscriptions: dict[str, Subscription] = {}
         self.on_publisher_update: Callable[[str], None] = lambda topic: None
         self.on_shutdown_request: Callable[[str], None] = lambda reason: None
-        self.other_pids: Callable[[], Iterable[int]] = tuple
-        """Tells the ids of the guard's other processes, for `rtron verify`."""
         self.tcpros_address: tuple[str, int] = (host, 0)
         self._loop = loop
         self._server = TcpServer(loop, bind_address(host), self._on_connection, network=network)
@@ -52,7 +50,7 @@ class Ros1Node:
             "getBusStats": (1, self._bus_stats),
             "getMasterUri": (1, lambda caller: self.master),
             "getPid": (1, lambda caller: os.getpid()),
-            "getGuardPids": (1, lambda caller: sorted({os.getpid(), *self.other_pids()})),
+            "getParentPid": (1, lambda caller: os.getppid()),
             "getSubscriptions": (1, self._subscriptions),
             "getPublications": (1, self._publications),
             "paramUpdate": (3, lambda caller, key, value: 0),

@@ -135,9 +135,6 @@ class Ros2Transport:
         """Return a stage without endpoints, which DDS would show to others; see `LiveTransport`."""
         return Stage(self.encoding, self.now)
 
-    def remove_node(self, name: str) -> None:
-        """Do nothing: nodes leave together."""
-
     def advertise(
         self,
         node: str,
