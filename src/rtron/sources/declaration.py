@@ -170,11 +170,17 @@ class NodeSite:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuntimeStart:
-    """A launch file, or a node, that a node starts itself."""
+    """A launch file, or a node, that a node starts itself: a path, or `package/file`."""
 
     path: str
     args: tuple[str, ...] = ()
     evidence: tuple[Evidence, ...] = ()
+
+    @property
+    def package(self) -> str:
+        """The package of what is started; empty for a path."""
+        package, slash, _ = self.path.partition("/")
+        return package if slash else ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

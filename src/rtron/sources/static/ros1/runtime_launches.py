@@ -88,6 +88,7 @@ def runtime_launch(
     unread = UnresolvedItem(
         what=f"launch {start.path} that {part.owner} starts",
         why="its name is not known before the app runs",
+        package=start.package,
         hides=HiddenPart.NODES,
         evidence=(location,),
     )

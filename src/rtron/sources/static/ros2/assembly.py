@@ -5,7 +5,7 @@ A process may have several nodes, each with its own remap rules; a component is 
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 
 from rtron.sources.declaration import CreatedNode, Declaration
@@ -74,10 +74,8 @@ class Ros2Assembly(GraphBuilder):
         for started in part.interface.runtime_starts:
             what = f"launch {started.path} that {part.owner} starts"
             why = "what a node starts itself is not followed: name it with --launch too"
-            hides = HiddenPart.NODES
-            self.add_unresolved(
-                UnresolvedItem(what=what, why=why, hides=hides, evidence=started.evidence)
-            )
+            note = UnresolvedItem(what=what, why=why, hides=HiddenPart.NODES)
+            self.add_unresolved(replace(note, package=started.package, evidence=started.evidence))
 
     def _note_remaps(
         self, created: CreatedNode, part: NodePart, declared: list[Declaration]
