@@ -14,6 +14,7 @@ from rtron.vocabulary import (
     StringEnum,
     UnresolvedItem,
 )
+from rtron.vocabulary.enums import HiddenPart
 
 MAX_VALUE_LENGTH = 4096
 
@@ -176,11 +177,12 @@ class RuntimeStart:
     args: tuple[str, ...] = ()
     evidence: tuple[Evidence, ...] = ()
 
-    @property
-    def package(self) -> str:
-        """The package of what is started; empty for a path."""
+    def unread(self, owner: str, why: str) -> UnresolvedItem:
+        """Return the note that a launch file is not read which a node starts, its owner."""
         package, slash, _ = self.path.partition("/")
-        return package if slash else ""
+        what = f"launch {self.path} that {owner} starts"
+        note = UnresolvedItem(what=what, why=why, package=package if slash else "")
+        return replace(note, hides=HiddenPart.NODES, evidence=self.evidence)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

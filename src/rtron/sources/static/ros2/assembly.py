@@ -5,7 +5,7 @@ A process may have several nodes, each with its own remap rules; a component is 
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import islice
 
 from rtron.sources.declaration import CreatedNode, Declaration
@@ -28,7 +28,6 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
-from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.names import TRANSFORM_TOPICS, TRANSFORMS
 from rtron.vocabulary.remap_rules import expand_name, remaps_for_node
 
@@ -72,10 +71,8 @@ class Ros2Assembly(GraphBuilder):
         self.add_unresolved(*part.interface.unresolved)
         self.add_unresolved(*_programs_without_nodes(part))
         for started in part.interface.runtime_starts:
-            what = f"launch {started.path} that {part.owner} starts"
             why = "what a node starts itself is not followed: name it with --launch too"
-            note = UnresolvedItem(what=what, why=why, hides=HiddenPart.NODES)
-            self.add_unresolved(replace(note, package=started.package, evidence=started.evidence))
+            self.add_unresolved(started.unread(part.owner, why))
 
     def _note_remaps(
         self, created: CreatedNode, part: NodePart, declared: list[Declaration]
