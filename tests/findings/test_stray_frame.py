@@ -97,6 +97,14 @@ def test_what_was_not_read_may_send_what_is_looked_up():
     assert finding.level is FindingLevel.PEDANTIC
 
 
+def test_a_slash_is_too_much_whoever_sends_the_transform():
+    fact = with_fact("missing_frame", "/pico", "pico", "/slam").wiring
+    unread = small_graph(SCAN + FIRMWARE, unread=("/firmware",))
+    finding = the_finding("stray_frame", replace(unread, wiring=fact))
+    expected = "tf2 takes no frame with a slash before it; the transforms of this launch have pico"
+    assert (finding.cause, finding.level) == (expected, FindingLevel.REGULAR)
+
+
 def test_a_frame_of_messages_is_not_told_twice():
     both = (*WIRING, *missing("pico").wiring)
     assert "sends messages" in the_finding("stray_frame", replace(STRAY, wiring=both)).summary

@@ -15,6 +15,7 @@ from rtron.vocabulary import (
     StringEnum,
     UnresolvedItem,
 )
+from rtron.vocabulary.enums import HiddenPart
 
 MAX_VALUE_LENGTH = 4096
 
@@ -171,11 +172,18 @@ class NodeSite:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuntimeStart:
-    """A launch file, or a node, that a node starts itself."""
+    """A launch file, or a node, that a node starts itself: a path, or `package/file`."""
 
     path: str
     args: tuple[str, ...] = ()
     evidence: tuple[Evidence, ...] = ()
+
+    def unread(self, owner: str, why: str) -> UnresolvedItem:
+        """Return the note that a launch file is not read which a node starts, its owner."""
+        package, slash, _ = self.path.partition("/")
+        what = f"launch {self.path} that {owner} starts"
+        note = UnresolvedItem(what=what, why=why, package=package if slash else "")
+        return replace(note, hides=HiddenPart.NODES, evidence=self.evidence)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -53,7 +53,7 @@ _OPTIONAL_KEYS = {
     "services": ("implicit",),
     "clients": ("implicit",),
     "parameters": ("read_once",),
-    "unresolved": ("missing", "nearest"),
+    "unresolved": ("missing", "nearest", "package"),
 }
 _OPTIONAL_LISTS = ("clients", "parameters", "wiring")
 """What not every graph has, and is written only where it is something."""

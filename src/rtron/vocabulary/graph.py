@@ -140,13 +140,15 @@ class UnresolvedItem:
     """Something that could not be read, and why: never silently left out.
 
     `missing` is what was looked for and is not there: a file, or PACKAGE/PROGRAM; `nearest` says
-    what may be meant instead, for people. `hides` is what of the app may be behind it.
+    what may be meant instead, for people. `hides` is what of the app may be behind it, `package`
+    the one whose files would tell.
     """
 
     what: str
     why: str
     missing: str = ""
     nearest: str = ""
+    package: str = ""
     hides: HiddenPart | None = None
     evidence: tuple[Evidence, ...] = ()
 

@@ -22,7 +22,7 @@ clients need (`topics_glob`, `client_topic_whitelist`). Guard the motion topics.
 `/rosbridge_websocket` listens on port 9090 on every address.
 """
 
-import re
+from collections import defaultdict
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
@@ -137,18 +137,11 @@ def carriers(app: AppFacts) -> frozenset[str]:
 def _included_bridges(app: AppFacts) -> dict[str, list[UnresolvedItem]]:
     """Return the packages of bridges that are included and not read, with what says so."""
     started = {node.package for node in app.graph.nodes}
-    noted = {
-        package: [note for note in app.graph.unresolved if _names_launch_of(package, note)]
-        for package in NETWORK_BRIDGES
-        if package not in started
-    }
-    return {package: notes for package, notes in noted.items() if notes}
-
-
-def _names_launch_of(package: str, note: UnresolvedItem) -> bool:
-    """Return whether a launch file of a package is included that could not be read."""
-    is_named = package in re.findall(r"\w+", f"{note.what} {note.why}")
-    return note.hides is HiddenPart.NODES and is_named
+    noted: dict[str, list[UnresolvedItem]] = defaultdict(list)
+    for note in app.graph.unresolved:
+        if note.package in NETWORK_BRIDGES.keys() - started and note.hides is HiddenPart.NODES:
+            noted[note.package].append(note)
+    return noted
 
 
 def _included(app: AppFacts, package: str, notes: list[UnresolvedItem]) -> Finding:

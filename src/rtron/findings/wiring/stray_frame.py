@@ -19,7 +19,8 @@ a prefix, as `tf_prefix` makes it.
 All transforms must be known: those of broadcasters in source, of `static_transform_publisher`, of
 the robot description and of the nodes that RTron has models of. Where one is not, or where
 transforms go to several topics, the rule is silent. Where a node or a file was not read, it may
-send the transform: what is looked up is `pedantic` then, and messages are not looked at.
+send the transform: what is looked up is `pedantic` then, and messages are not looked at. A
+slash before a frame that tf2 looks up is too much whoever sends the transform.
 
 A frame of messages is shown at the default level where each topic of a sender that others read has
 a reader that listens to transforms. Who works with the messages alone needs no frame: else the
@@ -66,8 +67,9 @@ def check(app: AppFacts) -> Iterator[Finding]:
     stamped = {group.subject for group in stray}
     for kind, certainty in _LOOKED_UP.items():
         for group in wiring_groups(app.graph, kind):
+            is_whole = app.is_whole or _is_slash_too_much(group)
             if group.subject not in stamped:
-                yield _missing(app, group, certainty if app.is_whole else Certainty.POSSIBLE)
+                yield _missing(app, group, certainty if is_whole else Certainty.POSSIBLE)
 
 
 def _are_transformed(app: AppFacts, sender: str, listeners: set[str]) -> bool:
@@ -115,13 +117,19 @@ def _missing(app: AppFacts, group: WiringGroup, certainty: Certainty) -> Finding
         group,
         summary=f"{join_names(nodes)} {conjugate(nodes, 'look')} up the frame {group.subject}, "
         "which nobody broadcasts",
-        cause=f"{known}{app.unread_hint}",
+        cause=f"tf2 takes no frame with a slash before it; {known}"
+        if _is_slash_too_much(group)
+        else f"{known}{app.unread_hint}",
         remedy=f"did you mean {near}? Give the look-up and the transform one name"
         if near
         else f"start what broadcasts {group.subject}",
         certainty=certainty,
         nodes=nodes,
     )
+
+
+def _is_slash_too_much(group: WiringGroup) -> bool:
+    return group.subject == f"/{group.values[0]}"
 
 
 RULE = FindingRule(

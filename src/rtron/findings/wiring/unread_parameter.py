@@ -8,10 +8,10 @@ likely meant, and the finding names it; else it is shown from the level `pedanti
 sets for all nodes (`/**`), or the launch file itself, counts where the node declares a near name. A
 parameter that any node of the app declares or reads does not count, nor do nodes with
 dynamic_reconfigure. A section of a parameter file for a name that no node has counts where a node
-that is given no parameters has a near name, or where one alone of these is given the file and
-declares most of the section, two names at least, or has the section's name unless its launch
-renames it, or as its program's file. So does, in ROS 2, a parameter file with values and without
-`ros__parameters`.
+that is given no parameters has a near name, or where one alone of these is given the file and has
+the section's name unless its launch renames it, or as its program's file. It also counts where one
+node alone declares most of the section, two names at least, and nothing else of the file is for it.
+So does, in ROS 2, a parameter file with values and without `ros__parameters`.
 
 ## Why it matters
 
@@ -60,7 +60,7 @@ def _without_node(group: WiringGroup) -> Finding:
         RULE.name,
         group,
         summary=f"the parameters that the launch sets for {group.subject} reach no node",
-        cause=f"no node of this launch has this name, and {near} has no section",
+        cause=f"no node of this launch has this name, and {near} has no section there",
         remedy=f"did you mean {near}?",
         nodes=group.others,
     )

@@ -93,7 +93,7 @@ def test_a_missing_package_leaves_out_the_include_and_says_so(launch, tmp_path):
     assert tree.root.includes == ()
     assert unresolved.what == "include $(find none)/x.launch"
     assert (unresolved.why, unresolved.missing) == ("package 'none' is not found", "")
-    assert unresolved.hides == "nodes"
+    assert (unresolved.hides, unresolved.package) == ("nodes", "none")
     assert unresolved.evidence == (Evidence(file=str(tmp_path / "app.launch"), line=2),)
 
 

@@ -176,6 +176,28 @@ def test_costmap_layers_of_before_hydro():
     assert layers == {"static_layer", "obstacle_layer", "inflation_layer"}
 
 
+@pytest.mark.parametrize(
+    ("node", "release", "expected"),
+    [
+        ("move_base/move_base", "kinetic", {"base", "laser"}),
+        ("move_base/move_base", "melodic", {"/base", "/laser"}),
+        ("amcl/amcl", "noetic", {"base"}),
+        ("gmapping/slam_gmapping", "noetic", {"base"}),
+    ],
+)
+def test_tf_leaves_out_a_slash_before_a_frame_and_tf2_does_not(node, release, expected):
+    values = {
+        "/n/base_frame": "/base",
+        "/n/base_frame_id": "/base",
+        "/n/local_costmap/robot_base_frame": "/base",
+        "/n/local_costmap/observation_sources": "scan",
+        "/n/local_costmap/scan": {"sensor_frame": "/laser"},
+    }
+    at = site("/n", values, environ=[("ROS_DISTRO", release)])
+    found = node_interface(MODELS.node(*node.split("/")), at)
+    assert {use.frame for use in found.frame_uses} - {"map", "base_link"} == expected
+
+
 def test_move_base_flex_with_its_plugins():
     values = {
         "/nav/planners": [{"name": "Global", "type": "global_planner/GlobalPlanner"}],

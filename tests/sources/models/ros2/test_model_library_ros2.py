@@ -701,6 +701,11 @@ def test_a_node_broadcasts_the_frames_that_its_parameters_say(name, settings, ex
         ("nav2_amcl/amcl", {}, ["base_footprint"]),
         ("nav2_amcl/amcl", {"base_frame_id": "b"}, ["b"]),
         ("nav2_planner/planner_server", {"robot_base_frame": "b"}, ["map", "b"]),
+        (
+            "nav2_planner/planner_server",
+            {"obstacle_layer.observation_sources": "s", "obstacle_layer.s.sensor_frame": "/laser"},
+            ["map", "base_link", "/laser"],
+        ),
         ("slam_toolbox/async_slam_toolbox_node", {}, ["base_footprint"]),
     ],
 )

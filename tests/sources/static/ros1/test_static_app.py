@@ -128,6 +128,7 @@ def test_what_nodes_start_is_read_once_however_it_circles(folder):
         "more.launch",
     ]
     notes = " ".join(f"{note.what}: {note.why}" for note in app.graph.unresolved)
+    assert "robot" in {note.package for note in app.graph.unresolved}
     assert "none.launch" in notes
     assert "roslaunch $PACKAGE x.launch" in notes
     assert "node /thing (nowhere/thing): its package is not here" in notes

@@ -150,5 +150,6 @@ def test_a_launch_file_that_realsense_brings(scanned):
 
 def test_another_launch_file_of_a_package_that_is_known_in_part(scanned):
     (note,) = scanned(f'<include file="{CAMERA.replace("rs_camera", "rs_other")}"/>').unresolved
-    assert note.why == "package 'realsense2_camera' is not found"
+    package = "realsense2_camera"
+    assert (note.why, note.package) == (f"package '{package}' is not found", package)
     assert not note.missing

@@ -171,16 +171,21 @@ main()
 """
 
 
-def test_a_program_that_makes_no_node_that_is_seen_is_noted(tmp_path):
+STARTING = "import os\nos.system('ros2 launch web web.launch.py')\n"
+
+
+@pytest.mark.parametrize(("program", "started"), [(HIDING, []), (STARTING + HIDING, ["web"])])
+def test_a_program_that_makes_no_node_that_is_seen_is_noted(tmp_path, program, started):
     (tmp_path / "package.xml").write_text("<package format='3'><name>app</name></package>")
     cmake = "project(app)\ninstall(PROGRAMS drive.py DESTINATION lib/${PROJECT_NAME})\n"
     (tmp_path / "CMakeLists.txt").write_text(cmake)
-    (tmp_path / "drive.py").write_text(HIDING)
+    (tmp_path / "drive.py").write_text(program)
     launch = tmp_path / "app.launch.xml"
     launch.write_text("<launch><node pkg='app' exec='drive.py'/></launch>")
     graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ONE)
     assert [node.name for node in graph.nodes] == ["/drive"]
-    (note,) = graph.unresolved
+    (note, *launches) = graph.unresolved
+    assert [launch.package for launch in launches] == started
     assert note.what == "node /drive (app/drive.py)"
     assert "no node is seen that it makes" in note.why
 

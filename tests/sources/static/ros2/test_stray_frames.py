@@ -152,6 +152,13 @@ def test_a_frame_that_is_looked_up(missing_frames, ros, looked_up, expected):
     assert missing_frames(*looked_up, ros=ros) == expected
 
 
+@pytest.mark.parametrize("ros", [1, 2])
+def test_tf2_takes_no_slash_whatever_else_is_sent(missing_frames, ros):
+    more = REALSENSE.replace("exec", KEYS[ros])
+    assert missing_frames("/pico", ros=ros, more=more) == [("/pico", "pico")]
+    assert missing_frames("/other", "/pico_1", ros=ros, more=more) == []
+
+
 def test_another_launch_may_send_what_is_like_none_or_the_base(missing_frames):
     kind = "possible_missing_frame"
     assert missing_frames("sonar", kind=kind) == [("sonar", "")]

@@ -189,6 +189,15 @@ def test_a_section_is_meant_for_the_one_node_that_declares_most_of_it(scanned, s
     assert without_node(scanned(section, arm=arm)) == meant
 
 
+def test_a_parameter_of_the_launch_itself_is_no_section(scanned, tmp_path):
+    scanned("/drive:\n  ros__parameters:\n    max_vel: 1.0\n    rate: 2.0\n", arm=())
+    launch = tmp_path / "app.launch.py"
+    more = "{'wheel.radius': 2.0}"
+    launch.write_text(launch.read_text().replace("parameters=[", f"parameters=[{more}, "))
+    graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
+    assert without_node(graph) == [("/drive", ("/base",))]
+
+
 EKF = "robot_localization/ekf_node"
 PROGRAM = """Node(package={package!r}, executable={program!r}, {name}
     parameters=[{file!r}{more}]),
@@ -233,6 +242,13 @@ def test_a_section_with_a_programs_own_name_is_meant_for_what_a_launch_renames(
 def test_a_node_whose_name_is_not_known_may_have_the_section(scanned, name, found):
     graph = scanned(f"/drive: {TWO}", more=f"rclpy.create_node({name})")
     assert [section for section, _ in without_node(graph)] == found
+
+
+def test_a_node_whose_name_is_not_known_may_have_a_section_of_its_own(scanned, tmp_path):
+    scanned(f"/drive: {TWO}", arm=())
+    program, launch = tmp_path / "app/base.py", tmp_path / "app.launch.py"
+    program.write_text(program.read_text().replace("'base'", "'x' + unknown()"))
+    assert not without_node(scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1)))
 
 
 def test_a_value_of_another_type_than_declared_is_a_fact(scanned, tmp_path):

@@ -8,7 +8,11 @@ from rtron.sources.bounded_file import read_bounded
 
 
 class UnresolvableError(Exception):
-    """A package, an environment variable or an expression that cannot be resolved here."""
+    """A package, whose name it has, an environment variable or an expression without value here."""
+
+    def __init__(self, why: str, package: str = "") -> None:
+        super().__init__(why)
+        self.package = package
 
 
 class MissingArgumentError(Exception):

@@ -120,7 +120,7 @@ class SubstitutionArgs:
 
     def _find(self, package: str) -> str:
         if package not in self.packages:
-            raise UnresolvableError(f"package '{package}' is not found")
+            raise UnresolvableError(f"package '{package}' is not found", package)
         return str(self.packages[package])
 
 

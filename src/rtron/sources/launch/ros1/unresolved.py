@@ -30,7 +30,7 @@ class UnresolvedNotes:
         try:
             yield
         except UnresolvableError as error:
-            self.add(tag, str(error))
+            self.add(tag, str(error), package=error.package)
         except ValueError as error:
             tag.fail(str(error))
 
@@ -53,8 +53,8 @@ class UnresolvedNotes:
             yield
         except InputError as error:
             missing = missing_file(error)
-            if missing and known_package_of(missing):
-                self.add(tag, f"package '{known_package_of(missing)}' is not found")
+            if missing and (package := known_package_of(missing)):
+                self.add(tag, f"package '{package}' is not found", package=package)
                 return
             self.add_error(tag, error, missing)
         except MissingArgumentError as error:
@@ -72,11 +72,11 @@ class UnresolvedNotes:
         self.add(tag, str(error), *locations)
         self.unresolved[-1] = replace(self.unresolved[-1], missing=missing)
 
-    def add(self, tag: Tag, why: str, *evidence: Evidence) -> None:
+    def add(self, tag: Tag, why: str, *evidence: Evidence, package: str = "") -> None:
         """Note that an element is not resolved, and why; further evidence comes after its own."""
         texts = (tag.element.get(attribute) for attribute in _NAMING_ATTRIBUTES)
         what = " ".join((tag.name, *(str(text) for text in list(filter(None, texts))[:1])))
-        location = Evidence(file=tag.path, line=tag.line)
+        places = (Evidence(file=tag.path, line=tag.line), *evidence)
         hides = HiddenPart.NODES if tag.name == "include" else None
-        evidence = (location, *evidence)
-        self.unresolved.append(UnresolvedItem(what=what, why=why, hides=hides, evidence=evidence))
+        note = UnresolvedItem(what=what, why=why, package=package, hides=hides, evidence=places)
+        self.unresolved.append(note)

@@ -91,7 +91,7 @@ class StartCollector(LaunchCollector):
 
     def note_not_included(self, site: ElementSite, path: str | None) -> None:
         """Note an inclusion whose file is not known."""
-        self.evaluator.note(site, f"what it includes is not known: {display_text(path or '')}")
+        self.evaluator.note(site, f"what it includes is not known: {path or ''}")
 
     def add_global_parameters(self, site: ElementSite) -> None:
         """Give a parameter, or a file of them, to all nodes after this action."""

@@ -13,7 +13,11 @@ from rtron.sources.launch.common.errors import (
 )
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.limits import LaunchTooLargeError
-from rtron.sources.launch.ros2.substitutions.template import UnknownPartError, display_text
+from rtron.sources.launch.ros2.substitutions.template import (
+    UnknownPartError,
+    display_text,
+    first_placeholder,
+)
 from rtron.vocabulary import UnresolvedItem
 from rtron.vocabulary.enums import HiddenPart
 
@@ -40,6 +44,7 @@ class UnresolvedNotes:
             what=what,
             why=display_text(why),
             missing=missing,
+            package=first_placeholder(text + why).partition("find-pkg-share ")[2],
             hides=HiddenPart.NODES if site.tag in _STARTING_TAGS else hides,
             evidence=(site.location,),
         )

@@ -28,7 +28,7 @@ _Frame: TypeAlias = tuple[str, str]
 """The topic that a transform goes to, and its child frame."""
 _Uses: TypeAlias = dict[str, dict[str, Evidence]]
 """Frames, with the nodes that use them, and where these do."""
-_BASES = ("base_link", "base_footprint")
+_OTHER_BASE = {"base_link": "base_footprint", "base_footprint": "base_link"}
 """The names of a robot's base (REP 105, REP 120), of which many a robot has one alone."""
 _MISSING = {True: WiringFactKind.MISSING_FRAME, False: WiringFactKind.POSSIBLE_MISSING_FRAME}
 
@@ -72,8 +72,10 @@ class FrameBroadcasters:
         self.is_whole &= is_known and topic == TRANSFORMS
         self.is_whole &= bool(frames) or not sends or _has_modelled_frames(part)
         for use in part.interface.frame_uses:
+            takes_slash = self.ros == 1 and not use.is_look_up
             uses = self.look_ups if use.is_look_up else self.stamps
-            uses[use.frame].setdefault(node_name(part), use.evidence)
+            name = use.frame.strip("/") if takes_slash else use.frame.rstrip("/")
+            uses[name].setdefault(node_name(part), use.evidence)
         for frame in frames if "{" not in topic else ():
             known = self._nodes[topic, frame.child.strip("/")]
             first = known.get(_identity(part))
@@ -119,11 +121,11 @@ class FrameBroadcasters:
     def stray_frames(self) -> Iterator[WiringFact]:
         """Yield a fact for each frame of messages that no transform has, if a near one is there.
 
-        tf2 takes no frame with a slash before it. tf, which nodes of ROS 1 may use, leaves it out,
-        and looks below the prefix that a node has.
+        tf2 takes no frame with a slash before it. tf, which readers of ROS 1 may use, leaves it
+        out, and looks below the prefix that a node has.
         """
-        for frame, nodes, near in self._missing(self.stamps):
-            if near:
+        for frame, nodes, near, is_likely in self._missing(self.stamps):
+            if is_likely:
                 yield self._missing_fact(WiringFactKind.STRAY_FRAME, frame, nodes, near)
 
     def missing_frames(self) -> Iterator[WiringFact]:
@@ -131,30 +133,26 @@ class FrameBroadcasters:
 
         A node that looks up the near one too tries one after the other.
         """
-        for frame, nodes, near in self._missing(self.look_ups):
+        for frame, nodes, near, is_likely in self._missing(self.look_ups):
             others = {n: p for n, p in nodes.items() if n not in self.look_ups.get(near, ())}
-            kind = _MISSING[bool(near)]
             if others:
-                yield self._missing_fact(kind, frame, others, near or self._other_base(frame))
+                yield self._missing_fact(_MISSING[is_likely], frame, others, near)
 
-    def _missing(self, uses: _Uses) -> Iterator[tuple[str, dict[str, Evidence], str]]:
-        """Yield the frames that no transform has, with their users and a near one that is there."""
-        known = {child for _, child in self._nodes}
-        parents = self._parents()
-        for frame, nodes in sorted(uses.items()) if self.is_whole and known else ():
-            if not self._has(frame, known | parents):
-                near = _near_frame(frame, sorted(known | parents))
-                base = self._other_base(frame)
-                yield frame, nodes, near or (base if base in parents else "")
+    def _missing(self, uses: _Uses) -> Iterator[tuple[str, dict[str, Evidence], str, bool]]:
+        """Yield the frames that no transform has, their users, one that may be meant, if likely.
 
-    def _parents(self) -> set[str]:
+        All transforms must be known, unless nothing but a slash parts a frame from one of them.
+        """
         broadcasters = chain.from_iterable(nodes.values() for nodes in self._nodes.values())
-        return {each.frame.parent for each in broadcasters} - {""}
-
-    def _other_base(self, frame: str) -> str:
-        """Return what else the base of a robot is called; empty for another frame."""
-        known = self._parents().union(child for _, child in self._nodes)
-        return next((each for each in _BASES if frame in _BASES and each in known - {frame}), "")
+        parents = {each.frame.parent for each in broadcasters} - {""}
+        known = parents.union(child for _, child in self._nodes)
+        for frame, nodes in sorted(uses.items()):
+            bare = frame.lstrip("/")
+            has_slash = bare != frame and bare in known
+            if has_slash or (self.is_whole and known and not self._has(frame, known)):
+                near = bare if has_slash else _near_frame(frame, sorted(known))
+                base = "".join(known & {_OTHER_BASE.get(frame, "")})
+                yield frame, nodes, near or base, bool(near) or base in parents
 
     def _missing_fact(
         self, kind: WiringFactKind, frame: str, nodes: Mapping[str, Evidence], near: str
@@ -171,7 +169,7 @@ class FrameBroadcasters:
         """Return whether a frame is in a transform, or none at all."""
         if self.ros > 1:
             return not frame or frame in transformed
-        return any(f"/{each}".endswith(f"/{frame.strip('/')}") for each in ("", *transformed))
+        return any(f"/{each}".endswith(f"/{frame}") for each in ("", *transformed))
 
     def _is_certain(self, node: _Broadcaster) -> bool:
         return node.frame.is_certain and (not node.is_managed or node.node in self.activated)

@@ -1,7 +1,7 @@
 """What nodes start themselves: launch files, and programs by rosrun."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -16,7 +16,6 @@ from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, ParameterTree, UnresolvedItem
-from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.launch import canonical_name
 
 MAX_RUNTIME_STARTS = 1000
@@ -85,18 +84,12 @@ def runtime_launch(
 ) -> RuntimeLaunch | UnresolvedItem:
     """Return the launch file that is started, or why it is not known."""
     location = next(iter(start.evidence), part.node.evidence)
-    unread = UnresolvedItem(
-        what=f"launch {start.path} that {part.owner} starts",
-        why="its name is not known before the app runs",
-        hides=HiddenPart.NODES,
-        evidence=(location,),
-    )
     if "{" in start.path:
-        return unread
+        return start.unread(part.owner, "its name is not known before the app runs")
     try:
         path = find_launch_file(start.path, workspace)
     except InputError as error:
-        return replace(unread, why=str(error))
+        return start.unread(part.owner, str(error))
     pairs = (word.split(":=", 1) for word in start.args if ":=" in word)
     args = tuple(sorted((name, value) for name, value in pairs))
     return RuntimeLaunch(path=path, args=args, started_by=part.owner, evidence=location)

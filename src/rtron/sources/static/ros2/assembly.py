@@ -28,7 +28,6 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
 )
-from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.names import TRANSFORM_TOPICS, TRANSFORMS
 from rtron.vocabulary.remap_rules import expand_name, remaps_for_node
 
@@ -72,12 +71,8 @@ class Ros2Assembly(GraphBuilder):
         self.add_unresolved(*part.interface.unresolved)
         self.add_unresolved(*_programs_without_nodes(part))
         for started in part.interface.runtime_starts:
-            what = f"launch {started.path} that {part.owner} starts"
             why = "what a node starts itself is not followed: name it with --launch too"
-            hides = HiddenPart.NODES
-            self.add_unresolved(
-                UnresolvedItem(what=what, why=why, hides=hides, evidence=started.evidence)
-            )
+            self.add_unresolved(started.unread(part.owner, why))
 
     def _note_remaps(
         self, created: CreatedNode, part: NodePart, declared: list[Declaration]

@@ -13,7 +13,7 @@ from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.ros2.app_nodes import process_name
 from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.names import fits_open_name
-from rtron.vocabulary.parameters import pattern_matches
+from rtron.vocabulary.parameters import absolute_pattern, pattern_matches
 from rtron.vocabulary.remap_rules import expand_name
 
 _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_service")
@@ -80,8 +80,9 @@ def sections_without_node(
     """Yield a fact for each section of a parameter file for a name that no node has.
 
     It counts if a node that is given no parameter of its own has a near name, or if one alone of
-    these is given the file and declares most of what stands in the section, or is called so by its
-    program. One of `known_names`, of programs that RTron has models of, is near to no other.
+    these is given the file and is called so by its program. So it does if one node alone declares
+    most of what stands in the section, and has nothing else of the file. One of `known_names`, of
+    programs that RTron has models of, is near to no other.
     """
     places = {
         each.node: part.node.places_of(each.node, each.name)
@@ -95,7 +96,7 @@ def sections_without_node(
         if not name.startswith(_OF_EVERY_NODE)
     }
     without_section = {name for name in nodes - places.keys() - given if "{" not in name}
-    declared = _declared_in_vain(part for part in parts if node_name(part) in without_section)
+    declared = _declared_in_vain(parts, without_section)
     unused = (each for each in sorted(places.keys() - nodes) if "*" not in each)
     for section in islice(unused, _MOST_SECTIONS):
         near = get_close_matches(section, sorted(without_section), 1, _NEAR_RATIO)
@@ -111,25 +112,31 @@ def sections_without_node(
             )
 
 
-def _declared_in_vain(parts: Iterable[NodePart]) -> dict[str, list[str]]:
+def _declared_in_vain(
+    parts: Iterable[NodePart], without_section: Container[str]
+) -> dict[str, set[str]]:
     """Return which nodes are given each section of a file and declare most of it, or have its name.
 
     One common name, as a frame or a rate, says little: two of them must be declared. A program
     has the name of a section if it calls itself so where no launch gives it another name, or if
     its file is called so.
     """
-    found: dict[str, list[str]] = defaultdict(list)
+    found: dict[str, set[str]] = defaultdict(set)
     for part in parts:
         node = node_name(part)
         own = {each.name for each in part.interface.parameters if each.node == node}
-        sections: dict[str, set[str]] = defaultdict(set)
-        for each in part.node.site.node_settings:
+        sections: dict[tuple[str, str], set[str]] = defaultdict(set)
+        for each in part.node.site.node_settings if "{" not in node else ():
             if not each.name.startswith(_OF_EVERY_NODE):
-                sections[each.node].add(each.name)
-        for section, names in sections.items():
-            is_declared = len(names & own) > max(1, len(names) / 2)
-            if is_declared or section in _program_names(part):
-                found[section].append(node)
+                key = absolute_pattern(each.node), each.name
+                place = part.node.parameter_places.get(key, part.node.evidence)
+                sections[each.node, place.file].add(each.name)
+        used = {file for section, file in sections if pattern_matches(section, node)}
+        for (section, file), names in sections.items():
+            is_declared = file not in used and len(names & own) > max(1, len(names) / 2)
+            is_named = node in without_section and section in _program_names(part)
+            if is_declared or is_named:
+                found[section].add(node)
     return found
 
 

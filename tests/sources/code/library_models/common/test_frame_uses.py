@@ -152,6 +152,12 @@ def test_python_looks_frames_up(run, call, expected):
     assert look_ups(run(PYTHON + call)) == expected
 
 
+def test_a_slash_before_a_frame_is_left_out_by_tf_of_ros_1_alone():
+    calls = "l.lookupTransform('/map', 'base', t)\nl.lookup_transform('/odom', 'base', t)"
+    assert look_ups(ros1_runs.python(calls)) == ["map", "base", "/odom", "base"]
+    assert look_ups(ros2_runs.python("l.lookupTransform('/map', 'base', t)")) == ["/map", "base"]
+
+
 def test_a_method_of_the_program_is_none_of_tf():
     body = """
 class A:

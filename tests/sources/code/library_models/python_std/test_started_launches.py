@@ -66,6 +66,17 @@ def test_what_is_not_known_of_a_launch_is_noted_with_its_line(body):
     assert [note.hides for note in interface.unresolved] == ["nodes" if is_launch else None]
 
 
+def test_the_package_of_a_launch_is_known_though_it_is_not_here():
+    path = "rospkg.RosPack().get_path('no') + '/x.launch'"
+    body = f"import rospkg\nroslaunch.ROSLaunchParent(0, [{path}])"
+    assert [note.package for note in run_text(HEAD + body).unresolved] == ["no"]
+    commands = (
+        f"os.system('roslaunch {words}')" for words in ("p a.launch", "a.launch", "/a.launch")
+    )
+    starts = run_text("\n".join((HEAD, *commands))).runtime_starts
+    assert [start.unread("/n", "").package for start in starts] == ["p", "", ""]
+
+
 @pytest.mark.parametrize("body", QUIET)
 def test_other_commands_are_none_of_ours(body):
     interface = run_text(HEAD + body)

@@ -203,12 +203,17 @@ class DeclarationRecorder:
             self._starts[RuntimeStart(path=path, args=args, evidence=(evidence,))] = None
 
     def add_unresolved(
-        self, what: str, why: str, *evidence: Evidence, hides: HiddenPart | None = None
+        self,
+        what: str,
+        why: str,
+        *evidence: Evidence,
+        hides: HiddenPart | None = None,
+        package: str = "",
     ) -> None:
         """Record what could not be found out, where, and what may be behind it."""
         if not self.muted and len(self._unresolved) < MAX_DECLARATIONS:
-            note = UnresolvedItem(what=what, why=why, hides=hides, evidence=evidence)
-            self._unresolved[note] = None
+            note = UnresolvedItem(what=what, why=why, hides=hides, package=package)
+            self._unresolved[replace(note, evidence=evidence)] = None
 
     def add_problem(self, path: Path, problem: SourceProblem) -> None:
         """Record a part of a file that could not be read."""

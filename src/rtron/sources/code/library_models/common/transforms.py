@@ -39,11 +39,16 @@ _FRAME_FIELDS = ("frame_id", "child_frame_id")
 
 
 def note_look_up(machine: AbstractMachine, method: Attr, arguments: Arguments) -> None:
-    """Note the frames that a call looks up, if it is one that does."""
-    is_tf = method.name != _TRANSFORM or "buffer" in _owner_name(method)
-    if method.name in LOOK_UPS and is_tf:
+    """Note the frames that a call looks up, if it is one that does.
+
+    tf leaves out a slash before them. tf2 takes none; in Python its methods have a name with `_`.
+    """
+    is_look_up = method.name != _TRANSFORM or "buffer" in _owner_name(method)
+    may_be_tf = machine.recorder.site.ros == 1 and "_" not in method.name
+    if method.name in LOOK_UPS and is_look_up:
         for frame in filter(None, map(_known_text, arguments.all_values)):
-            use = FrameUse(frame=frame, evidence=arguments.evidence, is_look_up=True)
+            named = frame.lstrip("/") if may_be_tf else frame
+            use = FrameUse(frame=named, evidence=arguments.evidence, is_look_up=True)
             machine.recorder.add_frame_use(use)
 
 

@@ -11,6 +11,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     NONE,
     Instance,
     LibraryClass,
+    PartialText,
     Scalar,
     Unknown,
     Value,
@@ -21,10 +22,18 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.python_std.paths import PathString
 
+_PATH_OF = "path of "
+
 
 def _folder(machine: AbstractMachine, name: Value) -> Value:
     path = machine.runtime.files.package_path(str(name.value)) if isinstance(name, Scalar) else None
-    return Unknown(f"path of {text_with_holes(name)}") if path is None else Scalar(str(path))
+    return Unknown(f"{_PATH_OF}{text_with_holes(name)}") if path is None else Scalar(str(path))
+
+
+def missing_package(path: Value) -> str:
+    """Return the package that is not here and that a path begins with; empty for another path."""
+    first = path.parts[0] if isinstance(path, PartialText) else path
+    return first.label.partition(_PATH_OF)[2] if isinstance(first, Unknown) else ""
 
 
 def _package_folder(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:

@@ -21,6 +21,7 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.command_lines import shell_words
 from rtron.sources.code.library_models.common.trivial_functions import return_none
 from rtron.sources.code.library_models.python_std.argument_parsers import command_line_value
+from rtron.sources.code.library_models.python_std.package_paths import missing_package
 from rtron.sources.code.library_models.python_std.processes import run_words
 from rtron.vocabulary.enums import HiddenPart
 
@@ -60,8 +61,9 @@ def _record_launch(
             machine.recorder.add_start(str(option.value), words, arguments.evidence)
         else:
             what = f"launch file {text_with_holes(option)}"
+            why, hides, package = "its path is not known", HiddenPart.NODES, missing_package(option)
             machine.recorder.add_unresolved(
-                what, "its path is not known", arguments.evidence, hides=HiddenPart.NODES
+                what, why, arguments.evidence, hides=hides, package=package
             )
 
 
