@@ -15,9 +15,9 @@ from bench.common.latency import median, p99, quantile
 from bench.common.plans import SUBSCRIBER, grcn
 from bench.common.process_usage import processor_ns
 from bench.common.pubsub import PUBLISHER, Load, Route, interleave
-from bench.common.testbed import ReportProgress, Testbed, end, python, start
+from bench.common.testbed import ReportProgress, Testbed, end, python, run_guard, start
 from bench.common.workload import CELL_ROUNDS, HOP_SECONDS, RUNS
-from bench.ros1.routes import guard, run_guard
+from bench.ros1.routes import guard
 from figures.figure import Figure
 from rtron.vocabulary import Plan
 

@@ -10,9 +10,9 @@ from bench.cell.celled_route import cell_command, celled
 from bench.common.latency import median, p99
 from bench.common.plans import SUBSCRIBER, TWIST, grcn
 from bench.common.pubsub import PUBLISHER, Load, interleave
-from bench.common.testbed import ReportProgress, Testbed, start
+from bench.common.testbed import ReportProgress, Testbed, run_guard, start
 from bench.common.workload import HOP_SECONDS, RUNS
-from bench.ros2.routes import guard, run_guard
+from bench.ros2.routes import guard
 from figures.figure import Figure
 from rtron.vocabulary import Plan
 

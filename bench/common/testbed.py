@@ -16,6 +16,8 @@ from typing import Any
 
 from figures.figure import Figure
 from rtron.demos.runtime.isolation import free_port
+from rtron.planning.plan_file.writer import write_plan
+from rtron.vocabulary import Plan
 
 _START_S = 20.0
 _STOP_S = 5.0
@@ -115,6 +117,16 @@ def _environ(folder: Path, port: int) -> dict[str, str]:
         "ROS_DOMAIN_ID": str(os.getpid() % _DOMAINS + 1),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
+
+
+@contextmanager
+def run_guard(testbed: Testbed, plan: Plan) -> Iterator[subprocess.Popen[str]]:
+    """Run a guard with this plan until the end of the block."""
+    path = testbed.folder / "rtron.yaml"
+    path.write_text(write_plan(plan), encoding="utf-8")
+    command = python("rtron", "guard", "--plan", str(path), "--log-level", "warning")
+    with running(testbed, command) as process:
+        yield process
 
 
 def wait_for_port(port: int) -> None:

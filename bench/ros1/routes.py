@@ -1,15 +1,13 @@
 """The ways from a publisher to a subscriber: direct, through peers, through the guard."""
 
 import signal
-import subprocess
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER, Route
-from bench.common.testbed import Testbed, python, running
-from rtron.planning.plan_file.writer import write_plan
+from bench.common.testbed import Testbed, python, run_guard, running
 from rtron.vocabulary import GRCN, Plan, flow_topic, output_topic
 
 _TOOLS = "/usr/lib/topic_tools"
@@ -50,16 +48,6 @@ def guard_of(plan: Plan) -> Route:
     ]
     outputs = [output_topic(node.topic) for node in plan.grcn]
     return Route("guard", inputs, outputs, lambda s: run_guard(s, plan))
-
-
-@contextmanager
-def run_guard(testbed: Testbed, plan: Plan) -> Iterator[subprocess.Popen[str]]:
-    """Run a guard with this plan until the end of the block."""
-    path = testbed.folder / "rtron.yaml"
-    path.write_text(write_plan(plan), encoding="utf-8")
-    command = python("rtron", "guard", "--plan", str(path), "--log-level", "warning")
-    with running(testbed, command) as process:
-        yield process
 
 
 @contextmanager

@@ -11,11 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bench.common.mission import EVENT, EVENT_NODE, GOAL, plan, pose, pose_type
-from bench.common.testbed import ReportProgress, Testbed
+from bench.common.testbed import ReportProgress, Testbed, run_guard
 from bench.common.workload import LOAD_SECONDS
 from bench.ros1.node import guard_pid
 from bench.ros1.publishers import Publishers
-from bench.ros1.routes import run_guard
 from figures.figure import Figure
 from rtron.vocabulary import MissionRule, Plan
 

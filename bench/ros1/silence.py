@@ -16,9 +16,8 @@ from dataclasses import replace
 from bench.common.latency import quantile
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER
-from bench.common.testbed import ReportProgress, Testbed, python, result_of, running
+from bench.common.testbed import ReportProgress, Testbed, python, result_of, run_guard, running
 from bench.common.workload import SILENCES
-from bench.ros1.routes import run_guard
 from figures.figure import Figure
 from rtron.vocabulary import SECOND, Plan, StopProfile, flow_topic, output_topic
 

@@ -13,10 +13,9 @@ from pathlib import Path
 from bench.common.latency import quantile
 from bench.common.plans import grcn
 from bench.common.process_usage import resident_mb
-from bench.common.testbed import ReportProgress, Testbed, python, result_of
+from bench.common.testbed import ReportProgress, Testbed, python, result_of, run_guard
 from bench.common.workload import DEATHS
 from bench.ros1.guard_killer import BLOCKED, CAUSES, COMMANDER, TOPIC
-from bench.ros1.routes import run_guard
 from figures.figure import Figure
 from rtron.vocabulary import Plan
 

@@ -8,10 +8,9 @@ from functools import partial
 
 from bench.common.plans import grcn
 from bench.common.pubsub import PUBLISHER, Route
-from bench.common.testbed import Testbed, python, running
+from bench.common.testbed import Testbed, python, run_guard, running
 from bench.ros2.c_relay import relay_library
 from bench.ros2.messages import MESSAGES
-from rtron.planning.plan_file.writer import write_plan
 from rtron.vocabulary import Plan, flow_topic, output_topic
 
 _FROM, _TO = "/bench_0", "/bench_1"
@@ -65,16 +64,6 @@ def _guarded(topics: list[str]) -> tuple[list[str], list[str]]:
     """Return where publishers and subscribers of guarded topics are moved to."""
     inputs = [f"{PUBLISHER}={flow_topic(topic, 'flow1')}" for topic in topics]
     return inputs, [output_topic(topic) for topic in topics]
-
-
-@contextmanager
-def run_guard(testbed: Testbed, plan: Plan) -> Iterator[subprocess.Popen[str]]:
-    """Run a guard of a plan until the end of the block."""
-    path = testbed.folder / "rtron.yaml"
-    path.write_text(write_plan(plan), encoding="utf-8")
-    command = python("rtron", "guard", "--plan", str(path), "--log-level", "warning")
-    with running(testbed, command) as process:
-        yield process
 
 
 @contextmanager

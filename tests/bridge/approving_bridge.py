@@ -16,10 +16,10 @@ APPROVERS = "approvers: {roles: [end_user], names: [dora]}"
 class ApprovingBridge:
     """Runs in a thread of its own while it is entered."""
 
-    def __init__(self, app="app", approvers=APPROVERS):
+    def __init__(self, app="app"):
         self.loop, self.approvals = EventLoop(), Approvals()
         self._app = app
-        self._rights = parse_rights(f"schema: rtron.bridge/1\nclients: []\n{approvers}\n")
+        self._rights = parse_rights(f"schema: rtron.bridge/1\nclients: []\n{APPROVERS}\n")
 
     def __enter__(self):
         self._hearing = hearing_persons(self.loop, self.approvals, self._app, self._rights)

@@ -35,8 +35,8 @@ class MemoryNode:
 class MemoryBridge:
     """A bridge in a thread of its own, and clients of the library."""
 
-    def __init__(self, text, ros):
-        known = plan(ros)
+    def __init__(self, text):
+        known = plan(1)
         self.loop = EventLoop()
         self.nodes = {}
         self.opened = []
@@ -84,8 +84,8 @@ class MemoryBridge:
 
 
 @contextmanager
-def memory_bridge(text=RIGHTS, ros=1):
-    running = MemoryBridge(text, ros)
+def memory_bridge(text=RIGHTS):
+    running = MemoryBridge(text)
     try:
         yield running
     finally:

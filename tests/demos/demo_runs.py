@@ -93,14 +93,14 @@ ROOM = CORRIDOR | {
 }
 
 
-def corridor_drive(upto=4.5, turn_at=None, until=20.0):
+def corridor_drive(turn_at=None):
     """Return samples of a drive along the corridor; it bends to the right from `turn_at` (s) on."""
     x, y, heading, found, step = 0.4, 0.6, 0.0, [], 0.05
-    for number in range(int(until / step)):
+    for number in range(int(20.0 / step)):
         t = number * step
         turn = -0.2 if turn_at is not None and t > turn_at else 0.0
         heading += turn * step
-        speed = min(0.22, 0.3 * t) if x < upto else 0.0
+        speed = min(0.22, 0.3 * t) if x < 4.5 else 0.0
         x, y = x + speed * cos(heading) * step, y + speed * sin(heading) * step
         collided = y < 0.105
         found.append(

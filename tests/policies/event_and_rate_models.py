@@ -115,10 +115,9 @@ class NaiveBit:
 class NaiveRule:
     """A rule's standing, asked at each moment."""
 
-    def __init__(self, condition, *, obliges=False):
+    def __init__(self, condition):
         self.condition = condition
-        self.obliges = obliges
-        self.truth, self.met, self.owed = False, False, False
+        self.truth, self.met = False, False
 
     @property
     def holds(self):
@@ -127,14 +126,12 @@ class NaiveRule:
     def update(self, bits):
         before, self.truth = self.truth, self.condition(bits)
         begins = self.truth and not before
-        self.owed = self.owed or (begins and self.obliges)
         if self.truth is False or begins:
             self.met = False
 
     def meet(self):
-        self.owed = False
         if self.holds:
             self.met = True
 
     def blocks(self):
-        return bool(self.owed or (self.holds and not self.met))
+        return self.holds and not self.met

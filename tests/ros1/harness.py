@@ -2,16 +2,15 @@
 
 import os
 import signal
-import socket
 import subprocess
 import sys
 import threading
 import time
 from contextlib import suppress
 from pathlib import Path
-from random import SystemRandom
 from weakref import WeakSet
 
+from rtron.demos.runtime.isolation import free_port
 from rtron.errors import RTronError
 from rtron.wire.ros1.xmlrpc import ros_call
 
@@ -28,8 +27,6 @@ _STARTED = WeakSet()
 _HASTE_S = 0.2
 _ORDERLY = (sys.executable, "roslaunch", "sh")
 """Programs that have others to end, or files to leave in order."""
-_PORTS = (20_000, 32_000)
-"""Ports that are not ephemeral: Linux gives out those from 32768 on."""
 
 
 class WaitTimeoutError(AssertionError):
@@ -82,18 +79,6 @@ def lives(pid):
 def is_open(path):
     """Return whether this process has a file open."""
     return any(each.exists() and each.samefile(path) for each in Path("/proc/self/fd").iterdir())
-
-
-def free_port():
-    """Return a port that is free, and that the system gives to nobody meanwhile.
-
-    Who calls an ephemeral port at which nobody listens may even be connected to itself.
-    """
-    while True:
-        port = SystemRandom().randrange(*_PORTS)
-        with socket.socket() as free, suppress(OSError):
-            free.bind(("127.0.0.1", port))
-            return port
 
 
 class Process:

@@ -40,6 +40,19 @@ class ManualClock:
         self.now += round(seconds * SECOND)
 
 
+class FakeLink:
+    """A guard's connection with nobody behind it."""
+
+    def push(self, settings):
+        self.settings = settings
+
+    def replace(self):
+        """Nothing is replaced here."""
+
+    def send_heads(self, document):
+        """Nobody keeps them."""
+
+
 class AccountFactory:
     """Makes users, sessions and tokens in a service's database."""
 

@@ -180,10 +180,10 @@ def drive_navigator(navigator, pose, seconds, limit=None):
     return found
 
 
-def navigator_with_goal(room, start=(0.5, 1.5, 0.0), goal=(3.5, 0.6)):
+def navigator_with_goal(room):
     navigator = Navigator()
-    navigator.set_odometry(start, (0.0, 0.0))
-    assert navigator.set_goal(goal, room)
+    navigator.set_odometry((0.5, 1.5, 0.0), (0.0, 0.0))
+    assert navigator.set_goal((3.5, 0.6), room)
     return navigator
 
 

@@ -47,8 +47,8 @@ def revoked(folder):
     return read_state(Keystore(folder), NOW).revoked
 
 
-def rights_in(folder, enclave, now=NOW):
-    return read_state(Keystore(folder), now).enclaves[enclave].permissions.rights
+def rights_in(folder, enclave):
+    return read_state(Keystore(folder), NOW).enclaves[enclave].permissions.rights
 
 
 def test_it_is_laid_out_as_sros2_lays_it_out(keystore):

@@ -423,7 +423,7 @@ def test_who_does_not_read_is_dropped(tmp_path):
     database = Database(tmp_path / "rtron.db")
     with (
         CollectorServer(database, sending=0.3).serving() as world,
-        world.connect(max_queue=1) as socket,
+        world.connect(max_queue=1, close_timeout=0.1) as socket,
     ):
         send_message(socket, hello())
         wait_for(lambda: world.hub.is_connected("one"))

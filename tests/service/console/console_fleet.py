@@ -4,6 +4,8 @@ import threading
 import time
 from contextlib import contextmanager
 
+from service_app import FakeLink
+
 from rtron.planning import parse_plan
 from rtron.service.controller.handshake import perform_handshake
 from rtron.service.domain.schemas import SettingsOutcome
@@ -26,16 +28,6 @@ grcn:
       - {name: flow1, publisher: /teleop, priority: 2}
       - {name: flow2, publisher: /planner, priority: 1}
 """
-
-
-class FakeLink:
-    """A connection that takes settings and does nothing with them."""
-
-    def push(self, settings):
-        self.settings = settings
-
-    def replace(self):
-        """Nothing is replaced here."""
 
 
 def store_robots(database, names, now):

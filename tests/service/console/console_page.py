@@ -58,6 +58,14 @@ class Page:
             t in line["message"] for t in self._expected
         )
 
+    def resize(self, width, height=900, scale=1):
+        """Show the window on a screen of this size; a narrow one is a phone's."""
+        size = {"width": width, "height": height, "deviceScaleFactor": scale, "mobile": width < 500}
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
+    def show_on_phone(self):
+        self.resize(360, 740, scale=2)
+
     def login(self, name="ada", view=""):
         """Open a view with the session of somebody, as if he had logged in."""
         key, _, secret = self.people.session_headers(name)["Cookie"].partition("=")

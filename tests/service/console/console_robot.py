@@ -76,8 +76,8 @@ def large_graph():
 class GuardModel:
     """What a guard would tell: counters that go up, owners that change, an attack when asked."""
 
-    def __init__(self, plan, run="run1", seed=0.0):
-        self.plan, self.run, self.seed = plan, run, seed
+    def __init__(self, plan):
+        self.plan, self.run = plan, "run1"
         self.number, self.revision = 0, 0
         self.intruder = "/rviz_intruder"
         self.limit = 0.22
@@ -134,7 +134,7 @@ class GuardModel:
 
     def state(self, seconds=None):
         """Return the state `seconds` after the beginning, and what changed owners by then."""
-        at = (time.monotonic() - self.began if seconds is None else seconds) + self.seed
+        at = time.monotonic() - self.began if seconds is None else seconds
         streams = tuple(self._stream(node, at) for node in self.plan.grcn)
         return GuardState(
             at=time.time_ns(),

@@ -93,12 +93,9 @@ def test_no_view_has_a_serious_finding(console, guard, page, axe, theme):
 
 @pytest.mark.parametrize("width", [1440, 360])
 def test_who_is_in_command_has_no_serious_finding(console, page, axe, width):
-    headers = console.people.token_headers("turtle1", "guard", robot="turtle1")
-    leased = LeasedGuard(console.port, headers, every=0.5)
-    console.guards.append(leased)
+    leased = console.connect(LeasedGuard, every=0.5)
     leased.ask(NAV, "acquire a goal")
-    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
-    page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.resize(width)
     page.login("ada", "robots/turtle1/command")
     page.wait_for_text("acquired: a goal")
     assert findings(page, axe) == []
@@ -109,12 +106,8 @@ def test_who_is_in_command_has_no_serious_finding(console, page, axe, width):
 
 @pytest.mark.parametrize("width", [1440, 360])
 def test_a_request_has_no_serious_finding(console, page, axe, width):
-    headers = console.people.token_headers("turtle1", "guard", robot="turtle1")
-    asked = AskedGuard(console.port, headers, every=0.5)
-    console.guards.append(asked)
-    asked.ask_person()
-    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
-    page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    console.connect(AskedGuard, every=0.5).ask_person()
+    page.resize(width)
     page.login("ada", "robots/turtle1/command")
     page.wait_for_text("publish /goal")
     assert findings(page, axe) == []
@@ -128,8 +121,7 @@ def test_the_table_and_its_dialogs_have_no_serious_finding(console, page, axe, w
     fleet = stored_fleet(console.app.state.service, [f"robot{n}" for n in range(60)])
     fleet.state("robot5", alarms=(alarm(),))
     fleet.disconnect("robot6")
-    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
-    page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.resize(width)
     page.login()
     page.wait_for_text("60 robots")
     assert findings(page, axe) == []

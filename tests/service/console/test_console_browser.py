@@ -317,8 +317,7 @@ def scale_of(page):
 def test_the_graph_opens_readable(console, guard, page, width, height):
     """The size on the screen of the words in it, which are 12 px high at full size."""
     console.upload()
-    size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
-    page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.resize(width, height)
     page.login("ada", "robots/turtle1/graph")
     page.until(lambda: "scale(1)" in scale_of(page))
     assert "/cmd_vel" in page.browser.execute_script("""
@@ -470,13 +469,12 @@ def test_the_theme_is_kept(page):
     assert page.find("html").get_attribute("data-theme") is None
 
 
-PHONE = {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
 VIEWS = ("now", "graph", "risks", "nodes", "nodes/grcn_cmd_vel", "nodes/rsrcn", "nodes/msrcn")
 
 
 @pytest.mark.parametrize("view", [*VIEWS, "rules", "events", "settings"])
-def test_every_view_fits_a_phone(view, console, guard, page, chromium):
-    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", PHONE)
+def test_every_view_fits_a_phone(view, console, guard, page):
+    page.show_on_phone()
     page.login("ada", f"robots/turtle1/{view}")
     page.until(lambda: not page.all("[aria-busy]"))
     wide = page.browser.execute_script(

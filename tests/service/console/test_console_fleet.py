@@ -224,11 +224,8 @@ def test_a_fleet_that_speaks_costs_a_console_little(fleet, page):
     assert sum(map(len, frames)) < 5000
 
 
-PHONE = {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
-
-
-def test_the_table_fits_a_phone(fleet, page, chromium):
-    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", PHONE)
+def test_the_table_fits_a_phone(fleet, page):
+    page.show_on_phone()
     fleet.state("robot500", alarms=(alarm(),))
     page.login()
     wait_for_first(page, "robot500")

@@ -155,9 +155,7 @@ def test_what_cannot_be_seen_is_written_out_and_turns_nothing_around(console, pa
 def test_who_is_in_command_is_a_text(console, page, monkeypatch):
     name = f"/{ATTACK}{''.join(HIDDEN)}vel"
     plan = hostile_plan(SERVED_PLAN, name)
-    headers = console.people.token_headers("turtle1", "guard", robot="turtle1")
-    guard = LeasedGuard(console.port, headers, plan, every=0.5)
-    console.guards.append(guard)
+    guard = console.connect(LeasedGuard, plan, every=0.5)
     status = LeaseStatus(name="base", holder=name, reason=name, grant=1, given_by=name)
     monkeypatch.setattr(guard, "held", lambda: status)
     guard.tell_state()
@@ -171,9 +169,7 @@ def test_who_is_in_command_is_a_text(console, page, monkeypatch):
 
 def test_what_a_client_asks_for_is_a_text(console, page, monkeypatch):
     text = f"{ATTACK}{''.join(HIDDEN)}vel"
-    headers = console.people.token_headers("turtle1", "guard", robot="turtle1")
-    guard = AskedGuard(console.port, headers, every=0.5)
-    console.guards.append(guard)
+    guard = console.connect(AskedGuard, every=0.5)
     request = OpenRequest(
         number=1, digest=text, client=text, what=text, content=text, until=time.time_ns()
     )

@@ -7,7 +7,6 @@ from rollout_guards import AnsweringGuard
 from selenium.webdriver.common.keys import Keys
 
 ROBOTS = [f"car{index}" for index in range(10)]
-PHONE = {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
 
 
 @pytest.fixture
@@ -210,8 +209,8 @@ def test_who_is_no_admin_makes_no_group(halls, page):
     assert not [each for each in page.all("button") if "Make a group" in each.text]
 
 
-def test_a_roll_out_fits_a_phone(console, guards, page, chromium):
-    chromium.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", PHONE)
+def test_a_roll_out_fits_a_phone(console, guards, page):
+    page.show_on_phone()
     id = start(console)
     page.login("dev")
     for view in ("rollouts", "rollouts/new", f"rollouts/{id}"):

@@ -25,9 +25,9 @@ contents = st.dictionaries(
 logs = st.lists(contents, min_size=2, max_size=12)
 
 
-def chain_of(log, name="robot:car1", begin=GENESIS):
+def chain_of(log, name="robot:car1"):
     """Return the links of a log, and its head."""
-    links, head = [], begin
+    links, head = [], GENESIS
     for content in log:
         head = next_head(name, head, content)
         links.append(Link(head.number, head.hash, content))

@@ -1,6 +1,7 @@
 import asyncio
 
 import pytest
+from service_app import FakeLink
 
 from rtron.service.live import console_listener
 from rtron.service.live.console_listener import ConsoleListener, Interest
@@ -8,14 +9,6 @@ from rtron.service.live.hub import Hub
 from rtron.vocabulary import Alarm, AlarmKind, GuardState, Mode, OpenRequests, StreamState
 
 ALARM = Alarm(kind=AlarmKind.INTRUSION, reason="a stranger")
-
-
-class FakeLink:
-    def push(self, settings):
-        """Nobody is there."""
-
-    def replace(self):
-        """Nobody is there."""
 
 
 class Robots:

@@ -38,13 +38,14 @@ class Authority:
         command += ["-days", "2", "-subj", "/CN=guards", "-keyout", "ca.key", "-out", "ca.pem"]
         self._openssl(*command)
 
-    def issue(self, name, days="2", usage="clientAuth", subject=None):
+    def issue(self, name, days="2", usage="clientAuth"):
         """Return the files of a certificate and its key."""
-        subject = f"/CN={name}" if subject is None else subject
         extensions = self.folder / f"{name}.ext"
         extensions.write_text(f"extendedKeyUsage={usage}\nsubjectAltName=DNS:{name}\n")
         command = ["req", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes"]
-        self._openssl(*command, "-subj", subject, "-keyout", f"{name}.key", "-out", f"{name}.csr")
+        self._openssl(
+            *command, "-subj", f"/CN={name}", "-keyout", f"{name}.key", "-out", f"{name}.csr"
+        )
         command = ["x509", "-req", "-in", f"{name}.csr", "-CA", "ca.pem", "-CAkey", "ca.key"]
         command += ["-CAcreateserial", "-days", days, "-extfile", f"{name}.ext"]
         self._openssl(*command, "-out", f"{name}.pem")

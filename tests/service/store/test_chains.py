@@ -404,19 +404,19 @@ def test_the_retention_signs_nothing_over_a_gap_and_keeps_what_is_behind_it(data
 # Who deletes the beginning of a chain, and lets the retention hide it.
 
 
-def three_days(database, name="robot"):
+def three_days(database):
     """Make a robot with two events a day on three days, each day in partitions of its own."""
-    robot = new_robot(database, name)
+    robot = new_robot(database)
     for day in range(3):
         new = [make_verdict(2 * day + 1), make_verdict(2 * day + 2)]
-        store_events(database, robot, new, now=day * DAY, robot=name)
+        store_events(database, robot, new, now=day * DAY)
         age_partitions(database)
     return robot
 
 
-def delete_beginning(database, number, name="events:robot"):
+def delete_beginning(database, number):
     """Delete the oldest entries of a chain with all that is known of them; return the new begin."""
-    chain = _chain_id(database, name)
+    chain = _chain_id(database, "events:robot")
     with database.session() as session:
         link = session.get(ChainLinkRow, (chain, number))
         begin = {"number": link.number, "hash": link.hash}
@@ -426,9 +426,9 @@ def delete_beginning(database, number, name="events:robot"):
     return begin
 
 
-def set_anchor(database, anchor, name="events:robot"):
+def set_anchor(database, anchor):
     with database.session() as session:
-        session.get(ChainRow, _chain_id(database, name)).anchor = anchor
+        session.get(ChainRow, _chain_id(database, "events:robot")).anchor = anchor
 
 
 def prune_all(database, refused):

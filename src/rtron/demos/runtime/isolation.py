@@ -17,7 +17,10 @@ _PORTS = (20_000, 32_000)
 
 
 def free_port() -> int:
-    """Return a port of the loopback device at which nobody listens."""
+    """Return a port of the loopback device at which nobody listens, and that is given to nobody.
+
+    Who calls an ephemeral port at which nobody listens may even be connected to itself.
+    """
     while True:
         port = SystemRandom().randrange(*_PORTS)
         with socket.socket() as free, suppress(OSError):

@@ -114,21 +114,21 @@ class WebhookWorker:
 
 
 _MAX_ALARMS = 10_000
+_DUPLICATE_WINDOW = 60 * _SECOND
 _KEY = ("robot", "kind", "level", "node", "topic", "flow", "publisher", "decision")
 
 
 class DuplicateFilter:
-    """Tells events that were told within `window` (ns) of late; bounded, time passed in."""
+    """Tells events that were told of late; bounded, time passed in."""
 
-    def __init__(self, window: int = 60_000_000_000) -> None:
-        self._window = window
+    def __init__(self) -> None:
         self._reported_at: OrderedDict[tuple[Any, ...], int] = OrderedDict()
 
     def is_duplicate(self, event: Mapping[str, Any], now: int) -> bool:
         """Tell whether an event like this was told of late; if not, it is told now."""
         key = tuple(event.get(name) for name in _KEY)
         reported_at = self._reported_at.get(key)
-        if reported_at is not None and now - reported_at < self._window:
+        if reported_at is not None and now - reported_at < _DUPLICATE_WINDOW:
             return True
         self._reported_at[key] = now
         self._reported_at.move_to_end(key)

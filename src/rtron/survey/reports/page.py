@@ -24,7 +24,6 @@ from rtron.vocabulary import Domain, RiskKind
 
 _MOST_LISTED = 5
 """Risks and findings of an app in the page, each; `rtron scan` has all."""
-_REASON_LENGTH = 160
 _MOST_REASONS = 40
 
 

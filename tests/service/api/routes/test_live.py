@@ -3,6 +3,7 @@ import time
 
 import pytest
 from harness import LIMIT_S, wait_for
+from service_app import FakeLink
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -13,14 +14,6 @@ from rtron.vocabulary import GuardState
 
 MOVE = {"type": "connection", "robot": "car1", "connected": True}
 EVENT = {"type": "event", "event": {"robot": "car1", "reason": "it moves"}}
-
-
-class FakeLink:
-    def push(self, settings):
-        """Nobody is there."""
-
-    def replace(self):
-        """Nobody is there."""
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import httpx
 import pytest
 from controller_setup import hello, plan
 from harness import LIMIT_S
-from service_app import TLS, serve_in_thread
+from service_app import TLS, FakeLink, serve_in_thread
 
 from rtron.service.api.routes import exports
 from rtron.service.config import ServiceConfig
@@ -90,14 +90,6 @@ def client_of(service, tokens):
             )
 
         yield client
-
-
-class FakeLink:
-    def push(self, settings):
-        self.settings = settings
-
-    def replace(self):
-        """Nothing is replaced here."""
 
 
 def test_robots_in_short(call, parts):

@@ -4,7 +4,7 @@ import httpx
 import pytest
 from controller_setup import hello, plan
 from harness import LIMIT_S, wait_for
-from service_app import TLS, AccountFactory, serve_in_thread
+from service_app import TLS, AccountFactory, FakeLink, serve_in_thread
 
 from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
@@ -15,17 +15,6 @@ from rtron.vocabulary import Alarm, AlarmKind, EventKind, GuardEvent, GuardState
 
 ALARM = Alarm(kind=AlarmKind.INTRUSION, reason="a stranger speaks", topic="/cmd_vel", peer="/evil")
 OTHER = Alarm(kind=AlarmKind.DRIFT, reason="it is another node", node="/base")
-
-
-class FakeLink:
-    def push(self, settings):
-        """Nobody is there."""
-
-    def replace(self):
-        """Nothing is replaced here."""
-
-    def send_heads(self, document):
-        """Nobody keeps them."""
 
 
 class Desk:

@@ -312,9 +312,9 @@ def _within(place, block):
     return "\n".join(lines)
 
 
-def make_program(library, seed, fragments=6):
+def make_program(library, seed):
     """Return the program of a seed."""
-    return Maker(library, seed).program(fragments)
+    return Maker(library, seed).program(6)
 
 
 def single_programs(library):

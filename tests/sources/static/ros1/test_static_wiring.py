@@ -12,14 +12,14 @@ rospy.spin()
 """
 
 
-def scan_remapped(folder, remap, *, before="", name="camera/left/image"):
+def scan_remapped(folder, remap):
     """Scan two talkers of different names: one in a group with a remap, one outside of it."""
-    for script, topic in (("inside", "chatter"), ("outside", name)):
+    for script, topic in (("inside", "chatter"), ("outside", "camera/left/image")):
         path = folder / f"robot/scripts/{script}.py"
         path.write_text(TALK.format(topic))
         path.chmod(0o755)
     (folder / "robot/launch/remapped.launch").write_text(
-        f'<launch><group>{before}<remap from="{remap}" to="elsewhere"/>'
+        f'<launch><group><remap from="{remap}" to="elsewhere"/>'
         '<node pkg="robot" type="inside.py" name="inside"/></group>'
         '<node pkg="robot" type="outside.py" name="outside"/></launch>'
     )
