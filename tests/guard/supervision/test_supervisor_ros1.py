@@ -298,6 +298,7 @@ def test_the_guard_ends_when_no_other_could_take_its_place(supervised, number):
     os.kill(parent(supervised.guard), number)
     supervised.wait_for_stop(told)
     wait_for(lambda: members(supervised.process.pid) == [], what="the end of all")
+    wait_for(lambda: supervised.process.ended, what="the end of its last thread")
     assert supervised.process.code == os.EX_OSERR
     assert "what starts the guard's processes is gone" in supervised.log
     supervised.assert_nothing_unchecked()
