@@ -124,7 +124,7 @@ def test_parameters_are_no_commands_of_a_plan():
 
 
 PAST = (
-    "whoever subscribes reads the public /cmd_vel; any node can publish there, and the guard only "
+    "whoever subscribes reads the public topic; any node can publish there, and the guard only "
     "warns of it"
 )
 

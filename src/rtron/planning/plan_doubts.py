@@ -159,8 +159,10 @@ def _unclosed_outputs(
     stream: Stream, unread: frozenset[str], agents: Sequence[str]
 ) -> Iterator[str]:
     guessed = sorted(unread.intersection(stream.successors))
-    reads = f"whoever subscribes reads the public {stream.topic}"
-    public = f"{reads}; any node can publish there, and the guard only warns of it"
+    public = (
+        "whoever subscribes reads the public topic; any node can publish there, and the guard only "
+        "warns of it"
+    )
     if not stream.successors:
         yield f"which node obeys it on the robot is not known: {public}"
     elif guessed:

@@ -274,3 +274,22 @@ def test_leases_ranks_and_stop_sources_are_told(printed):
         assert told in text
     assert "Leases" not in printed(plan_text(PLAN))
     assert "Stop sources" not in printed(plan_text(PLAN))
+
+
+OTHER = PlanProblem("warning", "GRCN a", "who sends?")
+
+
+def test_what_is_said_of_several_places_is_told_once(printed):
+    places = (("warning", "GRCN a"), ("warning", "GRCN b"), ("error", "GRCN c"))
+    doubts = [PlanProblem(level, place, "who obeys?") for level, place in places]
+    text = printed(plan_text(Plan(app="x", ros=1), doubts=[*doubts[:1], OTHER, *doubts[1:]]))
+    assert [row.strip() for row in text.splitlines()[-8:]] == [
+        "To decide (4)",
+        "warning  GRCN a",
+        "GRCN b",
+        "who obeys?",
+        "warning  GRCN a",
+        "who sends?",
+        "error    GRCN c",
+        "who obeys?",
+    ]

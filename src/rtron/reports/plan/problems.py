@@ -1,5 +1,6 @@
 """What is wrong with a plan, as text for the person who mends it."""
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
@@ -42,8 +43,11 @@ def _lines(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[Te
 
 
 def remark_lines(remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:
-    """Yield each remark with its level in colour."""
+    """Yield what is remarked, its level in colour, once for all places of which it is said."""
+    places: dict[tuple[str, str], list[str]] = defaultdict(list)
     for remark in remarks:
-        level = (f"{remark.level!s:<9}", _STYLE.get(remark.level, ""))
-        yield line(level, (remark.location, "bold"), indent=2)
-        yield from paragraph(remark.message, page, indent=11)
+        places[remark.level, remark.message].append(remark.location)
+    for (level, message), (first, *others) in places.items():
+        yield line((f"{level!s:<9}", _STYLE.get(level, "")), (first, "bold"), indent=2)
+        yield from (line((other, "bold"), indent=11) for other in others)
+        yield from paragraph(message, page, indent=11)
