@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from notation import graph_of
 
+from rtron.planning.plan_doubts import open_way_doubts
 from rtron.vocabulary import Mode, NodeParameter, Service
 from rtron.workflows.plan import propose
 from rtron.workflows.scan import scan_graph
@@ -258,6 +259,13 @@ def test_what_goes_to_firmware_of_the_launch_is_guarded(board, successors):
     assert [g.successors for g in plan.grcn if g.topic == "/arduino/pwm"] == successors
 
 
+def test_what_is_also_sent_once_is_guarded():
+    once = GAINS.replace("/motor/pid own_msgs/Gains", "/arduino/pwm own_msgs/PWM")
+    plan = propose(unread(NAV + MIXER + BOARD + once, "/board")).plan
+    (flows,) = [grcn.flows for grcn in plan.grcn if grcn.topic == "/arduino/pwm"]
+    assert {flow.publisher for flow in flows} == {"/gains", "/mixer"}
+
+
 def test_what_is_sent_once_is_refused_with_the_reason():
     found = unread(NAV + BOARD + GAINS, "/board")
     plan = propose(found).plan
@@ -279,9 +287,7 @@ def test_who_may_obey_what_leaves_the_launch_is_told(other, why):
 
 
 SELF = "/base publishes what it obeys: what it sends itself does not pass the guard"
-LONELY = (
-    "nobody but /base may send /cmd_vel: a joystick or a navigation that is to drive needs a flow"
-)
+LONELY = "nobody but /base may send /cmd_vel: another that is to command it needs a flow"
 
 
 @pytest.mark.parametrize(("others", "told"), [(NAV, [SELF]), ("", [SELF, LONELY])])
@@ -289,6 +295,14 @@ def test_a_node_that_publishes_what_it_obeys_is_told(others, told):
     proposed = propose(scan(BASE + f"    pub /cmd_vel {TWIST}\n" + others))
     assert [each.message for each in proposed.doubts][-len(told) :] == told
     assert (LONELY in [each.message for each in proposed.doubts]) == (LONELY in told)
+
+
+def test_who_may_send_is_no_doubt_where_anyone_may():
+    found = scan(BASE + f"    pub /cmd_vel {TWIST}\n")
+    plan = propose(found).plan
+    opened = replace(plan, grcn=tuple(replace(g, block_unapproved=False) for g in plan.grcn))
+    doubts = [[d.message for d in open_way_doubts(p, found.graph)] for p in (plan, opened)]
+    assert doubts == [[SELF, LONELY], [SELF]]
 
 
 @pytest.mark.parametrize(

@@ -179,9 +179,9 @@ def _self_deliveries(stream: Stream) -> Iterator[str]:
     for publisher in own:
         what = "publishes what it obeys"
         yield f"{publisher} {what}: what it sends itself does not pass the guard"
-    if own and own == passed:
-        drives = "a joystick or a navigation that is to drive needs a flow"
-        yield f"nobody but {join_names(own)} may send {stream.topic}: {drives}"
+    if own and own == passed and stream.block_unapproved:
+        others = "another that is to command it needs a flow"
+        yield f"nobody but {join_names(own)} may send {stream.topic}: {others}"
 
 
 def _is_known(publisher: str, known: Iterable[str]) -> bool:

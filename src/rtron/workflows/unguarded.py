@@ -54,7 +54,7 @@ def _is_command(app: AppFacts, command: Command) -> bool:
 
 
 def _is_sent_once(app: AppFacts, command: Command) -> bool:
-    return any(speaks_once(app, node) for node in command.senders)
+    return all(speaks_once(app, node) for node in command.senders)
 
 
 def _open_inputs(app: AppFacts) -> frozenset[str]:

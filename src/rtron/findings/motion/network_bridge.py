@@ -149,7 +149,7 @@ def _included(app: AppFacts, package: str, notes: list[UnresolvedItem]) -> Findi
         RULE.name,
         package,
         summary=f"{package} {_opens(app, package)}",
-        cause="its launch file is included; its address is not known, the package is not here",
+        cause="its launch file is included and could not be read; its address is not known",
         remedy="bind it to the local address or put a login before it; allow only needed topics",
         consequence=Consequence.MOTION,
         certainty=Certainty.LIKELY,

@@ -98,6 +98,7 @@ def test_a_missing_package_leaves_out_the_include_and_says_so(launch, tmp_path):
 
 
 def test_a_missing_file_is_named_with_where_it_is_included(launch, tmp_path):
+    (tmp_path / "package.xml").write_text("<package><name>pkg</name></package>")
     tree = launch('<include file="$(dirname)/no.launch"/>')
     (unresolved,) = tree.unresolved
     assert tree.root.includes == ()
@@ -105,7 +106,7 @@ def test_a_missing_file_is_named_with_where_it_is_included(launch, tmp_path):
         str(tmp_path / "app.launch"),
         str(tmp_path / "no.launch"),
     ]
-    assert unresolved.missing == str(tmp_path / "no.launch")
+    assert (unresolved.missing, unresolved.package) == (str(tmp_path / "no.launch"), "pkg")
 
 
 @pytest.mark.parametrize("name", ["no.urdf.xacro", "no"])

@@ -116,16 +116,18 @@ def test_a_file_that_is_not_here_is_noted_and_the_rest_is_read(python, file, why
     assert [(note.missing, note.hides) for note in noted] == [(missing, "nodes")]
 
 
+@pytest.mark.parametrize("name", ["no", "pkg"])
 @pytest.mark.parametrize(
     "file",
     [
-        "os.path.join(get_package_share_directory('no'), 'x.py')",
-        "PathJoinSubstitution([FindPackageShare('no'), 'launch', 'x.py'])",
+        "os.path.join(get_package_share_directory('{}'), 'x.py')",
+        "PathJoinSubstitution([FindPackageShare('{}'), 'launch', 'x.py'])",
     ],
 )
-def test_the_package_of_a_file_that_is_not_here_is_noted(python, file):
-    notes = python(f"IncludeLaunchDescription({file})").unresolved
-    assert [note.package for note in notes if note.package] == ["no"]
+@pytest.mark.usefixtures("package")
+def test_the_package_of_a_file_that_is_not_here_is_noted(python, file, name):
+    notes = python(f"IncludeLaunchDescription({file.format(name)})").unresolved
+    assert [note.package for note in notes if note.package] == [name]
 
 
 def test_a_file_that_the_build_installs_in_another_folder(python, package):

@@ -47,6 +47,12 @@ def package_folder(file: Path) -> Path | None:
     return next((f for f in above if any(path_exists(f / name) for name in manifests)), None)
 
 
+def package_of(path: str) -> str:
+    """Return the name of the package that a path lies in; empty for one in no package."""
+    folder = package_folder(Path(path)) if path else None
+    return package_name(folder) if folder else ""
+
+
 def require_no_ignore_marker(folders: Iterable[Path]) -> None:
     """Raise InputError for a folder that a user names and that builds leave out."""
     for folder in folders:

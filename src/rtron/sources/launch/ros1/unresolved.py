@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError, missing_file
+from rtron.sources.launch.common.packages import package_of
 from rtron.sources.launch.ros1.loader_context import LoaderContext
 from rtron.sources.launch.ros1.tag import Tag
 from rtron.sources.models.packages import known_package_of
@@ -70,7 +71,8 @@ class UnresolvedNotes:
         """Note what is wrong with a file that an element names, and the file that is not there."""
         locations = [Evidence(file=error.path, line=error.line)] if error.path else []
         self.add(tag, str(error), *locations)
-        self.unresolved[-1] = replace(self.unresolved[-1], missing=missing)
+        note = replace(self.unresolved[-1], missing=missing, package=package_of(missing))
+        self.unresolved[-1] = note
 
     def add(self, tag: Tag, why: str, *evidence: Evidence, package: str = "") -> None:
         """Note that an element is not resolved, and why; further evidence comes after its own."""

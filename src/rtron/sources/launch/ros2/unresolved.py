@@ -11,6 +11,7 @@ from rtron.sources.launch.common.errors import (
     missing_file,
     missing_parameter_file,
 )
+from rtron.sources.launch.common.packages import package_of
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.limits import LaunchTooLargeError
 from rtron.sources.launch.ros2.substitutions.template import (
@@ -44,7 +45,8 @@ class UnresolvedNotes:
             what=what,
             why=display_text(why),
             missing=missing,
-            package=first_placeholder(text + why).partition("find-pkg-share ")[2],
+            package=first_placeholder(text + why).partition("find-pkg-share ")[2]
+            or package_of(missing),
             hides=HiddenPart.NODES if site.tag in _STARTING_TAGS else hides,
             evidence=(site.location,),
         )
