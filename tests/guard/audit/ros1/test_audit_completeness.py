@@ -264,15 +264,18 @@ def test_who_is_excused_is_waited_for(audit, monkeypatch):
     assert audit.run(lambda: not audit.missing)
 
 
-def test_without_enforced_streams_nothing_is_missing_and_a_shutdown_is_refused(stack, caplog):
+@pytest.mark.parametrize("reason", ["why", "new node registered with same name"])
+def test_without_enforced_streams_nothing_is_missing_and_a_shutdown_is_just_refused(
+    stack, caplog, reason
+):
     observed = plan_of(grcn("/tf", ["/a"], ["/b"], mode=Mode.OBSERVE))
     audit = Audit(stack, observed)
     commands = SimpleNamespace()
     nodes = JoinedNodes(audit.guard, commands)
     Ros1Auditor(observed, audit.master.uri, nodes, audit.response, audit.loop).open()
     assert audit.missing == ""
-    commands.on_shutdown_request("/rtron_guard", "why")
-    assert "/rtron_guard is not shut down, end rtron guard itself: why" in caplog.text
+    commands.on_shutdown_request(GUARD, reason)
+    assert caplog.messages == [f"{GUARD} is not shut down, end rtron guard itself: {reason}"]
 
 
 @pytest.fixture
