@@ -140,6 +140,7 @@ def test_a_guard_that_has_told_nothing_yet_leaves_the_file_as_it_is(folder, stat
     empty = GuardMemory.create(1)
     file.follow(empty.handover_state)
     empty.close()
+    wait_for(lambda: file.is_saved, what="the file")
     assert inherited() == STOPPED
 
 

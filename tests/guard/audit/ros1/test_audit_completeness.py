@@ -11,6 +11,7 @@ from plans import grcn, plan_of
 
 from rtron.guard.audit.ros1 import auditor, intrusions, master_queries
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
+from rtron.guard.audit.ros1.live_verification import verify_live
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.bulk.joined_nodes import JoinedNodes
 from rtron.vocabulary import SECOND, AlarmKind, Mode
@@ -51,6 +52,9 @@ class Node:
     def _getBusInfo(self, _caller):  # noqa: N802 - ROS's name
         rows = [[n, uri, "i", "TCPROS", OUT, True, ""] for n, uri in enumerate(self.sources)]
         return [1, "", rows]
+
+    def _getPid(self, _caller):  # noqa: N802 - ROS's name
+        return [1, "", 9]
 
 
 @contextmanager
@@ -264,15 +268,36 @@ def test_who_is_excused_is_waited_for(audit, monkeypatch):
     assert audit.run(lambda: not audit.missing)
 
 
-def test_without_enforced_streams_nothing_is_missing_and_a_shutdown_is_refused(stack, caplog):
+@pytest.mark.parametrize("reason", ["why", "new node registered with same name"])
+def test_without_enforced_streams_nothing_is_missing_and_a_shutdown_is_just_refused(
+    stack, caplog, reason
+):
     observed = plan_of(grcn("/tf", ["/a"], ["/b"], mode=Mode.OBSERVE))
     audit = Audit(stack, observed)
     commands = SimpleNamespace()
     nodes = JoinedNodes(audit.guard, commands)
     Ros1Auditor(observed, audit.master.uri, nodes, audit.response, audit.loop).open()
     assert audit.missing == ""
-    commands.on_shutdown_request("/rtron_guard", "why")
-    assert "/rtron_guard is not shut down, end rtron guard itself: why" in caplog.text
+    commands.on_shutdown_request(GUARD, reason)
+    assert caplog.messages == [f"{GUARD} is not shut down, end rtron guard itself: {reason}"]
+
+
+@pytest.mark.parametrize(
+    ("is_late", "said"),
+    [(False, "another process has taken its name"), (True, "whether it is the guard's is not")],
+)
+def test_a_node_that_is_late_is_no_impostor_and_one_that_cannot_tell_its_parent_is(
+    stack, is_late, said
+):
+    master, guard, node = (stack.enter_context(running_node()) for _ in range(3))
+    master.names = {"/rtron_guard": guard.uri, GUARD: node.uri}
+    guard._getParentPid = lambda _caller: [1, "", 5]
+    if is_late:
+        is_over = threading.Event()
+        stack.callback(is_over.set)
+        node._getParentPid = lambda _caller: is_over.wait(LIMIT_S)
+    (problem,) = (p for p in verify_live(PLAN, master.uri, SOON_S).problems if GUARD in p)
+    assert said in problem
 
 
 @pytest.fixture

@@ -171,9 +171,11 @@ def test_who_takes_the_name_of_the_guard_brakes_a_command_that_leaves_the_launch
     assert (alarm.kind, braked) == (AlarmKind.IMPOSTOR, (CMD_VEL,))
 
 
-def test_the_guards_and_the_supervisors_names_are_ours_too():
-    for name, braked in ((GUARD_NODE, ()), (SUPERVISOR_NODE, (CMD_VEL,))):
-        ((alarm, past),) = found(*CLOSED, publisher("/rosout", name, ROGUE))
+@pytest.mark.parametrize("block_unapproved", [True, False])
+def test_the_guards_and_the_supervisors_names_are_ours_too(block_unapproved):
+    plan = base_plan(block_unapproved=block_unapproved)
+    for name, braked in ((GUARD_NODE, ()), (BULK_NODE, ()), (SUPERVISOR_NODE, (CMD_VEL,))):
+        ((alarm, past),) = found(*CLOSED, publisher("/rosout", name, ROGUE), plan=plan)
         assert (alarm.kind, past) == (AlarmKind.IMPOSTOR, braked)
 
 

@@ -27,6 +27,7 @@ from rtron.guard.audit.ros1.registrations import (
 )
 from rtron.guard.audit.ros1.xmlrpc_poller import ServerAddress, XmlRpcPoller, encode_call
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.vocabulary import GUARD_NODE, SECOND, Alarm, AlarmKind, Plan
 from rtron.wire.ros1.ros_api import parse_system_state
 from rtron.wire.ros1.xmlrpc import decode_ros_reply
@@ -91,9 +92,10 @@ class Ros1Auditor:
 
     def open(self) -> None:
         """Audit from now on, if anything is enforced; refuse to shut our nodes down anyway."""
-        self._guard.set_shutdown_handler(self._guard_names.handle_shutdown)
         if not self._expected.topics:
+            self._guard.set_shutdown_handler(ShutdownRefusal(self._loop).handle)
             return
+        self._guard.set_shutdown_handler(self._guard_names.handle_shutdown)
         self._guard.on_subscriber = self._on_new_listener
         self._guard.on_subscriber_lost = self._on_lost_listener
         self._audited_nodes.watch(sorted(self._named_nodes))

@@ -136,12 +136,12 @@ class GuardNames:
         return normalise_uri(self._guard.node_uris().get(node, "")) == normalise_uri(uri)
 
     def _guarded(self, node: str) -> tuple[str, ...]:
-        """Return the streams that a name is for; all of them if it is for none.
+        """Return the streams on which a name, not a pattern, may publish; all if there are none.
 
         Where else the other one has registered nobody sees once the name is taken back.
         """
         topics = self._expected.topics.values()
-        named = {topic.stream_topic for topic in topics if topic.may_publish(node)}
+        named = {topic.stream_topic for topic in topics if node in topic.publishers}
         return tuple(named or {topic.stream_topic for topic in topics})
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
-from rtron.errors import RTronError, SourceError
+from rtron.errors import RTronError, SourceError, WireError
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import parse_connections
 from rtron.guard.audit.ros1.registrations import guarded_subscribers, select_registrations
@@ -28,6 +28,7 @@ from rtron.wire.ros1.ros_api import (
     query_process_id,
     query_system_state,
 )
+from rtron.wire.ros1.xmlrpc import RefusalError
 
 _T = TypeVar("_T")
 _CALLER = "/rtron_verify"
@@ -95,10 +96,16 @@ def _query_app(
             lambda uri: query_process_id(uri, _CALLER, timeout, network),
             timeout,
         ),
-        guard_parents=_query_all(
-            guards, lambda uri: query_parent_id(uri, _CALLER, timeout, network), timeout
-        ),
+        guard_parents=_query_all(guards, lambda uri: _parent_id(uri, timeout, network), timeout),
     )
+
+
+def _parent_id(uri: str, timeout: float, network: Network) -> int:
+    """Return the id of a node's parent process, 0 if the node answers something else."""
+    try:
+        return query_parent_id(uri, _CALLER, timeout, network)
+    except (RefusalError, WireError):
+        return 0
 
 
 def _select(uris: Mapping[str, str], nodes: Collection[str]) -> dict[str, str]:

@@ -37,7 +37,7 @@ class ApiAnswers:
     know. `nodes` are all that the master lists, `guard_peers` are topics and whom the guard's nodes
     are connected to on them, as these call themselves: only the guard knows of them after a restart
     of the master. `guard_parents` are the parents' ids of the processes of the guard's nodes: all
-    have been forked by one.
+    have been forked by one. It is 0 for a node that answers without one, as others' nodes do.
     """
 
     state: MasterRegistrations
@@ -199,13 +199,16 @@ def _problems(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
 
 
 def _impostors(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
-    """Yield the nodes with a name of the guard's whose process was started by another one."""
-    parent = answers.guard_parents.get(GUARD_NODE)
+    """Yield the nodes with a name of the guard's that another process has started, or may have."""
+    parents = answers.guard_parents
     nodes = sorted(answers.pids.keys() & expected.guard_nodes)
-    if nodes and parent is None:
+    if nodes and not parents.get(GUARD_NODE):
         yield f"{GUARD_NODE} does not tell its parent: whose the guard's nodes are is not known"
-    for node in nodes if parent is not None else ():
-        if answers.guard_parents.get(node) != parent:
+        return
+    for node in nodes:
+        if node not in parents:
+            yield f"{node} did not answer who its parent is: whether it is the guard's is not known"
+        elif parents[node] != parents[GUARD_NODE]:
             yield f"{node} is no node of the guard: another process has taken its name"
 
 

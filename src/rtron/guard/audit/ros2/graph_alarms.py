@@ -183,8 +183,8 @@ def _name_takeovers(
 def _bypassed_streams(
     expected: ExpectedGraph, observed: ObservedGraph, node: str, participant: bytes
 ) -> frozenset[str]:
-    """Return the streams that a name of ours is for, and those past whose guard it speaks."""
-    topics = [topic for topic in expected.topics.values() if topic.may_publish(node)]
+    """Return the streams on which a name, not a pattern, may publish, and those gone past."""
+    topics = [topic for topic in expected.topics.values() if node in topic.publishers]
     topics += [
         topic
         for topic in _audited_topics(expected, observed)
