@@ -314,6 +314,22 @@ def test_who_forwards_the_last_command_for_ever_counts_for_the_driver():
     assert (mover.stop).startswith("/base looks")
 
 
+@pytest.mark.parametrize(("sent", "stops"), [("/cmd_vel", Stops.NO), ("/shown", Stops.YES)])
+def test_who_shows_the_last_command_for_ever_does_not_count(sent, stops):
+    relay = f"/relay relay own\n    sub /nav_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
+    shown = "    pub /shown std_msgs/msg/Float64\n"
+    graph = small_graph(f"/nav nav own\n    pub /nav_vel {TWIST}\n" + relay + shown + BASE)
+    places = {each: (Evidence(file="relay.py", line=len(each)),) for each in ("/nav_vel", sent)}
+    ends = tuple(
+        replace(e, evidence=places.get(e.topic, ()) if e.node == "/relay" else PLACE)
+        for e in graph.endpoints
+    )
+    kept = replace(last("repeated"), evidence=(*places["/nav_vel"], *places[sent]))
+    facts = (DRIVER, last("stopped", "0.5 s"), kept)
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=facts)))
+    assert mover.stops is stops
+
+
 def test_what_is_documented_of_a_driver():
     gazebo = f"/plugin gazebo_ros third_party\n    sub /cmd_vel {TWIST}\n"
     assert the_mover(gazebo).stops is Stops.NO

@@ -1,10 +1,16 @@
 """Whether what drivers move stops by itself when commands end, as far as it can be told."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.command_timeout import CLEVER_DEVICES, STREAMS, TIMEOUT_NAMES, is_off
+from rtron.findings.motion.command_timeout import (
+    CLEVER_DEVICES,
+    STREAMS,
+    TIMEOUT_NAMES,
+    is_off,
+    repeated_topics,
+)
 from rtron.vocabulary import LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
 
@@ -40,7 +46,7 @@ def stopping(
     app: AppFacts,
     drivers: tuple[str, ...],
     commands: Collection[Command],
-    behind: Iterable[tuple[str, Command]],
+    behind: Collection[tuple[str, Command]],
 ) -> Stopping:
     """Return the worst that is known of the drivers, and of who forwards the commands behind.
 
@@ -50,19 +56,20 @@ def stopping(
     controllers = {topic.rpartition("/")[0] for topic in topics} - app.nodes.keys()
     found = [_of_driver(app, node, controllers, topics) for node in drivers] or [_ABSENT]
     types = {command.type for command in commands}
+    led = topics | {command.name for _, command in behind}
     found += (
         stop
         for node, command in behind
         if command.type in types or STREAMS.search(command.type)
-        for stop in _of_forwarder(app, node, command.name)
+        for stop in _of_forwarder(app, node, command.name, led)
     )
     order = (Stops.NO, Stops.UNKNOWN, Stops.YES)
     return min(found, key=lambda each: order.index(each.stops))
 
 
-def _of_forwarder(app: AppFacts, node: str, topic: str) -> Iterator[Stopping]:
-    """Yield that a node sends its last command for ever, where its source shows it."""
-    if LastMessageFate.REPEATED in app.last_messages(node, {topic}):
+def _of_forwarder(app: AppFacts, node: str, topic: str, led: Collection[str]) -> Iterator[Stopping]:
+    """Yield that a node sends its last command on for ever, where its source shows it."""
+    if not repeated_topics(app, node, topic).isdisjoint(led):
         yield Stopping(Stops.NO, f"{node} sends its last command for ever when {topic} ends")
 
 
