@@ -284,6 +284,17 @@ def test_a_name_that_tells_of_the_age_of_other_commands_tells_nothing(fate, file
     assert stopping(app, ("/base",), commands, ()).stops is stops
 
 
+def test_a_name_that_tells_of_an_age_may_have_no_place():
+    age = replace(AGED, evidence=())
+    graph = small_graph(BASE + f"    sub /raw_vel {TWIST}\n")
+    places = {"/cmd_vel": PLACE, "/raw_vel": (Evidence(file="driver.py", line=9),)}
+    ends = tuple(replace(each, evidence=places[each.topic]) for each in graph.endpoints)
+    facts = (DRIVER, KEPT, age, replace(last("stopped"), evidence=places["/raw_vel"]))
+    app = app_facts(replace(graph, endpoints=ends, wiring=facts))
+    found = stopping(app, ("/base",), [Command(means=Means.TOPIC, name="/cmd_vel")], ())
+    assert found.why.endswith("these commands; a name may tell of it")
+
+
 def test_the_worst_of_two_drivers_counts():
     second = BASE.replace("/base", "/second")
     facts = (DRIVER, KEPT, fact("command_age", "/base", "age"))

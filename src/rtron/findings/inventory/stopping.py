@@ -125,7 +125,7 @@ def _is_of_others(app: AppFacts, node: str, age: WiringFact) -> bool:
     """Return whether the file of a name that tells of an age stops other commands by theirs."""
     topics = {end.topic for end in app.graph.subscribed_by(node)}
     stop = app.last_messages(node, topics).get(LastMessageFate.STOPPED)
-    return stop is not None and stop.evidence[-1].file == age.evidence[0].file
+    return stop is not None and any(stop.evidence[-1].file == at.file for at in age.evidence[:1])
 
 
 def _place(fact: WiringFact) -> str:
