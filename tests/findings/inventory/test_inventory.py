@@ -284,6 +284,19 @@ def test_a_name_that_tells_of_the_age_of_other_commands_tells_nothing(fate, file
     assert stopping(app, ("/base",), commands, ()).stops is stops
 
 
+@pytest.mark.parametrize(
+    ("fate", "named"), [("stopped", "/cmd_vel"), ("unnoticed", "/cmd_vel and /raw_vel")]
+)
+def test_the_commands_whose_age_nobody_looks_at_are_named(fate, named):
+    graph = small_graph(BASE + f"    sub /raw_vel {TWIST}\n")
+    places = {"/cmd_vel": PLACE, "/raw_vel": (Evidence(file="driver.py", line=9),)}
+    ends = tuple(replace(each, evidence=places[each.topic]) for each in graph.endpoints)
+    facts = (DRIVER, KEPT, replace(last(fate), evidence=places["/raw_vel"]))
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=facts)))
+    why = f"nothing in the source of /base looks at the age of commands on {named}"
+    assert (mover.stops, mover.stop) == (Stops.NO, why)
+
+
 def test_a_name_that_tells_of_an_age_may_have_no_place():
     age = replace(AGED, evidence=())
     graph = small_graph(BASE + f"    sub /raw_vel {TWIST}\n")

@@ -8,11 +8,13 @@ from rtron.findings.motion.command_timeout import (
     CLEVER_DEVICES,
     STREAMS,
     TIMEOUT_NAMES,
+    UNCHECKED,
     is_off,
     repeated_topics,
 )
 from rtron.vocabulary import LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
+from rtron.wording import join_names
 
 _KNOWN = {
     "diff_drive_controller": (Stops.YES, "cmd_vel_timeout, by default 0.5 s"),
@@ -113,7 +115,10 @@ def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | 
         why = f"{node} is not seen to look at the age of these commands; a name may tell of it"
         return Stopping(Stops.UNKNOWN, f"{why}{_place(age)}")
     if last and devices and CLEVER_DEVICES.isdisjoint(devices):
-        why = f"nothing in the source of {node} looks at the age of these commands"
+        kept = join_names(
+            [t for t in sorted(topics) if UNCHECKED & {*app.last_messages(node, {t})}]
+        )
+        why = f"nothing in the source of {node} looks at the age of commands on {kept}"
         return Stopping(Stops.NO, why)
     if last and devices:
         return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")

@@ -63,9 +63,10 @@ STREAMS = re.compile(
     r"geometry_msgs/Twist|ackermann_msgs/|sensor_msgs/Joy|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)"
 )
 """Types of commands that come again and again, by their names."""
+UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
+"""What becomes of a last message where nothing looks at its age."""
 _DRIVEN = frozenset({Thing.BASE, Thing.VEHICLE, Thing.THRUSTERS})
 _SOURCE = (WiringFactKind.DEVICE, WiringFactKind.COMMAND_AGE, WiringFactKind.LAST_MESSAGE)
-_UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
 _VELOCITIES = ("geometry_msgs/Twist", "ackermann_msgs/")
 
 
@@ -95,7 +96,7 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
     for node in sorted(devices.keys() - aged.keys()):
         velocities = {end.topic for end in app.graph.subscribed_by(node) if _is_velocity(end)}
         last = set(app.last_messages(node, velocities))
-        if last and last <= _UNCHECKED and opened[node].isdisjoint(CLEVER_DEVICES):
+        if last and last <= UNCHECKED and opened[node].isdisjoint(CLEVER_DEVICES):
             yield node, devices[node]
 
 
