@@ -40,6 +40,8 @@ REMEDY = "put one arbiter before /cmd_vel: `rtron plan` proposes a guard (GRCN)"
 
 RADIO = f"/radio radio own\n    sub /channels x/msg/Channels\n    pub /cmd_vel {TWIST}\n"
 
+SHOWING = RADIO + "    pub /shown std_msgs/msg/Float64\n"
+
 
 def wiring_of(kind, value, node="/base"):
     place = Evidence(file=f"{node}.cpp", line=3)
@@ -287,6 +289,40 @@ class TestCommandTimeout:
         assert finding.summary == "/radio sends its last command for ever when /channels ends"
         assert (finding.severity, finding.level) == (Severity.HIGH, FindingLevel.REGULAR)
         assert finding.topics == ("/channels", "/cmd_vel")
+
+    @pytest.mark.parametrize(
+        ("relay", "known", "is_found"),
+        [
+            (SHOWING, {"/cmd_vel"}, True),
+            (SHOWING, {"/cmd_vel", "/shown"}, True),
+            (SHOWING, {"/shown"}, False),
+            (RADIO, {"/gone"}, False),
+            (SHOWING, (), False),
+        ],
+    )
+    def test_what_is_repeated_must_go_to_what_drives(self, relay, known, is_found):
+        kept = wiring_of("last_message", "repeated", "/radio")
+        places = {topic: Evidence(file="radio.cpp", line=len(topic)) for topic in known}
+        fact = replace(kept, evidence=(*kept.evidence, *places.values()))
+        graph = relaying(relay, kept)
+        ends = tuple(
+            replace(e, evidence=(places[e.topic],)) if e.topic in places else e
+            for e in graph.endpoints
+        )
+        findings = found("command_timeout", replace(graph, endpoints=ends, wiring=(fact,)))
+        assert [each.topics for each in findings] == [("/channels", "/cmd_vel")] * is_found
+
+    def test_only_the_velocity_that_is_repeated_is_named(self):
+        kept = wiring_of("last_message", "repeated", "/radio")
+        second = f"/nav_vel {TWIST}\n    sub /other_vel {TWIST}"
+        graph = relaying(RADIO.replace("/channels x/msg/Channels", second), kept)
+        ends = tuple(
+            replace(e, evidence=() if e.topic == "/other_vel" else e.evidence)
+            for e in graph.endpoints
+        )
+        finding = the_finding("command_timeout", replace(graph, endpoints=ends))
+        assert finding.summary == "/radio sends its last command for ever when /nav_vel ends"
+        assert finding.topics == ("/nav_vel", "/cmd_vel")
 
     @pytest.mark.parametrize("type", ["std_msgs/msg/Float64", "sensor_msgs/msg/Imu"])
     def test_a_driver_that_obeys_no_velocity_may_keep_its_last_command(self, type):

@@ -228,7 +228,8 @@ class FrameUse:
 class LastMessageUse:
     """What becomes of a subscription's last message, after so many seconds if they are known.
 
-    `evidence` is where the subscription is made, then where its age is looked at.
+    `evidence` is where the subscription is made, then where its age is looked at, or where the
+    publishers are made that repeat it.
     """
 
     fate: LastMessageFate

@@ -61,7 +61,8 @@ class WiringFactKind(StringEnum):
     """A node whose source has a name that tells of how old a command is."""
     LAST_MESSAGE = "last_message"
     """A node with a subscription at the first place; the value is a `LastMessageFate`, others are
-    the seconds after which, and the second place where."""
+    the seconds after which, and the second place where; of what is repeated, the further places
+    are those of the publishers, if they are known."""
 
 
 class LastMessageFate(StringEnum):
@@ -70,7 +71,8 @@ class LastMessageFate(StringEnum):
     STOPPED = "stopped"
     """It compares the time of the message with now, and stops something."""
     CHECKED = "checked"
-    """It may notice: it compares that time, restarts a timer, or sets a mark that is tested."""
+    """It may notice: it compares that time, restarts a timer, sets a mark or a counter that is
+    tested, or clears what it kept."""
     REPEATED = "repeated"
     """It publishes what it kept of the message again and again."""
     UNNOTICED = "unnoticed"

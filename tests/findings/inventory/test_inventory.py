@@ -284,6 +284,30 @@ def test_a_name_that_tells_of_the_age_of_other_commands_tells_nothing(fate, file
     assert stopping(app, ("/base",), commands, ()).stops is stops
 
 
+@pytest.mark.parametrize(
+    ("fate", "named"), [("stopped", "/cmd_vel"), ("unnoticed", "/cmd_vel and /raw_vel")]
+)
+def test_the_commands_whose_age_nobody_looks_at_are_named(fate, named):
+    graph = small_graph(BASE + f"    sub /raw_vel {TWIST}\n")
+    places = {"/cmd_vel": PLACE, "/raw_vel": (Evidence(file="driver.py", line=9),)}
+    ends = tuple(replace(each, evidence=places[each.topic]) for each in graph.endpoints)
+    facts = (DRIVER, KEPT, replace(last(fate), evidence=places["/raw_vel"]))
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=facts)))
+    why = f"nothing in the source of /base looks at the age of commands on {named}"
+    assert (mover.stops, mover.stop) == (Stops.NO, why)
+
+
+def test_a_name_that_tells_of_an_age_may_have_no_place():
+    age = replace(AGED, evidence=())
+    graph = small_graph(BASE + f"    sub /raw_vel {TWIST}\n")
+    places = {"/cmd_vel": PLACE, "/raw_vel": (Evidence(file="driver.py", line=9),)}
+    ends = tuple(replace(each, evidence=places[each.topic]) for each in graph.endpoints)
+    facts = (DRIVER, KEPT, age, replace(last("stopped"), evidence=places["/raw_vel"]))
+    app = app_facts(replace(graph, endpoints=ends, wiring=facts))
+    found = stopping(app, ("/base",), [Command(means=Means.TOPIC, name="/cmd_vel")], ())
+    assert found.why.endswith("these commands; a name may tell of it")
+
+
 def test_the_worst_of_two_drivers_counts():
     second = BASE.replace("/base", "/second")
     facts = (DRIVER, KEPT, fact("command_age", "/base", "age"))
@@ -312,6 +336,22 @@ def test_who_forwards_the_last_command_for_ever_counts_for_the_driver():
         (mover,) = take_inventory(app_facts(replace(graph, endpoints=endpoints, wiring=facts)))
         assert mover.stops is stops
     assert (mover.stop).startswith("/base looks")
+
+
+@pytest.mark.parametrize(("sent", "stops"), [("/cmd_vel", Stops.NO), ("/shown", Stops.YES)])
+def test_who_shows_the_last_command_for_ever_does_not_count(sent, stops):
+    relay = f"/relay relay own\n    sub /nav_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
+    shown = "    pub /shown std_msgs/msg/Float64\n"
+    graph = small_graph(f"/nav nav own\n    pub /nav_vel {TWIST}\n" + relay + shown + BASE)
+    places = {each: (Evidence(file="relay.py", line=len(each)),) for each in ("/nav_vel", sent)}
+    ends = tuple(
+        replace(e, evidence=places.get(e.topic, ()) if e.node == "/relay" else PLACE)
+        for e in graph.endpoints
+    )
+    kept = replace(last("repeated"), evidence=(*places["/nav_vel"], *places[sent]))
+    facts = (DRIVER, last("stopped", "0.5 s"), kept)
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=facts)))
+    assert mover.stops is stops
 
 
 def test_what_is_documented_of_a_driver():

@@ -60,7 +60,9 @@ CPP_BODY = """
 KEEP = "self.speed = message.linear.x"
 KEEP_WITH_TIME = f"{KEEP}; self.last = now"
 STOP_IN_CALLBACK = f"if now - self.last > 1:\n    self.speed = 0.0\n{KEEP_WITH_TIME}"
+COUNTED = "if self.ticks != self.seen: self.out.publish(self.speed)"
 KEEP_CPP = "speed_ = message.linear.x;"
+OUT_CPP = "out_->publish(speed_);"
 KEEP_WITH_TIME_CPP = f"{KEEP_CPP} last_ = now();"
 
 
@@ -116,6 +118,14 @@ def told(found):
         (f"{KEEP}\nself.t = threading.Timer(0.5, self.off)", "pass", "checked", None),
         (KEEP, "self.out.publish(self.speed)", "repeated", None),
         (KEEP_WITH_TIME, "self.out.publish(self.speed)", "repeated", None),
+        (KEEP, "speed = 0.0\nspeed = self.speed\nself.out.publish(speed)", "repeated", None),
+        (KEEP, "self.out.publish(self.speed)\nself.speed = None", "checked", None),
+        (KEEP, "self.out.publish(self.speed)\nself.speed = self.limit", "checked", None),
+        (f"{KEEP}\nself.ticks = 0", f"self.ticks += 1\n{COUNTED}", "checked", None),
+        (f"{KEEP}\nself.ticks = self.limit", f"self.ticks -= 1\n{COUNTED}", "checked", None),
+        (f"{KEEP}\nself.ticks += 1", f"{COUNTED}\nself.seen = self.ticks", "checked", None),
+        (f"{KEEP}\nself.ticks += 1", "self.out.publish(self.speed)", "repeated", None),
+        (KEEP, "self.speed.stamp = now\nself.out.publish(self.speed)", "repeated", None),
         (KEEP_WITH_TIME, "if self.last is None:\n    self.off()", "unnoticed", None),
         (STOP_IN_CALLBACK, "self.drive(self.speed)", "unnoticed", None),
         (KEEP, "if now - self.last > 0.5:\n    self.off()", "unnoticed", None),
@@ -154,6 +164,15 @@ def test_in_python(callback, timer, fate, seconds):
         (f"{KEEP_CPP} watchdog_timer_->reset();", "", "checked", None),
         (f"{KEEP_CPP} fresh_ = true;", "if (!fresh_) return; fresh_ = false;", "checked", None),
         (KEEP_CPP, "out_->publish(speed_);", "repeated", None),
+        (KEEP_CPP, "double s = 0; s = speed_; out_->publish(s);", "repeated", None),
+        (KEEP_CPP, "out_->publish(speed_); speed_ = 0;", "checked", None),
+        (KEEP_CPP, "out_->publish(std::move(speed_));", "checked", None),
+        (
+            f"{KEEP_CPP} ticks_ = 0;",
+            "if (++ticks_ < 9) out_->publish(speed_);",
+            "checked",
+            None,
+        ),
         (f"if (now() - last_ > limit_) send(0); {KEEP_WITH_TIME_CPP}", "", "unnoticed", None),
         (KEEP_CPP, "double speed = 0; send(speed_);", "unnoticed", None),
         (KEEP_CPP, "if ((now() - last_).seconds() > 0.5) speed_ = 0.0;", "unnoticed", None),
@@ -218,6 +237,8 @@ HELPERS = """    def report(self, value):
         ("self.report(self.speed)", "repeated"),
         ("self.report(self.limit)", "unnoticed"),
         ("self.out.publish(self.kept())", "repeated"),
+        ("if self.speed > 1: self.report(1.0)", "repeated"),
+        ("if self.speed > 1: self.drive(self.limit)\nself.report(self.limit)", "unnoticed"),
     ],
 )
 def test_what_publishes_something_else_repeats_nothing(timer, fate):
@@ -232,6 +253,36 @@ def test_where_it_is():
     lines = PYTHON.format(callback="\n", timer="HERE").splitlines()
     made = next(at for at, line in enumerate(lines, 1) if "Subscriber(" in line)
     assert [place.line for place in last.evidence] == [made, lines.index("HERE")]
+
+
+@pytest.mark.parametrize(
+    ("timer", "names"),
+    [
+        ("self.out.publish(self.speed)", ["out"]),
+        ("self.out.publish(self.limit); self.shown.publish(self.speed)", ["shown"]),
+        ("v = Float32()\nv.data = self.speed\nself.shown.publish(v)", ["shown"]),
+        ("v = []\nv.append(self.speed)\nself.shown.publish(v)", ["shown"]),
+        ("v, w = self.speed, 1\nself.shown.publish(w)\nself.out.publish(3)", ["shown"]),
+        ("v = 0\nif self.speed > 1: v = 1\nself.shown.publish(v)", ["shown"]),
+        ("self.shown.publish(self.speed); self.out.publish(self.speed)", ["out", "shown"]),
+        ("make().publish(self.speed); self.out.publish(1)", []),
+    ],
+)
+def test_where_the_publisher_is_made_that_repeats_it(timer, names):
+    text = PYTHON.format(callback=indented(KEEP), timer=indented(timer))
+    second = "rospy.Publisher('shown', Float32)\n        rospy.Timer"
+    text = text.replace("rospy.Timer", f"self.shown = {second}", 1)
+    found = ros1_runs.run_text(text)
+    made = {at: each.name for each in found.declarations for at in each.evidence}
+    (last,) = found.last_messages
+    assert last.fate.value == "repeated"
+    assert sorted(made[at].rpartition("/")[2] for at in last.evidence[1:]) == names
+
+
+def test_where_the_publisher_is_made_in_cpp():
+    found = ros2_runs.cpp(CPP_BODY, members=CPP.format(callback=KEEP_CPP, timer=OUT_CPP))
+    (out,) = (each for each in found.declarations if each.name.endswith("/out"))
+    assert found.last_messages[0].evidence[1:] == out.evidence
 
 
 def test_what_is_measured_is_no_command():

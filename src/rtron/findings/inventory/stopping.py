@@ -1,12 +1,20 @@
 """Whether what drivers move stops by itself when commands end, as far as it can be told."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.command_timeout import CLEVER_DEVICES, STREAMS, TIMEOUT_NAMES, is_off
+from rtron.findings.motion.command_timeout import (
+    CLEVER_DEVICES,
+    STREAMS,
+    TIMEOUT_NAMES,
+    UNCHECKED,
+    is_off,
+    repeated_topics,
+)
 from rtron.vocabulary import LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
+from rtron.wording import join_names
 
 _KNOWN = {
     "diff_drive_controller": (Stops.YES, "cmd_vel_timeout, by default 0.5 s"),
@@ -40,7 +48,7 @@ def stopping(
     app: AppFacts,
     drivers: tuple[str, ...],
     commands: Collection[Command],
-    behind: Iterable[tuple[str, Command]],
+    behind: Collection[tuple[str, Command]],
 ) -> Stopping:
     """Return the worst that is known of the drivers, and of who forwards the commands behind.
 
@@ -50,19 +58,20 @@ def stopping(
     controllers = {topic.rpartition("/")[0] for topic in topics} - app.nodes.keys()
     found = [_of_driver(app, node, controllers, topics) for node in drivers] or [_ABSENT]
     types = {command.type for command in commands}
+    led = topics | {command.name for _, command in behind}
     found += (
         stop
         for node, command in behind
         if command.type in types or STREAMS.search(command.type)
-        for stop in _of_forwarder(app, node, command.name)
+        for stop in _of_forwarder(app, node, command.name, led)
     )
     order = (Stops.NO, Stops.UNKNOWN, Stops.YES)
     return min(found, key=lambda each: order.index(each.stops))
 
 
-def _of_forwarder(app: AppFacts, node: str, topic: str) -> Iterator[Stopping]:
-    """Yield that a node sends its last command for ever, where its source shows it."""
-    if LastMessageFate.REPEATED in app.last_messages(node, {topic}):
+def _of_forwarder(app: AppFacts, node: str, topic: str, led: Collection[str]) -> Iterator[Stopping]:
+    """Yield that a node sends its last command on for ever, where its source shows it."""
+    if not repeated_topics(app, node, topic).isdisjoint(led):
         yield Stopping(Stops.NO, f"{node} sends its last command for ever when {topic} ends")
 
 
@@ -106,7 +115,10 @@ def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | 
         why = f"{node} is not seen to look at the age of these commands; a name may tell of it"
         return Stopping(Stops.UNKNOWN, f"{why}{_place(age)}")
     if last and devices and CLEVER_DEVICES.isdisjoint(devices):
-        why = f"nothing in the source of {node} looks at the age of these commands"
+        kept = join_names(
+            [t for t in sorted(topics) if UNCHECKED & {*app.last_messages(node, {t})}]
+        )
+        why = f"nothing in the source of {node} looks at the age of commands on {kept}"
         return Stopping(Stops.NO, why)
     if last and devices:
         return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
@@ -118,7 +130,7 @@ def _is_of_others(app: AppFacts, node: str, age: WiringFact) -> bool:
     """Return whether the file of a name that tells of an age stops other commands by theirs."""
     topics = {end.topic for end in app.graph.subscribed_by(node)}
     stop = app.last_messages(node, topics).get(LastMessageFate.STOPPED)
-    return stop is not None and stop.evidence[-1].file == age.evidence[0].file
+    return stop is not None and any(stop.evidence[-1].file == at.file for at in age.evidence[:1])
 
 
 def _place(fact: WiringFact) -> str:

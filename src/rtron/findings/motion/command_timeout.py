@@ -9,8 +9,8 @@ how old a command is: no name tells of a watchdog or a timeout, it compares no t
 with now, and a command starts no timer anew. Then only the hardware could stop; whether it does, no
 scan sees. An autopilot or a vendor's base mostly does: no finding.
 And a node that drives a base by repeating what it heard last, in a timer or a loop, while nothing
-in its source looks at how old that is: velocities, or a joystick's or a radio's messages if it
-hears nothing else. Then no timeout of who obeys helps.
+in its source looks at how old that is, counts or clears it: velocities, or a joystick's or a
+radio's messages if it hears nothing else. Then no timeout of who obeys helps.
 
 ## Why it matters
 
@@ -63,9 +63,10 @@ STREAMS = re.compile(
     r"geometry_msgs/Twist|ackermann_msgs/|sensor_msgs/Joy|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)"
 )
 """Types of commands that come again and again, by their names."""
+UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
+"""What becomes of a last message where nothing looks at its age."""
 _DRIVEN = frozenset({Thing.BASE, Thing.VEHICLE, Thing.THRUSTERS})
 _SOURCE = (WiringFactKind.DEVICE, WiringFactKind.COMMAND_AGE, WiringFactKind.LAST_MESSAGE)
-_UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
 _VELOCITIES = ("geometry_msgs/Twist", "ackermann_msgs/")
 
 
@@ -81,8 +82,8 @@ def check(app: AppFacts) -> Iterator[Finding]:
     for node, device in _ageless_drivers(app):
         if node not in off:
             yield _ageless(app, node, device)
-    for node, inputs in _repeaters(app):
-        yield _repeating(app, node, inputs)
+    for node, repeated in _repeaters(app):
+        yield _repeating(app, node, repeated)
 
 
 def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
@@ -95,12 +96,12 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
     for node in sorted(devices.keys() - aged.keys()):
         velocities = {end.topic for end in app.graph.subscribed_by(node) if _is_velocity(end)}
         last = set(app.last_messages(node, velocities))
-        if last and last <= _UNCHECKED and opened[node].isdisjoint(CLEVER_DEVICES):
+        if last and last <= UNCHECKED and opened[node].isdisjoint(CLEVER_DEVICES):
             yield node, devices[node]
 
 
-def _repeaters(app: AppFacts) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield the nodes that drive by repeating what they heard last, and the topics they hear."""
+def _repeaters(app: AppFacts) -> Iterator[tuple[str, dict[str, set[str]]]]:
+    """Yield the nodes that drive by what they heard last: what they send again, by its input."""
     facts = {kind: {f.subject for f in app.graph.wiring if f.kind is kind} for kind in _SOURCE}
     known = facts[WiringFactKind.DEVICE] | facts[WiringFactKind.COMMAND_AGE]
     for node in sorted(facts[WiringFactKind.LAST_MESSAGE] - known):
@@ -109,9 +110,26 @@ def _repeaters(app: AppFacts) -> Iterator[tuple[str, tuple[str, ...]]]:
         velocities = {end.topic for end in inputs if _is_velocity(end)}
         streams = {end.topic for end in inputs if STREAMS.search(normalise_type(end.type))}
         commands = velocities or (streams if len(inputs) == 1 else set())
-        fates = set(app.last_messages(node, commands))
-        if fates == {LastMessageFate.REPEATED} and any(_driving(app, node)):
-            yield node, tuple(sorted(commands))
+        driven = set(_driving(app, node))
+        sent = {topic: driven & repeated_topics(app, node, topic) for topic in sorted(commands)}
+        repeated = {topic: outputs for topic, outputs in sent.items() if outputs}
+        if repeated and set(app.last_messages(node, commands)) == {LastMessageFate.REPEATED}:
+            yield node, repeated
+
+
+def repeated_topics(app: AppFacts, node: str, topic: str) -> set[str]:
+    """Return where a node sends what it kept of a topic again and again.
+
+    If its source does not tell the publisher, that is known of a node with one topic alone.
+    """
+    fact = app.last_messages(node, {topic}).get(LastMessageFate.REPEATED)
+    if fact is None:
+        return set()
+    published = [end for end in app.graph.published_by(node) if not end.implicit]
+    if places := set(fact.evidence[1:]):
+        return {end.topic for end in published if places.intersection(end.evidence)}
+    topics = {end.topic for end in published}
+    return topics if len(topics) == 1 else set()
 
 
 def _driving(app: AppFacts, node: str) -> Iterator[str]:
@@ -146,8 +164,8 @@ def _ageless(app: AppFacts, node: str, device: WiringFact) -> Finding:
     )
 
 
-def _repeating(app: AppFacts, node: str, inputs: tuple[str, ...]) -> Finding:
-    sent = list(_driving(app, node))
+def _repeating(app: AppFacts, node: str, repeated: dict[str, set[str]]) -> Finding:
+    inputs, sent = tuple(repeated), sorted(set().union(*repeated.values()))
     names, outputs = join_names(inputs), join_names(sent)
     return make_finding(
         RULE.name,

@@ -58,12 +58,12 @@ class FunctionSteps:
         self.locals: list[tuple[str, Expr]] = []
         for node in nodes:
             for target, value in assignments(node):
-                stored = self._member(target)
+                stored = self.member(target)
                 (self.members if stored else self.locals).append(
                     (stored or last_name(target), value)
                 )
 
-    def _member(self, target: Expr) -> str:
+    def member(self, target: Expr) -> str:
         """Return the member or global below which something is written, empty for a local."""
         own = {"this"} if self.is_cpp else {p.name for p in self.function.params[:1]}
         while isinstance(target, (Attr, Index)):

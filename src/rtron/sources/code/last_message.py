@@ -23,8 +23,9 @@ from rtron.sources.code.function_steps import (
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.ir import Assign, Attr, Call, Const, Expr, Function, New
-from rtron.sources.code.ir.references import called_names, ir_nodes
+from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.reachability import reachable_functions
+from rtron.sources.code.repeated_message import Repetition, is_counted
 from rtron.sources.declaration import DeclarationKind, LastMessageUse
 from rtron.vocabulary import Evidence, LastMessageFate
 
@@ -85,12 +86,26 @@ class _Program:
             name for each in reached for name, value in each.members if not is_constant(value)
         }
         if _restarts_timer(reached) or self._is_marked(reached, others):
-            fate = LastMessageFate.CHECKED
-        elif _is_repeated(stored - times, reached, beside):
-            fate = LastMessageFate.REPEATED
-        else:
-            fate = LastMessageFate.UNNOTICED
-        return LastMessageUse(fate=fate, evidence=(place,))
+            return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
+        repetition = Repetition(stored - times, reached, beside)
+        if not repetition.publishers:
+            return LastMessageUse(fate=LastMessageFate.UNNOTICED, evidence=(place,))
+        if repetition.is_cleared or is_counted(reached, others):
+            return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
+        places = (place, *self._publishers_made(repetition.publishers))
+        return LastMessageUse(fate=LastMessageFate.REPEATED, evidence=places)
+
+    def _publishers_made(self, names: set[str]) -> Iterator[Evidence]:
+        """Yield where publishers are made that variables or members hold, as far as it is seen."""
+        made = self.machine.recorder.declared(DeclarationKind.PUBLISH)
+        places = {at for declared in made for at in declared.evidence}
+        found = dict[Evidence, None]()
+        for code in self.codes:
+            given = (*code.members, *code.locals, *code.function.initialisers)
+            values = [value for name, value in given if name in names]
+            lines = {n.line for n in ir_nodes(tuple(values)) if isinstance(n, (Call, New))}
+            found |= dict.fromkeys(Evidence(file=code.function.file, line=n) for n in sorted(lines))
+        yield from (at for at in found if at in places)
 
     def _run_beside(self, callbacks: list[Function]) -> list[FunctionSteps]:
         """Return what runs without the message: other callbacks, and loops with what they call."""
@@ -158,29 +173,6 @@ class _Program:
             is_cpp = self.machine.runtime.passes_by_reference
             self._known[id(function)] = FunctionSteps(function, is_cpp=is_cpp)
         return self._known[id(function)]
-
-
-def _is_repeated(
-    stored: set[str], reached: list[FunctionSteps], beside: list[FunctionSteps]
-) -> bool:
-    """Return whether what runs beside a callback publishes what that stored.
-
-    One function does both, or one of the two calls the other. A callback that publishes itself
-    does not count.
-    """
-    if any("publish" in called_names(each.function) for each in reached):
-        return False
-    users = [each.function for each in beside if stored & mentioned_names(each.function.body)]
-    senders = (each.function for each in beside if "publish" in called_names(each.function))
-    return any(
-        user.key == sender.key or _calls(user, sender) or _calls(sender, user)
-        for sender in senders
-        for user in users
-    )
-
-
-def _calls(caller: Function, called: Function) -> bool:
-    return called.name.rpartition("::")[2] in called_names(caller)
 
 
 def _is_time(value: Expr, code: FunctionSteps) -> bool:

@@ -1,0 +1,183 @@
+"""Where what a callback keeps is published again and again, and whether it is ever cleared."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from rtron.sources.code.function_steps import (
+    FunctionSteps,
+    assignments,
+    is_constant,
+    is_zero,
+    last_name,
+    mentioned_names,
+)
+from rtron.sources.code.ir import Attr, Binary, Call, Const, Expr, Index, SequenceExpr
+from rtron.sources.code.ir.references import called_names, ir_nodes
+
+_TAKING = frozenset(
+    [
+        *("reset", "clear", "pop", "popleft", "pop_front", "pop_back", "erase", "remove"),
+        *("release", "move", "exchange", "swap"),
+    ]
+)
+_ADDING = frozenset({"append", "extend", "insert", "push_back", "emplace_back"})
+
+
+class Repetition:
+    """How what runs beside a callback publishes what that stored.
+
+    One function does both, or one of the two calls the other. A callback that publishes itself
+    does not count.
+    """
+
+    def __init__(
+        self, stored: set[str], reached: list[FunctionSteps], beside: list[FunctionSteps]
+    ) -> None:
+        self.publishers: set[str] = set()
+        """The names of the publishers it goes to; nothing is repeated if there are none."""
+        self.is_cleared = False
+        """Whether who publishes also assigns it anew or takes it away."""
+        if any("publish" in called_names(each.function) for each in reached):
+            return
+        senders = [each for each in beside if "publish" in called_names(each.function)]
+        users = [each for each in beside if stored & mentioned_names(each.function.body)]
+        for user in users:
+            for sender in senders:
+                if found := _publishers(stored, user, sender):
+                    self.publishers |= found
+                    called = [f for f in beside if _calls(user, f) or _calls(sender, f)]
+                    self.is_cleared |= any(_clears(f, stored) for f in (user, sender, *called))
+
+
+def is_counted(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
+    """Return whether somebody tests a number that counts messages, or the time without them."""
+    written = {name for each in reached for name, _ in each.members}
+    counters = {
+        name
+        for each in (*reached, *others)
+        for name, value in each.members
+        if name in written and _is_step(name, value)
+    }
+    conditions = [n for each in others for n in _conditions(each)] if counters else []
+    return any(mentioned_names(each) & counters for each in conditions)
+
+
+def _conditions(code: FunctionSteps) -> Iterator[Expr]:
+    yield from (test.condition for test in code.tests)
+    for node in ir_nodes(code.function.body):
+        if isinstance(node, Binary) and node.operator in {"<", ">", "<=", ">=", "==", "!="}:
+            yield node
+
+
+def _is_step(name: str, value: Expr) -> bool:
+    """Return whether a value is what a name held, and a number more or less."""
+    return (
+        isinstance(value, Binary)
+        and value.operator.rstrip("=") in {"+", "-"}
+        and any(is_constant(side) for side in (value.left, value.right))
+        and name in {last_name(value.left), last_name(value.right)}
+    )
+
+
+def _publishers(stored: set[str], user: FunctionSteps, sender: FunctionSteps) -> set[str]:
+    """Return the publishers in a function that get what another, or itself, makes of a value."""
+    if user is sender:
+        return _fed_publishers(user, stored)
+    made = _made_of(user, stored)
+    names = stored | (made & {name for name, _ in user.members})
+    if _calls(sender, user):
+        return _fed_publishers(sender, names | {_name(user)})
+    if not _calls(user, sender):
+        return set()
+    calls = [call for call in user.calls if last_name(call.function) == _name(sender)]
+    chosen = _nodes_that_depend(user, made)
+    if any(call is node for call in calls for node in chosen):
+        return {_publisher(call) for call in _publish_calls(sender)}
+    params = {param.name for param in sender.function.params[not sender.is_cpp :]}
+    is_given = any(mentioned_names((call.args, call.keywords)) & made for call in calls)
+    return _fed_publishers(sender, names | params if is_given else names)
+
+
+def _fed_publishers(code: FunctionSteps, names: set[str]) -> set[str]:
+    """Return the names of the publishers in a function that get what it makes of names."""
+    made = _made_of(code, names)
+    chosen = {id(node) for node in _nodes_that_depend(code, made)}
+    return {
+        _publisher(call)
+        for call in _publish_calls(code)
+        if id(call) in chosen or mentioned_names((call.args, call.keywords)) & made
+    }
+
+
+def _made_of(code: FunctionSteps, names: set[str]) -> set[str]:
+    """Return names, and those of what a function makes of them."""
+    made, before = set(names), 0
+    while len(made) > before:
+        before = len(made)
+        for node in ir_nodes(code.function.body):
+            made |= _fed_names(code, node, made)
+        chosen = _nodes_that_depend(code, made)
+        made |= {root for n in chosen for t, _ in assignments(n) for root in _roots(t, code)}
+    return made
+
+
+def _fed_names(code: FunctionSteps, node: object, made: set[str]) -> set[str]:
+    if isinstance(node, Call) and isinstance(node.function, Attr):
+        is_adding = node.function.name in _ADDING and mentioned_names(node.args) & made
+        return _roots(node.function.owner, code) if is_adding else set()
+    fed = (target for target, value in assignments(node) if mentioned_names(value) & made)
+    return {root for target in fed for root in _roots(target, code)}
+
+
+def _nodes_that_depend(code: FunctionSteps, names: set[str]) -> list[Any]:
+    """Return what a function does only where a test of names says so."""
+    tests = (test for test in code.tests if mentioned_names(test.condition) & names)
+    return [node for test in tests for node in ir_nodes(test.branches)]
+
+
+def _clears(code: FunctionSteps, stored: set[str]) -> bool:
+    """Return whether a function assigns what was stored anew, or takes it away."""
+    for node in ir_nodes(code.function.body):
+        if isinstance(node, Call) and last_name(node.function) in _TAKING:
+            if mentioned_names(node) & stored:
+                return True
+        elif any(_is_anew(t, value, code, stored) for t, value in assignments(node)):
+            return True
+    return False
+
+
+def _is_anew(target: Expr, value: Expr, code: FunctionSteps, stored: set[str]) -> bool:
+    if isinstance(target, SequenceExpr):
+        return any(_is_anew(item, value, code, stored) for item in target.items)
+    if code.member(target) not in stored:
+        return False
+    is_number = isinstance(value, Const) and not isinstance(value.value, (str, bytes))
+    is_whole = last_name(target) in stored
+    is_other = is_whole and not mentioned_names(value) & stored
+    return is_number or is_zero(value) or is_other or (is_whole and isinstance(value, Binary))
+
+
+def _roots(target: Expr, code: FunctionSteps) -> set[str]:
+    """Return the variables, or own members, in or below which something is written."""
+    if isinstance(target, SequenceExpr):
+        return {root for item in target.items for root in _roots(item, code)}
+    inner: Expr = target
+    while isinstance(inner, (Attr, Index)):
+        inner = inner.owner
+    return {code.member(target) or last_name(inner)} - {""}
+
+
+def _publish_calls(code: FunctionSteps) -> list[Call]:
+    return [call for call in code.calls if last_name(call.function) == "publish"]
+
+
+def _publisher(call: Call) -> str:
+    return last_name(call.function.owner) if isinstance(call.function, Attr) else ""
+
+
+def _calls(caller: FunctionSteps, called: FunctionSteps) -> bool:
+    return _name(called) in called_names(caller.function)
+
+
+def _name(code: FunctionSteps) -> str:
+    return code.function.name.rpartition("::")[2]
