@@ -60,7 +60,7 @@ def _without_node(group: WiringGroup) -> Finding:
         RULE.name,
         group,
         summary=f"the parameters that the launch sets for {group.subject} reach no node",
-        cause=f"no node of this launch has this name, and {near} has no parameters of its own there",
+        cause=f"no node here has this name, and {near} has no parameters of its own there",
         remedy=f"did you mean {near}?",
         nodes=group.others,
     )
