@@ -8,12 +8,11 @@ from settings_app import WALL, Base
 
 from rtron.errors import SourceError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.command import service_parts
-from rtron.guard.lanes.command.service_parts import SavedStop
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.settings_file import read_settings, write_settings
+from rtron.guard.settings import saved_settings
 from rtron.guard.settings.in_force import SettingsInForce
-from rtron.guard.settings.saved_settings import settings_at_start
+from rtron.guard.settings.saved_settings import SavedStop, settings_at_start
 from rtron.guard.system.machine_time import machine_time
 from rtron.vocabulary import EmergencyStop, Settings
 
@@ -95,7 +94,7 @@ def test_a_stop_is_not_lost_because_one_look_has_failed(watching, monkeypatch, c
             raise SourceError("too many open files")
         return read_settings(path, at)
 
-    monkeypatch.setattr(service_parts, "read_settings", read_late)
+    monkeypatch.setattr(saved_settings, "read_settings", read_late)
     watching.write(Settings(revision=2, stop=STOP))
     wait_for(watching.stops, what="the stop")
     assert caplog.text.count("too many open files") == 1

@@ -60,7 +60,7 @@ def _modules(config: GuardConfig) -> Iterator[str]:
     if config.options.get("link"):
         yield "guard.supervision.link_program"
         yield "guard.link.service_link"
-        yield "guard.lanes.command.service_parts"
+        yield "guard.lanes.command.service_reports"
     if config.plan.ros != 1:
         yield from _ROS2
         if config.plan.cell:

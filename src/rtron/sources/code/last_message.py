@@ -5,7 +5,7 @@ it keeps the message alone, and what runs besides goes on with it.
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
@@ -25,7 +25,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.ir import Assign, Attr, Call, Const, Expr, Function, New
 from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.reachability import reachable_functions
-from rtron.sources.code.repeated_message import Repetition, is_counted
+from rtron.sources.code.repeated_message import find_repetition, is_counted
 from rtron.sources.declaration import DeclarationKind, LastMessageUse
 from rtron.vocabulary import Evidence, LastMessageFate
 
@@ -87,7 +87,7 @@ class _Program:
         }
         if _restarts_timer(reached) or self._is_marked(reached, others):
             return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
-        repetition = Repetition(stored - times, reached, beside)
+        repetition = find_repetition(stored - times, reached, beside)
         if not repetition.publishers:
             return LastMessageUse(fate=LastMessageFate.UNNOTICED, evidence=(place,))
         if repetition.is_cleared or is_counted(reached, others):
@@ -95,7 +95,7 @@ class _Program:
         places = (place, *self._publishers_made(repetition.publishers))
         return LastMessageUse(fate=LastMessageFate.REPEATED, evidence=places)
 
-    def _publishers_made(self, names: set[str]) -> Iterator[Evidence]:
+    def _publishers_made(self, names: Collection[str]) -> Iterator[Evidence]:
         """Yield where publishers are made that variables or members hold, as far as it is seen."""
         made = self.machine.recorder.declared(DeclarationKind.PUBLISH)
         places = {at for declared in made for at in declared.evidence}

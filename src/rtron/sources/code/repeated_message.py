@@ -1,7 +1,8 @@
 """Where what a callback keeps is published again and again, and whether it is ever cleared."""
 
 from collections.abc import Iterator
-from typing import Any
+from itertools import chain
+from typing import Any, NamedTuple
 
 from rtron.sources.code.function_steps import (
     FunctionSteps,
@@ -23,30 +24,34 @@ _TAKING = frozenset(
 _ADDING = frozenset({"append", "extend", "insert", "push_back", "emplace_back"})
 
 
-class Repetition:
-    """How what runs beside a callback publishes what that stored.
+class Repetition(NamedTuple):
+    """How what runs beside a callback publishes what that stored."""
 
-    One function does both, or one of the two calls the other. A callback that publishes itself
-    does not count.
+    publishers: frozenset[str]
+    """The names of the publishers it goes to; nothing is repeated if there are none."""
+    is_cleared: bool
+    """Whether who publishes also assigns it anew or takes it away."""
+
+
+def find_repetition(
+    stored: set[str], reached: list[FunctionSteps], beside: list[FunctionSteps]
+) -> Repetition:
+    """Return how functions beside a callback publish what it stored, which reaches `reached`.
+
+    One function keeps and publishes it, or one of the two calls the other. A callback that
+    publishes itself does not count.
     """
-
-    def __init__(
-        self, stored: set[str], reached: list[FunctionSteps], beside: list[FunctionSteps]
-    ) -> None:
-        self.publishers: set[str] = set()
-        """The names of the publishers it goes to; nothing is repeated if there are none."""
-        self.is_cleared = False
-        """Whether who publishes also assigns it anew or takes it away."""
-        if any("publish" in called_names(each.function) for each in reached):
-            return
-        senders = [each for each in beside if "publish" in called_names(each.function)]
-        users = [each for each in beside if stored & mentioned_names(each.function.body)]
-        for user in users:
-            for sender in senders:
-                if found := _publishers(stored, user, sender):
-                    self.publishers |= found
-                    called = [f for f in beside if _calls(user, f) or _calls(sender, f)]
-                    self.is_cleared |= any(_clears(f, stored) for f in (user, sender, *called))
+    if any(_publish_calls(each) for each in reached):
+        return Repetition(frozenset(), is_cleared=False)
+    users = [each for each in beside if stored & mentioned_names(each.function.body)]
+    senders = [each for each in beside if _publish_calls(each)]
+    found = [(u, s, names) for u in users for s in senders if (names := _publishers(stored, u, s))]
+    pairs = [pair for *pair, _ in found]
+    called = [f for f in beside if any(_calls(each, f) for pair in pairs for each in pair)]
+    return Repetition(
+        frozenset().union(*(names for *_, names in found)),
+        is_cleared=any(_clears(each, stored) for each in chain(*pairs, called)),
+    )
 
 
 def is_counted(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:

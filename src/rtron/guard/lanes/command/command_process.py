@@ -93,7 +93,7 @@ def run_command_process(
     authority, handler, leases = _create_authority(plan, coordinator, transport, handover, file)
     parts += authority
     if link:
-        from rtron.guard.lanes.command.service_parts import service_parts  # noqa: PLC0415 - most have none
+        from rtron.guard.lanes.command.service_reports import service_parts  # noqa: PLC0415 - most have none
 
         parts += service_parts(plan, leases, coordinator, transport, connection, loop, link)
     if plan.incidents.keep:

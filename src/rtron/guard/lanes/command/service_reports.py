@@ -1,23 +1,60 @@
-"""What the command process tells the bulk process for the security service."""
+"""What follows the security service in the command process; most guards load none of it."""
 
 import time
 from collections import deque
 from typing import Any
 
+from rtron.guard.authority.lease_controller import LeaseController
+from rtron.guard.authority.service_leases import ServiceLeases
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.lanes.assignment import command_part
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
 from rtron.guard.lanes.exchange.lane_state import lane_state, stream_figures
 from rtron.guard.lanes.exchange.messages import Figures, RecordedEvent, SettingsAnswer, StateChange
 from rtron.guard.link.host_events import HostEvents
+from rtron.guard.link.options import LinkOptions
+from rtron.guard.runner import Part
+from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce
-from rtron.vocabulary import SECOND, EventKind, GuardEventLevel, Settings
+from rtron.guard.settings.saved_settings import SavedStop, settings_at_start
+from rtron.guard.transport.common.protocol import LiveTransport
+from rtron.vocabulary import SECOND, EventKind, GuardEventLevel, Plan, Settings
+from rtron.wire.common.link_protocol import LeaseCommand
 
 _STATE_PERIOD = SECOND // 5
 MAX_PENDING_EVENTS = 20_000
 _EVENTS_AT_ONCE = 20
 _SEND_PERIOD = SECOND // 100
 """So that a command waits for some 20 events at most, about 1 ms."""
+
+
+def service_parts(
+    plan: Plan,
+    leases: LeaseController,
+    coordinator: Coordinator,
+    transport: LiveTransport,
+    connection: BulkConnection,
+    loop: EventLoop,
+    link: LinkOptions,
+) -> list[Part]:
+    """Put the service's last settings in force; return what follows the service from then on."""
+    settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
+    settings_at_start(settings, link)
+    reports = ServiceReports(connection, coordinator, loop, settings)
+    connection.on_settings = reports.apply
+    _follow_leases(connection, ServiceLeases(leases, reports.record))
+    return [reports, SavedStop(settings, link, loop)]
+
+
+def _follow_leases(connection: BulkConnection, leases: ServiceLeases) -> None:
+    """Do what persons at the service ask of leases, and answer."""
+
+    def receive(message: object) -> None:
+        if isinstance(message, LeaseCommand):
+            connection.send(leases.carry_out(message))
+
+    connection.message_listeners.append(receive)
 
 
 class ServiceReports:
