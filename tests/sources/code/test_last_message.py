@@ -131,6 +131,12 @@ def told(found):
         (KEEP, "if now - self.last > 0.5:\n    self.off()", "unnoticed", None),
         (KEEP, "self.drive(self.speed)", "unnoticed", None),
         ("self.drive(message.linear.x)", "pass", "unnoticed", None),
+        (
+            "self.port = open(self.path)\nself.drive(message.linear.x)",
+            "self.out.publish(self.port.read())\nself.port = None",
+            "unnoticed",
+            None,
+        ),
         ("self.out.publish(message.linear.x)", "self.out.publish(1.0)", "unnoticed", None),
     ],
 )

@@ -83,7 +83,7 @@ class _Program:
             evidence = (place, *found.evidence)
             return replace(found, fate=LastMessageFate.CHECKED, evidence=evidence)
         stored = {
-            name for each in reached for name, value in each.members if not is_constant(value)
+            name for each in reached for name, value in each.members if _is_given(value, each)
         }
         if _restarts_timer(reached) or self._is_marked(reached, others):
             return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
@@ -173,6 +173,13 @@ class _Program:
             is_cpp = self.machine.runtime.passes_by_reference
             self._known[id(function)] = FunctionSteps(function, is_cpp=is_cpp)
         return self._known[id(function)]
+
+
+def _is_given(value: Expr, code: FunctionSteps) -> bool:
+    """Return whether a value is made of what a function is given, or of its locals."""
+    given = {param.name for param in code.function.params} - {"self"}
+    given.update(name for name, _ in code.locals)
+    return not given.isdisjoint(mentioned_names(value))
 
 
 def _is_time(value: Expr, code: FunctionSteps) -> bool:
