@@ -35,6 +35,10 @@ LONGEST_GROUP = 3600
 NO_TESTS = 5
 """Pytest's exit code where nothing was selected."""
 SLOWEST = 30
+LONGEST_FIRST = ROOT / "tests" / "longest_first.txt"
+"""The files that a run begins with, so that none of them is alone at its end."""
+LONG_FILE = 6
+"""Seconds; a file that takes more stands there."""
 LONG_TEST = 20
 """Seconds; a test that takes more says why in its docstring."""
 OUTCOMES = ("passed", "failed", "skipped")
@@ -206,13 +210,16 @@ def _clock(seconds: float) -> str:
 
 
 def print_durations() -> None:
-    """Print the slowest files of the last run, and the tests that take long."""
+    """Print the slowest files of the last run, and the tests that take long; keep the order."""
     cases = [case for path in RESULTS.glob("*.xml") for case in read_report(path)]
     files: dict[str, float] = {}
     for case in cases:
         files[case.place] = files.get(case.place, 0) + case.seconds
-    for place, seconds in sorted(files.items(), key=lambda item: -item[1])[:SLOWEST]:
+    slowest = sorted(files.items(), key=lambda item: -item[1])
+    for place, seconds in slowest[:SLOWEST]:
         print(f"{seconds:7.1f} s  {place}.py")
+    longest = [f"{place}.py\n" for place, seconds in slowest if seconds > LONG_FILE]
+    LONGEST_FIRST.write_text("".join(longest), "utf-8")
     print(f"\nover {LONG_TEST} s:")
     for case in sorted(cases, key=lambda case: -case.seconds):
         if case.seconds > LONG_TEST:

@@ -77,8 +77,11 @@ def pytest_itemcollected(item):
         item.add_marker("covered")
 
 
+_LONGEST_FIRST = (TESTS / "longest_first.txt").read_text("utf-8").split()
+_PLACES = {TESTS.parent / path: place for place, path in enumerate(_LONGEST_FIRST)}
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """Start with the files that start a ROS: they wait most, so none of them should be last."""
-    with_ros = {item.path for item in items if item.get_closest_marker("ros1")}
-    items.sort(key=lambda item: item.path not in with_ros)
+    """Start with the files that take longest, so that no worker is left alone with one."""
+    items.sort(key=lambda item: _PLACES.get(item.path, len(_PLACES)))

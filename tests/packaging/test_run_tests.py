@@ -1,5 +1,6 @@
 """The script that runs the tests: what it chooses, when it stops, what it says at the end."""
 
+import re
 import sys
 
 import pytest
@@ -45,6 +46,28 @@ def test_the_groups_without_ros_come_first():
     gates = [each.is_gate for each in groups]
     assert gates == sorted(gates, reverse=True)
     assert [each.name for each in groups[:3]] == ["lint", "covered", "pure"]
+
+
+def test_the_files_that_begin_exist():
+    begin = run_tests.LONGEST_FIRST.read_text("utf-8").split()
+    assert begin
+    assert [path for path in begin if not (run_tests.ROOT / path).is_file()] == []
+
+
+def test_the_longest_files_of_the_last_run_begin(results, monkeypatch, capsys):
+    monkeypatch.setattr(run_tests, "LONGEST_FIRST", results / "longest_first.txt")
+    run_all([group(results, name, PASSING, is_gate=True) for name in ("one", "two", "three")])
+    for name, seconds in (("one", 7), ("two", 60), ("three", 5)):
+        report = results / "results" / f"{name}.xml"
+        text = re.sub(
+            r'(classname="test_\w+" name="test_good" time)="[^"]+"',
+            rf'\1="{seconds}"',
+            report.read_text(),
+        )
+        report.write_text(text)
+    run_tests.print_durations()
+    assert run_tests.LONGEST_FIRST.read_text("utf-8").split() == ["test_two.py", "test_one.py"]
+    assert "60.0 s  test_two::test_good" in capsys.readouterr().out
 
 
 def test_only_all_groups_have_the_long_tests():
