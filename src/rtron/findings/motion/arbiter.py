@@ -15,7 +15,7 @@ Nothing. A node that publishes its output directly passes it by: see `several_pu
 
 ## When it is silent
 
-With arbiters that RTron does not know by their package.
+Below the level `auditor`, and for arbiters that RTron does not know by their package.
 """
 
 import re

@@ -14,7 +14,7 @@ Write the name into the code, and remap it in the launch file. Or guard the topi
 
 ## When it is silent
 
-Below the level `pedantic`, and where the name in the code is fixed.
+Below the level `auditor`, and where the name in the code is fixed.
 """
 
 from collections.abc import Iterator

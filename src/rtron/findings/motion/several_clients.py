@@ -13,7 +13,8 @@ For example, `/mission` and `/teleop_goals` both send goals to `/navigate_to_pos
 
 ## When it is silent
 
-Among nodes of one stack, such as Nav2's servers, and for viewers and the server itself.
+Below the level `pedantic`; among nodes of one stack, such as Nav2's servers; for viewers and the
+server itself.
 """
 
 from collections import defaultdict

@@ -15,7 +15,8 @@ Have the readers subscribe the output, or do not start the node.
 
 ## When it is silent
 
-With several outputs of the type, types of `std_msgs`, and outputs below the node's own name.
+Below the level `pedantic`; with several outputs of the type, types of `std_msgs`, and outputs below
+the node's own name.
 """
 
 import re

@@ -13,8 +13,8 @@ Remap the topic for each instance.
 
 ## When it is silent
 
-For diagnostics, transforms, joint states, bonds and logs. Commands of motion belong to
-`several_publishers`.
+Below the level `pedantic`; for diagnostics, transforms, joint states, bonds and logs. Commands of
+motion belong to `several_publishers`.
 """
 
 from collections.abc import Iterator

@@ -13,7 +13,7 @@ Write the name that is used.
 
 ## When it is silent
 
-Where no used topic has a near name.
+Below the level `pedantic`, and where no used topic has a near name.
 """
 
 from collections.abc import Iterator
