@@ -3,11 +3,11 @@
 ## What it finds
 
 In ROS 2 a launch, or its YAML file, gives a parameter another type than the node declares. ROS 2
-(Galactic and newer) converts none: the call throws `InvalidParameterTypeException`, and the node
-ends at its start or is not loaded.
+(Galactic and newer) converts none: the call throws `InvalidParameterTypeException`. The node ends
+at its start, a component is not loaded, and a lifecycle node is not configured.
 
-For example, `params.yaml` sets `max_vel: 1` of `/base`, which calls `declare_parameter("max_vel",
-0.5)`.
+For example, `params.yaml` sets `max_vel: 1` of `/base`, which calls
+`declare_parameter("max_vel", 0.5)`.
 
 ## What to do
 
@@ -15,8 +15,11 @@ Write the value in the declared type (`1.0`), or declare the type that is given.
 
 ## When it is silent
 
-Where a type is not certain, a descriptor is given, the exception is caught, or the node declares
-all that is set.
+- Where a type is not certain: a C++ default that holds an integer and has no template argument, or
+  a text that looks like a number.
+- Where the call has a descriptor, or its exception is caught.
+- Where the node declares all that is set for it.
+- On ROS 1.
 """
 
 from collections.abc import Iterator

@@ -3,8 +3,9 @@
 ## What it finds
 
 A topic is published with one type and subscribed with another, so ROS does not connect the ends.
-Often it is Twist and TwistStamped, which ROS 2 distributions differ in. Without `--env
-ROS_DISTRO=jazzy` a type from a model is only possible.
+Often it is Twist and TwistStamped, which ROS 2 distributions differ in. It is only possible where
+the type of another end is unknown, or comes from a model and no distribution is given
+(`--env ROS_DISTRO=jazzy`).
 
 For example, `/teleop` publishes Twist on `/cmd_vel`, `/diff_drive_controller` subscribes
 TwistStamped.
@@ -16,7 +17,7 @@ with a relay.
 
 ## When it is silent
 
-Where the types of the ends are unknown. Where all ends belong to one node, it is an oddity.
+Where only one side's type is known. Where all ends belong to one node, it is an oddity.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
