@@ -23,10 +23,19 @@ def policy_page(name: PolicyName, policy: Callable[[PolicySettings], Policy]) ->
     summary, text = (module.__doc__ or "").strip().split("\n", 1)
     text, example = text.split(_EXAMPLE)
     summary = summary.removeprefix(f"{name}: ")
-    states = "\n".join(_states(module.TABLE))
+    first = _first_with(module.TABLE)
+    others = f"The states and transitions are those of [{first}]({first}.md#states)."
+    states = "\n".join(_states(module.TABLE)) if first == name else others
     return (
         f"# {name}\n\n{summary[0].upper()}{summary[1:]}\n{text}{states}\n\n"
         f"{_EXAMPLE}```pycon\n{example}\n```\n"
+    )
+
+
+def _first_with(table: TransitionTable[TableEnum, TableEnum]) -> PolicyName:
+    """Return the first policy that has this table."""
+    return next(
+        name for name, policy in POLICIES.items() if import_module(policy.__module__).TABLE is table
     )
 
 
