@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 
 from rtron.policies import POLICIES, Policy
-from rtron.policies.state_machine import TableEnum, TransitionTable
+from rtron.policies.state_machine import TableEnum, TransitionEffect, TransitionTable
 from rtron.vocabulary import PolicyName, PolicySettings
 
 PAGES = Path(__file__).parent.parent / "docs" / "policies"
@@ -23,19 +23,52 @@ def policy_page(name: PolicyName, policy: Callable[[PolicySettings], Policy]) ->
     summary, text = (module.__doc__ or "").strip().split("\n", 1)
     text, example = text.split(_EXAMPLE)
     summary = summary.removeprefix(f"{name}: ")
-    states = "\n".join(_states(module.TABLE))
+    first = _first_with(module.TABLE)
+    others = f"The states and transitions are those of [{first}]({first}.md#states)."
+    states = "\n".join(_states(module.TABLE)) if first == name else others
     return (
         f"# {name}\n\n{summary[0].upper()}{summary[1:]}\n{text}{states}\n\n"
         f"{_EXAMPLE}```pycon\n{example}\n```\n"
     )
 
 
+def _first_with(table: TransitionTable[TableEnum, TableEnum]) -> PolicyName:
+    """Return the first policy that has this table."""
+    return next(
+        name for name, policy in POLICIES.items() if import_module(policy.__module__).TABLE is table
+    )
+
+
 def _states(table: TransitionTable[TableEnum, TableEnum]) -> Iterator[str]:
-    for state in dict.fromkeys(state for state, _ in table):
+    """Yield the states, and a row for each transition that can arise and does something."""
+    states = tuple(dict.fromkeys(state for state, _ in table))
+    for state in states:
         yield f"- **{state.name}**: {state.value}"
-    yield "\n| state | what happens | next state | effect |\n|---|---|---|---|"
-    for (state, happens), (after, effect) in table.items():
-        yield f"| {state.name} | {happens.value} | {after.name} | {effect.value} |"
+    yield "\n| what happens | state | next state | effect |\n|---|---|---|---|"
+    for happens in dict.fromkeys(happens for _, happens in table):
+        rows = {
+            state: table[state, happens]
+            for state in states
+            if table[state, happens] != (state, TransitionEffect.NOTHING)
+            and table[state, happens][1] is not TransitionEffect.NEVER
+        }
+        for names, after, effect in _merged(rows, len(states)):
+            yield f"| {happens.value} | {names} | {after} | {effect.value} |"
+
+
+def _merged(
+    rows: dict[TableEnum, tuple[TableEnum, TransitionEffect]], number: int
+) -> Iterator[tuple[str, str, TransitionEffect]]:
+    """Yield one row for all states of which one row tells the same, else each."""
+    effects = {effect for _, effect in rows.values()}
+    names = "any" if len(rows) == number > 1 else ", ".join(state.name for state in rows)
+    if len(effects) == 1 and all(after is state for state, (after, _) in rows.items()):
+        yield names, "the same", effects.pop()
+    elif len(set(rows.values())) == 1:
+        yield names, next(iter(rows.values()))[0].name, effects.pop()
+    else:
+        for state, (after, effect) in rows.items():
+            yield state.name, after.name, effect
 
 
 def stale(pages: Path) -> dict[Path, str]:

@@ -18,14 +18,14 @@ PAGES = Path(__file__).parent.parent / "docs" / "rules"
 INDEX = """\
 # Rules
 
-What `rtron scan` looks for, one page a rule; `rtron explain <rule>` prints the page.
+What `rtron scan` looks for, one page a rule. `rtron explain RULE` prints the page.
 
 ## Findings
 
-What people act on. `rtron scan` shows them, `--level` chooses how many.
+[`--level`](../findings.md#levels) chooses how many `rtron scan` shows.
 
-| rule | what it finds | consequence |
-|---|---|---|
+| rule | what it finds |
+|---|---|
 {findings}
 
 ## Severity of findings
@@ -34,16 +34,15 @@ What people act on. `rtron scan` shows them, `--level` chooses how many.
 
 ## The paper's risks
 
-The kinds of risk of the paper, complete. `rtron scan --level auditor` shows them.
+`rtron scan --level auditor` shows them.
 
-| rule | kind | what it finds | severity |
-|---|---|---|---|
+| rule | what it finds |
+|---|---|
 {rules}
 
 ## Your own words
 
-`rtron scan --name-lists FILE` adds your words to ours. A file may have any of these lists;
-`src/rtron/risks/data/` shows each with its words:
+`rtron scan --name-lists FILE` adds your words to these lists of `src/rtron/risks/data/`:
 
 {lists}
 
@@ -59,17 +58,17 @@ def index() -> str:
         findings="\n".join(map(_finding_row, FINDING_RULES)),
         finding_severity=(finding_severity.__doc__ or "").strip(),
         rules="\n".join(map(_row, RULES)),
-        lists="\n".join(f"- `{name}`" for name in (*WORD_LISTS, *TABLES)),
+        lists=", ".join(f"`{name}`" for name in (*WORD_LISTS, *TABLES)),
         severity=(severity.__doc__ or "").strip(),
     )
 
 
 def _row(rule: RiskRule) -> str:
-    return f"| [{rule.name}]({rule.name}.md) | {rule.kind} | {rule.title} | {rule.severity} |"
+    return f"| [{rule.name}]({rule.name}.md) | {rule.title} |"
 
 
 def _finding_row(rule: FindingRule) -> str:
-    return f"| [{rule.name}]({rule.name}.md) | {rule.title} | {rule.consequence} |"
+    return f"| [{rule.name}]({rule.name}.md) | {rule.title} |"
 
 
 def stale(pages: Path) -> dict[Path, str]:

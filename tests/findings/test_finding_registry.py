@@ -12,7 +12,7 @@ from rtron.findings import FINDING_RULES, FindingRule, finding_page
 from rtron.risks import RULES
 
 NAMES = [rule.name for rule in FINDING_RULES]
-HEADINGS = ("What it finds", "Why it matters", "Remedy", "Example")
+HEADINGS = ("What it finds", "What to do", "When it is silent")
 GROUPS = ("motion", "wiring")
 HELPERS = {"__init__", "arbiters"}
 

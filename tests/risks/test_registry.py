@@ -14,7 +14,7 @@ from rtron.risks import RULES, RiskRule, discover_risks, rule_page
 from rtron.vocabulary import InteractionGraph
 
 NAMES = [rule.name for rule in RULES]
-HEADINGS = ("What it finds", "Why it is a risk", "Remedy", "Example")
+HEADINGS = ("What it finds", "What to do", "When it is silent")
 
 
 def test_the_registry_has_every_rule_in_the_folder_once():

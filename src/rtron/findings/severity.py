@@ -6,8 +6,8 @@
 | failure: a part of the app does not get what it needs | medium | medium | low |
 | oddity: nothing follows by itself | low | low | low |
 
-It is one step milder where only the user's own nodes cause it, as for the paper's risks.
-A finding of low severity is shown from the level `pedantic` on, unless its rule says otherwise.
+It is one step milder where only your own nodes cause it. Low findings are shown from the level
+`pedantic` on, unless their rule says otherwise.
 """
 
 from collections.abc import Mapping

@@ -2,13 +2,12 @@
 
 ## What it does
 
-Every flow has a block bit. While it is set, the flow's messages are dropped; the messages of all
-other flows of the plan pass at once, in any order. A publisher that the plan does not name is
-dropped too.
+A flow whose block bit is set is dropped, and so is a publisher that the plan does not name. All
+other messages pass at once, in any order.
 
 ## When to use it
 
-- In a GRCN: to stop what a node does, at once, in an emergency.
+- In a GRCN: to stop what a node does, in an emergency.
 - In an RSRCN: to keep a node from setting the maximal velocity.
 - In an MSRCN: to forbid an action under the conditions of a rule.
 
@@ -20,7 +19,7 @@ dropped too.
 
 ## States
 
-Block has one state. It remembers when each flow spoke last, for a policy that takes its place.
+Block has one state.
 
 ## Example
 

@@ -3,16 +3,13 @@
 ## What it does
 
 A flow is fresh from each of its messages until `release_after` of silence. The fresh flow of
-highest priority owns the output: its messages pass at once, those of lower flows are dropped, and
-a higher flow that starts to speak takes over with its first message. When the owner falls silent,
-the next fresh flow owns the output. A flow that has never spoken owns nothing and stands in
-nobody's way; so does a blocked one, however much it speaks.
+highest priority owns the output: its messages pass at once, and those of lower flows are dropped. A
+higher flow takes over with its first message. A blocked flow is never fresh.
 
 ## When to use it
 
-For instant control, such as the topic of a velocity: a safe control goes before a teleoperation,
-and this before the navigation. Dropped commands are gone; if they should wait, use
-Priority_Queue.
+For velocities: a safe control goes before a teleoperation, and this before the navigation. Dropped
+commands are gone; if they should wait, use Priority_Queue.
 
 ## Settings
 
@@ -24,8 +21,7 @@ Priority_Queue.
 
 ## States
 
-The owner is reported as it was at the last message or tick. The deadline is the moment at which
-the owner falls silent, so that a tick then finds the output idle, or the next owner.
+The owner is reported as it was at the last message or tick.
 
 ## Example
 

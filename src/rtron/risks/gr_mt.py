@@ -2,31 +2,22 @@
 
 ## What it finds
 
-A node with two or more subscriptions of one message type (general risk with multiple topics, paper
-section 4.1; Algorithm 1, lines 12 to 16). The high-risk nodes are the publishers of these topics;
-the node itself is the successor. `TwistStamped` counts with `Twist`, and a type is the same in
-both ROS spellings. Log and visualisation topics are left out, and so are nodes that only record or
-show.
+A node has two or more subscriptions of one message type (paper section 4.1; Algorithm 1, lines 12
+to 16). They mostly feed one decision, so a false message on one is enough. The high-risk nodes are
+the publishers. `one_to_one` says whether the paper's narrow reading (one publisher, one subscriber)
+holds, too.
 
-The paper narrows this to topics with one publisher and one subscriber, but its own example has four
-publishers on one of the topics. So every such node is found, and the risk says `one_to_one` where
-the narrow reading holds too.
-
-## Why it is a risk
-
-What arrives on parallel topics of one type mostly feeds one estimate or one decision: two images,
-two statuses, two speeds. A false one is enough to bend the result, and the others cannot make up
-for it.
-
-## Remedy
-
-A GRCN for each of the topics. Sensors and states are processed in parallel and need no turns:
-observe them, and block one when it lies. Commands contend: give them priorities.
-
-## Example
-
-`/find_object_3d` takes `sensor_msgs/Image` from `/camera/rgb/image_raw` and
+For example, `/find_object_3d` takes `sensor_msgs/Image` from `/camera/rgb/image_raw` and
 `/camera/depth/image_raw`.
+
+## What to do
+
+Put a GRCN on each of the topics. Observe sensors and states, and block one when it lies. Give
+commands priorities.
+
+## When it is silent
+
+For logs and visualisation, and for nodes that only record or show.
 """
 
 from collections import defaultdict

@@ -2,28 +2,22 @@
 
 ## What it finds
 
-A topic with more than one publisher and at least one node that acts on it (general risk with a
-single topic, paper section 4.1; Algorithm 1, lines 1 to 3). The high-risk nodes are all its
-publishers; a node that only records or shows (rviz, rosbag, rqt) is no successor, but counts as a
-publisher. Topics for logs and visualisation are left out. The goals of a ROS 2 action are requests;
-they count as a topic of the action's name, as they are one in ROS 1.
+A topic has more than one publisher and at least one node that acts on it (paper section 4.1;
+Algorithm 1, lines 1 to 3). Whoever publishes last decides. The high-risk nodes are the publishers.
+The goals of a ROS 2 action count as a topic.
 
-## Why it is a risk
+For example, `/move_base` and `/teleop_twist_keyboard` publish `/cmd_vel`, which `/gazebo` obeys.
 
-The successors hear one voice and cannot tell who spoke. Whoever publishes last decides: one node
-that is wrong, hijacked or malicious can override the others, as a keyboard that floods `/cmd_vel`
-does while the robot follows a path.
+## What to do
 
-## Remedy
+Put a GRCN between the publishers and the successors. For velocities choose Preemption, for goals
+FIFO_Queue or Priority_Queue. Where each publisher owns a part of the topic, as of `/tf`, observe it
+and block whom you do not know.
 
-Put a GRCN between the publishers and the successors. For velocities choose Preemption, so that one
-publisher at a time drives; for goals FIFO_Queue or Priority_Queue, so that a new goal waits for
-the one in progress. Where each publisher owns a part of the topic, like the frames of `/tf`,
-observe it and block whom you do not know.
+## When it is silent
 
-## Example
-
-`/move_base` and `/teleop_twist_keyboard` publish `/cmd_vel`, which `/gazebo` obeys.
+For logs and visualisation. A node that only records or shows (rviz, rosbag, rqt) counts as a
+publisher, not as a successor.
 """
 
 from collections.abc import Iterator

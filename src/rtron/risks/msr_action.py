@@ -2,24 +2,21 @@
 
 ## What it finds
 
-A topic whose message type is an action of a mobile base, a manipulator or a speaker
-(ACTION_MSG_TYPE), or with `goal` in its name (mission-specific risk, paper section 4.3; Algorithm
-1, lines 9 to 11). The high-risk nodes are its publishers. An action counts by its goals: its
-Feedback and Result only answer, whatever they are called. The goals of a ROS 2 action are no
-topic, so there the action counts itself, and its clients are the high-risk nodes.
+A topic has the message type of an action of a base, a manipulator or a speaker, or `goal` in its
+name (paper section 4.3; Algorithm 1, lines 9 to 11). What is harmless at one place and time breaks
+the mission's rules at another. The high-risk nodes are the publishers, of a ROS 2 action its
+clients.
 
-## Why it is a risk
+For example, `/detect_tunnel` publishes `/cmd_vel` of type `geometry_msgs/Twist`, which `/gazebo`
+obeys.
 
-Here software becomes motion or sound. What is harmless at one place and time breaks the mission's
-rules at another: to enter the bedroom, to speak at night, to drive while a lift door closes.
+## What to do
 
-## Remedy
+Put an MSRCN before the actuators that blocks the action while an event of the mission forbids it.
 
-An MSRCN in front of the actuators that blocks the action while an event of the mission forbids it.
+## When it is silent
 
-## Example
-
-`/detect_tunnel` publishes `/cmd_vel` of type `geometry_msgs/Twist`, which `/gazebo` obeys.
+For an action's feedback and result, which only answer.
 """
 
 from collections.abc import Iterator

@@ -2,27 +2,20 @@
 
 ## What it finds
 
-A topic whose message type is an event (battery, temperature, position and others: EVENT_MSG_TYPE),
-or with `detect` in its name (mission-specific risk, paper section 4.3; Algorithm 1, lines 6 to 8).
-The high-risk nodes are its publishers. The paper's text leaves out nodes of Preprocessing; here
-your own are left out, where they hand on images, scans, clouds or inertial data. A node's function
-is often told by a name, which anybody can choose: so a stranger's node counts, and so does
-whatever tells more than such data.
+A topic has the message type of an event (battery, temperature, position and others), or `detect` in
+its name (paper section 4.3; Algorithm 1, lines 6 to 8). Its publishers, the high-risk nodes, can
+invent an event or withhold it, so that the robot breaks a rule of its mission.
 
-## Why it is a risk
+For example, `/gazebo` publishes `/odom` of type `nav_msgs/Odometry`: where the robot is.
 
-The rules of a mission speak of events: while somebody sleeps, do not clean; at a red light, stop.
-A node that invents an event, or keeps one to itself, makes the robot break the rule without any
-other node being at fault.
+## What to do
 
-## Remedy
+Use an MSRCN that listens to the event and blocks the actions that the rule forbids. Choose for each
+rule what silence means: where the event must not be missed, silence blocks too.
 
-An MSRCN that listens to the event and blocks the actions which the rule forbids while it lasts.
-Choose for each rule what silence means: where the event must not be missed, silence blocks too.
+## When it is silent
 
-## Example
-
-`/gazebo` publishes `/odom` of type `nav_msgs/Odometry`: where the robot is.
+For your own Preprocessing nodes that forward images, scans, clouds or inertial data.
 """
 
 from collections.abc import Iterator

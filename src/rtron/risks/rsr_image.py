@@ -2,24 +2,21 @@
 
 ## What it finds
 
-A node that subscribes `sensor_msgs/Image` (or `CompressedImage`) and publishes a topic named like
-a recognition: `detect`, `people`, `face`, `object` and others (robot-specific risk, paper section
-4.2; Algorithm 1, lines 17 to 22, RECOG_TOPIC_NAME). The high-risk node is the node itself.
+A node subscribes `sensor_msgs/Image` or `CompressedImage`, and publishes a topic named like a
+recognition: `detect`, `people`, `face`, `object` and others (paper section 4.2; Algorithm 1, lines
+17 to 22). If it slows down, a safe speed is no longer safe.
 
-## Why it is a risk
+For example, `/detect_sign` subscribes `/camera/image_compensated` and publishes
+`/detect/traffic_sign`.
 
-A robot must not drive faster than it can see. How fast it may drive depends on how many frames a
-second this node works through; if it slows down, by fault or on purpose, a speed that was safe no
-longer is, although nothing else has changed.
+## What to do
 
-## Remedy
+Use an fps_monitor that measures the node's frame rate, and an RSRCN that keeps the velocity below
+what this rate allows (Safe), or below a limit of yours (Constrain).
 
-An fps_monitor that measures how fast the node works, and an RSRCN that keeps the maximal velocity
-below what this rate allows (Safe), or below a limit that the user sets (Constrain).
+## When it is silent
 
-## Example
-
-`/detect_sign` subscribes `/camera/image_compensated` and publishes `/detect/traffic_sign`.
+Where no name of an output is in `recog_topic_name`: add yours with `--name-lists`.
 """
 
 from collections.abc import Iterator

@@ -2,24 +2,20 @@
 
 ## What it finds
 
-A topic of type `std_msgs/Float64` with `max_vel` in its name (robot-specific risk, paper section
-4.2; Algorithm 1, lines 4 and 5). The high-risk nodes are its publishers.
+A topic of type `std_msgs/Float64` has `max_vel` in its name (paper section 4.2; Algorithm 1, lines
+4 and 5). Its publishers, the high-risk nodes, can make the robot faster than its recognition can
+follow.
 
-## Why it is a risk
+For example, `/detect_parking` publishes `/control/max_vel`, which `/control_lane` obeys.
 
-Whoever raises the maximal velocity makes the robot faster than its recognition can follow: between
-two frames it then drives further than it has seen. The nodes that do the driving are sound and
-cannot notice.
+## What to do
 
-## Remedy
+Put an RSRCN between these publishers and the nodes that obey them: Safe ties the limit to the frame
+rate, Constrain to a value of yours, Block silences one publisher.
 
-An RSRCN between these publishers and the nodes that obey them: Safe ties the limit to the measured
-frame rate, Constrain holds it below a value that the user chooses, Block takes the say from one
-publisher.
+## When it is silent
 
-## Example
-
-`/detect_parking` publishes `/control/max_vel`, which `/control_lane` obeys.
+For other types and names: add yours with `--name-lists`.
 """
 
 from collections.abc import Iterator

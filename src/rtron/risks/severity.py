@@ -7,8 +7,7 @@
 | GR elsewhere or where publishers merge, RSR image, MSR event | medium    | low     |
 | any of these, while no node of the app acts on it            | low       | low     |
 
-A node is untrusted unless its package is the user's own (paper section 2.3: third-party nodes are
-the attackers; section 4.1: a general risk needs at least one untrusted node).
+A node is untrusted unless its package is your own (paper sections 2.3 and 4.1).
 """
 
 from rtron.vocabulary import Domain, Severity, Sharing, TopicClass

@@ -2,22 +2,20 @@
 
 ## What it finds
 
-Multiplexers, smoothers and monitors of velocities (twist_mux, yocs_cmd_vel_mux, Nav2's collision
-monitor and velocity smoother), with their inputs and outputs. Of a twist_mux of ROS 2 it names the
-priorities and locks that its parameters give. It is no fault: it is for auditors.
+Multiplexers, smoothers and monitors of velocities, such as twist_mux or Nav2's collision monitor,
+with their inputs and outputs. Of a twist_mux of ROS 2 it names priorities and locks. It is no
+fault.
 
-## Why it matters
+For example, `/twist_mux` takes `/joy_vel` (priority 100) and `/nav_vel` (10), and publishes
+`/cmd_vel`.
 
-What goes through it obeys its priorities and locks. What publishes its output directly passes it
-by: see `several_publishers`.
+## What to do
 
-## Remedy
+Nothing. A node that publishes its output directly passes it by: see `several_publishers`.
 
-None is needed.
+## When it is silent
 
-## Example
-
-`/twist_mux` takes `/joy_vel` (priority 100) and `/nav_vel` (10), and publishes `/cmd_vel`.
+Below the level `auditor`, and for arbiters that RTron does not know by their package.
 """
 
 import re

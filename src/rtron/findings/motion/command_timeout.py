@@ -2,28 +2,25 @@
 
 ## What it finds
 
-A node whose parameter for the timeout of its commands (`cmd_vel_timeout` and its kin) is 0 or less,
-which turns the timeout off. The parameters are those of the launch; a running app tells its own.
-And a node that obeys velocities, whose source opens hardware, and in whose source nothing looks at
-how old a command is: no name tells of a watchdog or a timeout, it compares no time of a command
-with now, and a command starts no timer anew. Then only the hardware could stop; whether it does, no
-scan sees. An autopilot or a vendor's base mostly does: no finding.
-And a node that drives a base by repeating what it heard last, in a timer or a loop, while nothing
-in its source looks at how old that is, counts or clears it: velocities, or a joystick's or a
-radio's messages if it hears nothing else. Then no timeout of who obeys helps.
+The robot goes on with the last velocity when the node that drives dies or its link breaks, because
 
-## Why it matters
+- a parameter for the timeout of commands (`cmd_vel_timeout` and the like) is 0 or less;
+- a node that obeys velocities opens hardware, and nothing in its source checks the age of a
+  command;
+- or a node repeats the last velocity that it received, in a timer or a loop, without checking its
+  age.
 
-When the node that drives dies, or its link breaks, the robot goes on with the last velocity.
+For example, `/diff_drive_controller` has `cmd_vel_timeout: 0.0`.
 
-## Remedy
+## What to do
 
 Set the timeout to half a second or less. In a driver of your own, send zero when no command came
 for so long.
 
-## Example
+## When it is silent
 
-`/diff_drive_controller` has `cmd_vel_timeout: 0.0`.
+For autopilots and vendors' bases, which mostly stop by themselves. Whether the hardware stops, no
+scan sees.
 """
 
 import re

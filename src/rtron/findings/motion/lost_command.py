@@ -2,38 +2,21 @@
 
 ## What it finds
 
-A topic that commands motion, that nobody subscribes, while another one of its type is obeyed that
-it likely means: one of the two was left out of a remap. That is
+Nobody subscribes a topic that commands motion, while another of its type is obeyed that it likely
+means: the same name in another namespace, a similar name beside it, or the only obeyed topic of the
+same actuator that nobody publishes. What the node commands, such as a stop, never happens.
 
-- an obeyed topic of the same name in a namespace above or below;
-- one beside it whose name says more or less (`control_mode`, `offboard_control_mode`);
-- whatever its name, the only obeyed topic that nobody publishes, if it moves the same thing: a
-  base, an arm, a head.
+For example, `/collision_monitor` publishes `/cmd_vel`, and `/wheel_controller` obeys `/wheel_cmd`.
 
-The last does not count for types of `std_msgs`, which say too little; where the senders have
-another output of the type, or the readers another input in use; between namespaces of two robots,
-and between twins (`left_arm`, `right_arm`). A velocity that tells of a motion (of a driver that
-publishes odometry, `measured`, `estimated`) is no command. Who obeys the one and publishes the
-other forwards it, and does not count, nor where other nodes stand between.
-
-What was not read may be the missing end: a subscription of a name known in part, of the same type;
-a node or launch file, unless its name says that it commands no motion (a camera or a map, but no
-`camera_rover_driver`), or its remaps and parameters name other commands. Then only the same name
-counts, from the level `pedantic` on. What may be an input of the autopilot PX4 (`/fmu/in/…`) is
-`pedantic`.
-
-## Why it matters
-
-What the node commands never happens: a recovery that should free the robot, a stop that should hold
-it. No node fails, and the log says nothing.
-
-## Remedy
+## What to do
 
 Remap the topic to the one that is obeyed, if the finding is likely.
 
-## Example
+## When it is silent
 
-`/collision_monitor` publishes `/cmd_vel`, and `/wheel_controller` obeys `/wheel_cmd`.
+Between namespaces of two robots, between twins (`left_arm`, `right_arm`), and for measured or
+estimated velocities. Where something was not read that may be the missing end, only the same name
+counts, and is `pedantic`.
 """
 
 from collections.abc import Iterator

@@ -2,24 +2,20 @@
 
 ## What it finds
 
-Bridges that let clients outside of ROS publish and call: rosbridge, Foxglove's bridge, Zenoh's and
-the DDS routers, and MAVROS' link to ground stations. One finding for each. A bridge whose launch
-file is included counts though its package is not in the source. Servers that only show topics
-(web_video_server, rosboard) are oddities, and do not count where they listen on the local address.
+A bridge lets clients outside of ROS publish and call: rosbridge, Foxglove's bridge, Zenoh's and the
+DDS routers, MAVROS' link to ground stations. Such a client needs no account, and can publish motion
+commands. Servers that only show topics (web_video_server, rosboard) are oddities.
 
-## Why it matters
+For example, `/rosbridge_websocket` listens on port 9090 on every address.
 
-A client of the bridge needs no ROS and no account. It can publish on every topic, motion commands
-included, and all clients look like one node.
-
-## Remedy
+## What to do
 
 Bind the bridge to the local address, put it behind a login, or allow only the topics that the
 clients need (`topics_glob`, `client_topic_whitelist`). Guard the motion topics.
 
-## Example
+## When it is silent
 
-`/rosbridge_websocket` listens on port 9090 on every address.
+For servers that only show topics and listen on the local address.
 """
 
 from collections import defaultdict

@@ -2,26 +2,21 @@
 
 ## What it finds
 
-Topics that command motion, that a node of the app obeys and that no node of the app publishes. One
-finding names them all. Inputs of an arbiter do not count while another input is in use, nor do the
-inputs that a stack such as Nav2 always has, nor what a lost command likely means (`lost_command`).
-It is shown at the level
-`auditor`: who commands is most often another launch file, or a person who starts teleoperation by
-hand.
+A node of the app obeys topics that command motion, and no node of the app publishes them. Whoever
+reaches the network can drive the robot by them.
 
-## Why it matters
+For example, `/diff_drive_controller` obeys `/cmd_vel`, and this launch starts neither navigation
+nor teleoperation.
 
-ROS lets every node publish on every topic. Whoever reaches the network can drive the robot, and
-nothing in the app would notice.
+## What to do
 
-## Remedy
+Scan the launch files that send these commands, too. If nobody should send them, guard the topics
+with an empty GRCN.
 
-Scan the launch files that send these commands too. If nobody of yours should send them, guard the
-topics with an empty GRCN, or do not let them leave the machine.
+## When it is silent
 
-## Example
-
-`/diff_drive_controller` obeys `/cmd_vel`, and this launch starts neither navigation nor teleop.
+Below the level `auditor`; for inputs of an arbiter while another one is in use, and inputs that a
+stack such as Nav2 always has.
 """
 
 from collections.abc import Iterator

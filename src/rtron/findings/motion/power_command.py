@@ -2,24 +2,21 @@
 
 ## What it finds
 
-Topics and services that shut the robot down, restart it or a part of it, or cut its power
-(`shutdown`, `reboot`, `power_off`, also as `system_shutdown`; `reset_motors`, `mcu_restart`), and
-that no node of the app uses itself. One finding names them all. Where a bridge opens the app to the
-network, it is shown at the level `regular`, else from `pedantic` on.
+Topics and services that shut the robot down, restart it or cut its power (`shutdown`, `reboot`,
+`power_off`, `reset_motors`), and that no node of the app uses itself. Any node or client of a
+bridge can end a mission by them.
 
-## Why it matters
+For example, `/leo_system` obeys `/system/shutdown` and `/system/reboot`, and rosbridge forwards
+both.
 
-ROS asks nobody who he is. A client of a bridge, or any node, ends a mission with one message, and
-a robot without power may fall, roll or block the way.
-
-## Remedy
+## What to do
 
 Take them out of what the bridge forwards (`topics_glob`, `services_glob`), guard the topics, or
 leave power to a program outside of ROS.
 
-## Example
+## When it is silent
 
-`/leo_system` obeys `/system/shutdown` and `/system/reboot`, and rosbridge forwards both.
+Where a node of the app uses them. Without a bridge it is `pedantic`.
 """
 
 import re

@@ -2,21 +2,19 @@
 
 ## What it finds
 
-A topic that commands motion, and that a node publishes or subscribes under a name from a parameter.
+A node publishes or subscribes a topic that commands motion under a name from a parameter. Whoever
+sets the parameter before the node starts leads the command past every guard.
 
-## Why it matters
+For example, `/base` subscribes the topic that its parameter `cmd_topic` names: `/cmd_vel`.
 
-Every node can set parameters. Who sets this one before the node starts, or starts again, has it
-publish the command elsewhere, or obey another topic, past every guard.
+## What to do
 
-## Remedy
+Write the name into the code, and remap it in the launch file. Or guard the topic and check it with
+`rtron verify --live`.
 
-Write the name into the code, and remap it in the launch file. Or guard the topic and check with
-`rtron verify --live` that the node uses it.
+## When it is silent
 
-## Example
-
-`/base` subscribes the topic that its parameter `cmd_topic` names: `/cmd_vel`.
+Below the level `auditor`, and where the name in the code is fixed.
 """
 
 from collections.abc import Iterator

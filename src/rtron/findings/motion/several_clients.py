@@ -2,22 +2,19 @@
 
 ## What it finds
 
-An action that moves the robot (a trajectory, a path, a pose to drive to, a dock) with more than one
-client. Nodes of one stack, such as Nav2's servers, and viewers do not count, nor does the server
-itself, as Nav2's navigator, which passes on the goals of a topic.
+An action that moves the robot (a trajectory, a pose, a dock) has more than one client. Most servers
+give up the goal in progress for a new one.
 
-## Why it matters
+For example, `/mission` and `/teleop_goals` both send goals to `/navigate_to_pose`.
 
-Most servers of such actions give up the goal in progress for a new one: a client that is wrong,
-hijacked or malicious sends the robot elsewhere.
-
-## Remedy
+## What to do
 
 `rtron plan` proposes a GRCN before the server: goals wait, or go by priority.
 
-## Example
+## When it is silent
 
-`/mission` and `/teleop_goals` both send goals to `/navigate_to_pose`.
+Below the level `pedantic`; among nodes of one stack, such as Nav2's servers; for viewers and the
+server itself.
 """
 
 from collections import defaultdict

@@ -2,28 +2,23 @@
 
 ## What it finds
 
-A topic that commands motion (a velocity, a setpoint, a trajectory) with more than one publisher;
-topics with the same publishers and subscribers are one finding.
-Requests that are done one by one, such as PX4's, and commands that reach nobody are `pedantic`.
-It counts though no reader is known: the driver of the base is often not in the workspace. Where an
-arbiter (twist_mux and its kin) publishes the topic, the others pass it by. Nodes of one stack, such
-as Nav2's servers, take turns among themselves and do not count, nor does a base that publishes its
-own input, or a `rostopic pub` of the launch file, which speaks once. Who passes Nav2's collision
-monitor by counts, but for its docking server, which looks for collisions itself.
+A topic that commands motion (a velocity, a setpoint, a trajectory) has more than one publisher. The
+base obeys whoever published last. It counts though no reader is known, and where a node passes an
+arbiter by.
 
-## Why it matters
+For example, `/move_base` and `/teleop` publish `/cmd_vel`; `/base_driver`, which was not read, may
+obey.
 
-The base obeys whoever published last. A node that is wrong, hijacked or malicious overrides the
-navigation, and the robot jerks between two commands.
-
-## Remedy
+## What to do
 
 `rtron plan` proposes a GRCN before the readers, with a priority for each publisher. Or let every
 publisher go through one arbiter.
 
-## Example
+## When it is silent
 
-`/move_base` and `/teleop` publish `/cmd_vel`; `/base_driver`, which was not read, may obey.
+Among nodes of one stack, such as Nav2's servers, unless one passes the collision monitor by; for a
+base that publishes its own input, and a `rostopic pub` of the launch. Requests such as PX4's, and
+commands that reach nobody, are `pedantic`.
 """
 
 import re

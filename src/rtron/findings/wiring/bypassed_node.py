@@ -2,23 +2,21 @@
 
 ## What it finds
 
-A node that republishes a topic under a similar name, with the same type (a filter, a throttle),
-whose output nobody subscribes, while other nodes subscribe its input. It must be its only output of
-that type; `std_msgs` and outputs below the node's own name do not count.
+A filter or throttle runs for nothing: it republishes a topic under a similar name with the same
+type, nobody subscribes its output, and other nodes subscribe its input. Most often a parameter or a
+remap still has the old name.
 
-## Why it matters
+For example, `/imu_filter` makes `/imu_filtered/data` of `/imu/data`, and `/ekf` subscribes
+`/imu/data`.
 
-The filter runs for nothing, and the others work with what it should have taken out: raw data of an
-IMU, a scan with the robot's own body in it. Most often a parameter or a remap still has the old
-name.
-
-## Remedy
+## What to do
 
 Have the readers subscribe the output, or do not start the node.
 
-## Example
+## When it is silent
 
-`/imu_filter` makes `/imu_filtered/data` of `/imu/data`, and `/ekf` subscribes `/imu/data`.
+Below the level `pedantic`; with several outputs of the type, types of `std_msgs`, and outputs below
+the node's own name.
 """
 
 import re

@@ -2,30 +2,20 @@
 
 ## What it finds
 
-Nodes that broadcast one child frame of TF, of any parent. The frames are read from the arguments of
-`static_transform_publisher`, from the parameters of well-known nodes (robot_localization, amcl,
-controllers, Gazebo's plugins and others), and from the source of nodes that call `sendTransform`.
-A node whose parameters turn its transforms off does not count. Names that only the running app
-knows do not count either.
+Two nodes broadcast one child frame of TF. The frame then jumps between two parents or poses: the
+robot jumps on the map, and no node reports a fault.
 
-Where all of them send a transform that never changes, below one parent, the level is `pedantic`. So
-it is where a condition that is not known decides whether more than one node does it: a node that
-the launch may leave out, or a managed node of ROS 2 that no lifecycle manager of Nav2 activates.
+For example, `/ekf` and `/diff_drive_controller` both broadcast `base_link` below `odom`.
 
-## Why it matters
+## What to do
 
-A frame has one parent. tf2 takes whatever came last: the frame, and all below it, jumps between two
-parents or two poses. The robot jumps on the map, the planner drives around obstacles that are not
-there, and no node reports a fault.
+Let one node broadcast the frame. Most nodes have a parameter for it, such as `publish_tf` or
+`enable_odom_tf`.
 
-## Remedy
+## When it is silent
 
-Let one node broadcast the frame. Most nodes have a parameter that turns their transform off, such
-as `publish_tf` or `enable_odom_tf`.
-
-## Example
-
-`/ekf` and `/diff_drive_controller` both broadcast `base_link` below `odom`.
+With names that only the running app knows. Static transforms below one parent, and nodes that the
+launch may leave out, are `pedantic`.
 """
 
 from collections import defaultdict

@@ -2,23 +2,18 @@
 
 ## What it finds
 
-A node name that the launch files start at several places, or several times: by a loop, or by a file
-that is included twice, whatever the remaps of each. The nodes of the tool `ros2` do not count.
-Viewers, such as RViz, are shown from the level `pedantic` on.
+The launch files start one node name several times. In ROS 1 the last one ends the others. In ROS 2
+both run, and services, parameters and tools reach one of them.
 
-## Why it matters
+For example, bringup and navigation both start `/robot_state_publisher`.
 
-In ROS 1 the node that starts last ends the others, so one of the two programs is missing. In ROS 2
-both run, and services, parameters and tools reach one of them, nobody knows which.
+## What to do
 
-## Remedy
+Give the nodes different names or namespaces, or start the node in one launch file only.
 
-Give the nodes different names or namespaces (in a loop one made of what the loop runs over), or
-start the node in one launch file only.
+## When it is silent
 
-## Example
-
-Bringup and navigation both start `/robot_state_publisher`.
+For nodes of the tool `ros2`. Viewers such as RViz are `pedantic`.
 """
 
 from collections.abc import Iterator

@@ -2,21 +2,19 @@
 
 ## What it finds
 
-Frames of TF each of which is below the other, directly or through further frames, as nodes
-certainly broadcast them. The frames are read as for `double_frame`.
+Each of two or more frames of TF is below the other. tf2 refuses every transform that passes the
+loop.
 
-## Why it matters
+For example, `/ekf` broadcasts `base_link` below `odom`, and `/driver` broadcasts `odom` below
+`base_link`.
 
-A frame of a loop has no place in the world. tf2 refuses every transform that passes it, and the
-parts of the robot below it are nowhere.
+## What to do
 
-## Remedy
+Turn one of the transforms round, or off: the order of REP 105 is `map`, `odom`, `base_link`.
 
-Turn one of the transforms round, or off: REP 105 has `map`, `odom`, `base_link` in this order.
+## When it is silent
 
-## Example
-
-`/ekf` broadcasts `base_link` below `odom`, and `/driver` broadcasts `odom` below `base_link`.
+Where it is not certain that the nodes broadcast these frames.
 """
 
 from collections.abc import Iterator

@@ -2,35 +2,21 @@
 
 ## What it finds
 
-A remap whose old name no node that gets it uses. A remap in a group is idle only if no node of the
-group has a use for it. It is likely a fault, and shown at the default level, where it is joined to
-a topic without its other end, of the same type:
+A remap whose old name no node that gets it uses. Remaps compare whole names: one of `camera/left`
+does not change `camera/left/image_raw`. At the default level are those that leave a topic without
+its other end: the two names are exchanged, or the old one is misspelled.
 
-- its ends are exchanged: the node uses the new name, which has no other end, other nodes use the
-  old name, and no node is at its other end;
-- the old name is written wrong: the new name is a topic of other nodes that lacks an end, and the
-  node has one topic that could be it and has no other end;
-- the old name is near that of a topic of the node that has no other end, and the source of every
-  node that gets the remap was read whole.
+For example, `<remap from="/roof_lidar" to="/points"/>`: `/localizer` subscribes `/points`, which
+nobody publishes, and `/scanner` publishes `/roof_lidar`.
 
-Else nothing may follow from it, and it is shown from the level `pedantic` on: where other nodes of
-the app use the old name, or a name below it, and where the source of every node that gets it was
-read whole, without plugins, and uses no such name. What was not read may use any name.
-
-## Why it matters
-
-The remap was meant for somebody. Remaps compare whole names: one of `camera/left` does not change
-`camera/left/image_raw`, one of `/commands` does not change `/left/commands`, and one that stands
-behind a node does not reach it.
-
-## Remedy
+## What to do
 
 Write the name that the node uses first and the new one second, or move the remap before the node.
 
-## Example
+## When it is silent
 
-`<remap from="/roof_lidar" to="/points"/>`: `/localizer` subscribes `/points`, which nobody
-publishes, and `/scanner` publishes `/roof_lidar`.
+Where a node that gets the remap has plugins or was not read whole. Idle remaps that harm nothing
+are `pedantic`.
 """
 
 from collections.abc import Iterator

@@ -2,23 +2,19 @@
 
 ## What it finds
 
-Topics that nobody publishes, and services and actions that nobody offers, of no name near to one of
-the app. One finding names them all, from the level `pedantic` on. Of nodes
-that are not the user's own only the measurements count that they subscribe: a sensor's messages,
-odometry, maps. Their other inputs are options: a speed limit, a pose to start from. Commands of
-motion are left to `open_command`.
+Topics that nobody publishes, and services and actions that nobody offers, without a near name in
+the app. Of nodes that are not your own only measurements count: a sensor, odometry, a map. If no
+other launch starts the rest, these nodes wait for ever.
 
-## Why it matters
+For example, a launch starts `/slam`, which subscribes `/scan`, and no driver of a laser.
 
-Most often another launch starts the rest. If none does, these nodes wait for ever, and none fails.
-
-## Remedy
+## What to do
 
 Scan the launch that starts the rest, too, or start it here.
 
-## Example
+## When it is silent
 
-A launch starts `/slam`, which subscribes `/scan`, and no driver of a laser.
+Below the level `pedantic`. Commands of motion belong to `open_command`.
 """
 
 from collections.abc import Iterator

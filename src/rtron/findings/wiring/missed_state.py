@@ -2,30 +2,21 @@
 
 ## What it finds
 
-A topic of ROS 2 that a node publishes once, or when something changes, with durability transient
-local, so that late readers get the last message; and a node that subscribes it as volatile, and
-gets only what is sent from then on. The topic must tell a state that others act on: a stop, a lock,
-a mode, a map and the like. A plan, a mission or a goal is an order, which must not be carried out
-late, and does not count.
+In ROS 2 a node publishes a state that others act on (a stop, a lock, a mode, a map) once or on
+change, as transient local, and another node subscribes it as volatile. If that node starts later,
+it works with its first value until the next change.
 
-The publisher must be one whose source shows that no timer, loop, thread or subscription sends the
-topic again, or Nav2's map server. Only ends whose QoS the source, a model or the running app tells
-count. Where no reader sends or calls anything, or obeys commands of motion, the state is only
-shown, and the level is `pedantic`.
+For example, `/board` latches `/hardware/stop_state`. `/joystick` subscribes it with the default
+QoS, starts later, and drives.
 
-## Why it matters
-
-A launch starts its nodes in any order. A reader that starts after the message waits for the next
-change: until then it works with the value that it began with, "not stopped" or "no map".
-
-## Remedy
+## What to do
 
 Let the subscription ask for transient local too, with a depth of 1.
 
-## Example
+## When it is silent
 
-`/board` latches `/hardware/stop_state` when the stop is pressed or released. `/joystick` subscribes
-it with the default QoS, starts later, and drives.
+For plans, missions and goals, where the QoS of an end is unknown, and where the publisher may send
+the state again. Readers that only show the state are `pedantic`.
 """
 
 from collections import defaultdict

@@ -2,23 +2,20 @@
 
 ## What it finds
 
-A name among the `node_names` of a lifecycle manager of Nav2 that no node of the launch has. It is
-likely a fault, and shown at the default level, where everything was read and the launch starts
-another node of the manager, or a lifecycle node of a near name. Else another launch may start the
-nodes, and it is possible.
+A name in the `node_names` of a lifecycle manager of Nav2 that no node of the launch has. The
+manager waits for it and activates none of the others.
 
-## Why it matters
+For example, `/lifecycle_manager` manages `/recoveries_server`, and the launch starts
+`/behavior_server`.
 
-The manager waits for the services of that node, and configures and activates none of the others:
-the robot does not navigate, and no node fails.
+## What to do
 
-## Remedy
+Start the node, correct its name or namespace, or remove it from `node_names`.
 
-Start the node, correct its name or its namespace, or remove it from `node_names`.
+## When it is silent
 
-## Example
-
-`/lifecycle_manager` manages `/recoveries_server`, and the launch starts `/behavior_server`.
+Below `pedantic`, where something was not read, or where the launch starts no other node of the
+manager and no lifecycle node of a near name.
 """
 
 from collections.abc import Iterable, Iterator, Sequence

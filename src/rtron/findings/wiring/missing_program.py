@@ -2,24 +2,21 @@
 
 ## What it finds
 
-A node of the launch whose package is in the workspace, but whose program no build file of the
-package makes or installs, nor, in ROS 1, is there an executable file of its name; an included
-launch file that is not there, and a parameter file of a package in the workspace that is neither
-there nor named in its build files. A package whose CMakeLists.txt makes programs by commands of its
-own does not count.
+A launch starts a program that its package does not build or install, includes a launch file that is
+not there, or loads a parameter file that is not there. The launch fails, or the node is missing or
+has its defaults.
 
-## Why it matters
+For example, `my_robot/launch/base.launch` starts `base_node`, and CMakeLists.txt makes
+`base_driver`.
 
-The launch fails there, or starts without the node, or the node with its defaults.
+## What to do
 
-## Remedy
+Correct the name, add the program to CMakeLists.txt or setup.py, or add the file.
 
-Correct the name in the launch file, or add the program to CMakeLists.txt or setup.py, or the file
-to the package.
+## When it is silent
 
-## Example
-
-`my_robot/launch/base.launch` starts `base_node`, and CMakeLists.txt makes `base_driver`.
+For packages outside of the workspace, and where CMakeLists.txt makes programs by commands of its
+own.
 """
 
 from collections import defaultdict

@@ -2,26 +2,24 @@
 
 ## What it finds
 
-In ROS 2, a parameter in a launch file, or in a YAML file that it gives to a node, whose type is not
-the one that the node's source declares: by the default of `declare_parameter`, by its template
-argument in C++, or by a type such as `Parameter.Type.DOUBLE`. A type that is not certain on either
-side says nothing: a default of C++ without a template argument that holds an integer, a text that
-looks like a number. A call with a descriptor does not count, nor a node that declares all that is
-set for it, nor a call whose exception is caught.
+In ROS 2 a launch, or its YAML file, gives a parameter another type than the node declares. ROS 2
+(Galactic and newer) converts none: the call throws `InvalidParameterTypeException`. The node ends
+at its start, a component is not loaded, and a lifecycle node is not configured.
 
-## Why it matters
+For example, `params.yaml` sets `max_vel: 1` of `/base`, which calls
+`declare_parameter("max_vel", 0.5)`.
 
-A parameter keeps its type, and ROS 2 (Galactic and newer) converts none: `max_vel: 1` is no double.
-The call throws `InvalidParameterTypeException`: the node ends at its start, a component is not
-loaded, a lifecycle node that declares it later is not configured.
+## What to do
 
-## Remedy
+Write the value in the declared type (`1.0`), or declare the type that is given.
 
-Write the value in the declared type, or declare the type that is given.
+## When it is silent
 
-## Example
-
-`params.yaml` sets `max_vel: 1` of `/base`, which calls `declare_parameter("max_vel", 0.5)`.
+- Where a type is not certain: a C++ default that holds an integer and has no template argument, or
+  a text that looks like a number.
+- Where the call has a descriptor, or its exception is caught.
+- Where the node declares all that is set for it.
+- On ROS 1.
 """
 
 from collections.abc import Iterator

@@ -2,31 +2,20 @@
 
 ## What it finds
 
-Two nodes of which one sends the other commands of motion, directly or through further nodes. One
-reads an odometry as its source sends it, the other reads what a filter makes of it. A filter is a
-node that publishes odometry and reads at least two measurements (odometry, an IMU, poses, a fix),
-or one of `robot_localization` or `fuse`. A node that reads both does not count, nor do nodes that
-send each other no commands, nor a node with more than five odometries.
+Of two nodes of which one sends the other commands of motion, one reads an odometry as its source
+sends it, the other what a filter makes of it. The robot swings, or misses its goal.
 
-Nodes of navigation stacks (Nav2's controller server, velocity smoother and docking server,
-`move_base`) work with one pose. Between others a cascade may be right, such as a controller of the
-wheels that reads the raw odometry below a navigator, or a watch of slip: that is shown from the
-level `pedantic` on.
+For example, `/ekf` makes `/odometry/filtered` of `/odom`. `/controller_server` reads
+`/odometry/filtered`, `/velocity_smoother` behind it reads `/odom`.
 
-## Why it matters
-
-The two differ by what the filter corrects: slip, drift, a delay. The second node takes away or adds
-speed because of an error that the first one does not see. The robot swings, or does not get to
-where it should.
-
-## Remedy
+## What to do
 
 Have both nodes read the filtered odometry.
 
-## Example
+## When it is silent
 
-`/ekf` makes `/odometry/filtered` of `/odom`. `/controller_server` reads `/odometry/filtered`,
-`/velocity_smoother` behind it reads `/odom`.
+Where a node reads both, or more than five odometries. Outside of navigation stacks, where a cascade
+may be right, it is `pedantic`.
 """
 
 from collections import defaultdict

@@ -2,21 +2,20 @@
 
 ## What it finds
 
-A client of a service or an action without a server in the app, where one with a near name and the
-same type has a server. One without a near name is left to `incomplete_launch`, and what a
-lifecycle manager calls to `missing_managed_node`.
+A client of a service or an action without a server, while one with a near name and the same type
+has a server. The client waits in vain.
 
-## Why it matters
+For example, `/mission` sends goals to `/navigate_to_pos`, and `/bt_navigator` serves
+`/navigate_to_pose`.
 
-The client waits, for ever or until its timeout, and what it asks for does not happen.
-
-## Remedy
+## What to do
 
 Correct the name.
 
-## Example
+## When it is silent
 
-`/mission` sends goals to `/navigate_to_pos`, and `/bt_navigator` serves `/navigate_to_pose`.
+Without a near name (`incomplete_launch`), and for calls of a lifecycle manager
+(`missing_managed_node`).
 """
 
 from collections import defaultdict

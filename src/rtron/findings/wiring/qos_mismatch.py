@@ -1,9 +1,9 @@
-"""The QoS of two ends of a topic do not fit (ROS 2).
+"""The QoS of two ends of a topic do not fit.
 
 ## What it finds
 
-A publisher and a subscription of one topic whose QoS are incompatible by the DDS tables (ROS 2
-documentation, Quality of Service, compatibilities):
+The QoS of a publisher and a subscription of one topic are incompatible (ROS 2). The middleware does
+not connect them:
 
 | policy | the publisher offers | the subscription requests |
 |---|---|---|
@@ -13,20 +13,16 @@ documentation, Quality of Service, compatibilities):
 | liveliness | automatic | manual by topic |
 | lease duration | none, or longer | shorter |
 
-Only ends whose QoS the source, a model or the running app tells count.
+For example, a driver publishes `/scan` as sensor data (best effort), and a node subscribes it as
+reliable.
 
-## Why it matters
-
-The middleware does not connect the ends. A warning appears in the log of one of them; the
-subscriber gets nothing.
-
-## Remedy
+## What to do
 
 Let the publisher offer at least what the subscription requests, or the subscription request less.
 
-## Example
+## When it is silent
 
-A driver publishes `/scan` as sensor data (best effort), and a node subscribes it as reliable.
+Where neither the source, a model nor the running app tells the QoS of an end.
 """
 
 from collections import defaultdict

@@ -2,23 +2,19 @@
 
 ## What it finds
 
-Nodes, nodelets or components of one program that publish one topic, while their other topics
-differ. The nodelets of one manager count apart, though they are one node to ROS. Diagnostics,
-transforms, joint states, bonds and logs do not count, nor does what commands motion: see
-`several_publishers`.
+Two nodes, nodelets or components of one program publish one topic, while their other topics differ:
+the launch forgot to give it a name of its own.
 
-## Why it matters
+For example, the nodelets `left_camera` and `right_camera` both publish `/image`.
 
-The launch gives each instance names of its own, and forgot one: the pictures of both cameras come
-on one topic, and nobody can tell them apart.
-
-## Remedy
+## What to do
 
 Remap the topic for each instance.
 
-## Example
+## When it is silent
 
-The nodelets `left_camera` and `right_camera` both publish `/image`.
+Below the level `pedantic`; for diagnostics, transforms, joint states, bonds and logs. Commands of
+motion belong to `several_publishers`.
 """
 
 from collections.abc import Iterator

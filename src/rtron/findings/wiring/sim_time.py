@@ -2,22 +2,18 @@
 
 ## What it finds
 
-Nodes of ROS 2 whose parameter `use_sim_time` differs from that of most others. The simulator and
-its bridges, which make the time, do not count, nor spawners of controllers, which end at once, nor
-the helper nodes that Nav2 starts in its servers and gives the value itself.
+The parameter `use_sim_time` of a ROS 2 node differs from that of most others. Their stamps are
+years apart: transforms are not found, and watchdogs that compare stamps never fire or always do.
 
-## Why it matters
+For example, eight nodes have `use_sim_time: true`, `/ekf` has not.
 
-Their stamps are years apart: transforms are not found, messages count as old, and a watchdog that
-compares stamps never fires or always does.
-
-## Remedy
+## What to do
 
 Give all nodes the same value: `SetParameter('use_sim_time', …)` at the top of the launch file.
 
-## Example
+## When it is silent
 
-Eight nodes have `use_sim_time: true`, `/ekf` has not.
+For the simulator and its bridges, spawners of controllers, and helper nodes of Nav2's servers.
 """
 
 import re

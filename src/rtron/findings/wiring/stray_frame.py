@@ -2,42 +2,21 @@
 
 ## What it finds
 
-A frame that a node looks up, and that no transform of the launch has: a text that the source gives
-tf or tf2 (`lookupTransform`, `can_transform`, `transformPose` and others), or a parameter of a node
-that RTron has a model of, such as `robot_base_frame` of Nav2. The finding names a near frame that a
-transform has; so it does for `base_link` and `base_footprint`, if other frames are below the one
-that is there. Without a near one another launch may send the transform, and the level is
-`pedantic`.
+A frame that a node looks up, or writes into the header of its messages, and that no transform of
+the launch has. Whoever transforms them waits in vain: no map, no obstacles. The finding names a
+near frame, if there is one. In ROS 2 a slash before a frame counts, too.
 
-A frame that the source of a node writes into the header of a message (`header.frame_id`), or into
-`child_frame_id` of an odometry, as a constant or from parameters with the values of the launch, and
-that no transform of the launch has, where a near one is there: with a suffix, a prefix or a
-namespace more or less, with the words in another order, or a few letters off. In ROS 2 so is a
-frame with a slash before it, which tf2 does not take. In ROS 1 a transform may have the frame below
-a prefix, as `tf_prefix` makes it.
+For example, the driver of a laser stamps its scans with `pico_1`; the static transform is for
+`pico`.
 
-All transforms must be known: those of broadcasters in source, of `static_transform_publisher`, of
-the robot description and of the nodes that RTron has models of. Where one is not, or where
-transforms go to several topics, the rule is silent. Where a node or a file was not read, it may
-send the transform: what is looked up is `pedantic` then, and messages are not looked at. A
-slash before a frame that tf2 looks up is too much whoever sends the transform.
-
-A frame of messages is shown at the default level where each topic of a sender that others read has
-a reader that listens to transforms. Who works with the messages alone needs no frame: else the
-level is `pedantic`.
-
-## Why it matters
-
-Whoever transforms the messages waits for a transform that never comes, and drops them: no map, no
-obstacles, a fused pose without the sensor. A look-up fails each time.
-
-## Remedy
+## What to do
 
 Give the messages, or the look-up, and the transform one name.
 
-## Example
+## When it is silent
 
-The driver of a laser stamps its scans with `pico_1`; the static transform is for `pico`.
+Where a transform is not known, or transforms go to several topics. It is `pedantic` for a look-up
+without a near frame, where something was not read, and for messages that nobody needs to transform.
 """
 
 from collections.abc import Iterator

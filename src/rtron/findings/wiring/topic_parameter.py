@@ -2,20 +2,18 @@
 
 ## What it finds
 
-A parameter with `topic` in its name and a whole topic name as its value, where no node of the app
-uses that topic, while one with a near name is used.
+A parameter with `topic` in its name has a topic name as its value that no node uses, while one with
+a near name is used.
 
-## Why it matters
+For example, `path_topic` is `/opponent_controller/path`, and the app has `/controller/path`.
 
-A node that uses the parameter gets no messages, or publishes for nobody.
-
-## Remedy
+## What to do
 
 Write the name that is used.
 
-## Example
+## When it is silent
 
-`path_topic` is `/opponent_controller/path`, and the app has `/controller/path`.
+Below the level `pedantic`, and where no used topic has a near name.
 """
 
 from collections.abc import Iterator

@@ -2,24 +2,22 @@
 
 ## What it finds
 
-A topic that is published with one type and subscribed with another: a subscriber whose type nobody
-publishes, or a publisher whose type nobody subscribes. Twist and TwistStamped on one `/cmd_vel` are
-the usual case, since ROS 2 distributions differ in it. Where only a model of a node tells the type,
-and no distribution is given (`--env ROS_DISTRO=jazzy`), or where the type of another end is not
-known, the finding is possible only. Where all ends belong to one node, it is an oddity.
+A topic is published with one type and subscribed with another, so ROS does not connect the ends.
+Often it is Twist and TwistStamped, which ROS 2 distributions differ in. It is only possible where
+the type of another end is unknown, or comes from a model and no distribution is given
+(`--env ROS_DISTRO=jazzy`).
 
-## Why it matters
+For example, `/teleop` publishes Twist on `/cmd_vel`, `/diff_drive_controller` subscribes
+TwistStamped.
 
-ROS does not connect the ends. The subscriber never gets the message, and no node fails.
+## What to do
 
-## Remedy
+Give both ends one type by a parameter (`enable_stamped_cmd_vel`, `use_stamped_vel`), or convert
+with a relay.
 
-Give both ends one type: a parameter of one of them (`enable_stamped_cmd_vel`, `use_stamped_vel`),
-or a relay that converts.
+## When it is silent
 
-## Example
-
-`/teleop` publishes Twist on `/cmd_vel`, `/diff_drive_controller` subscribes TwistStamped.
+Where only one side's type is known. Where all ends belong to one node, it is an oddity.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -2,30 +2,20 @@
 
 ## What it finds
 
-A topic with a subscriber and no publisher, where another topic of the same type has a near name:
-most often a remap, a namespace or a slip of the pen parts the two. Of a measurement (of a sensor,
-odometry, a map) so has the only one below or above it, such as `/imu/data` of `/imu`, if nobody
-reads that; and so have two topics beside each other that alone have a type of the app's own. It is
-likely if nobody else subscribes the other topic and all nodes were read. Else it is possible, and
-shown from the level `pedantic` on. No other topic is named that is made of this
-one, that another node forwards as a command, or where a publisher's name that is known in part may
-be this topic. A topic that is only recorded in a bag counts too, with any type. What a lost command
-likely means is left to `lost_command`, and a topic without a near name to `incomplete_launch`. What
-a node from elsewhere may be told (a pose to start from) is an option, and no name that says more or
-less (`set_pose`, `pose`) stands for it.
+A topic has a subscriber and no publisher, and another topic of its type has a near name: a remap, a
+namespace or a typo parts the two. The subscriber waits for ever.
 
-## Why it matters
+For example, `/nav` subscribes `/odometry/filterd`, and `/ekf` publishes `/odometry/filtered`.
 
-The subscriber waits for ever, and no node fails. What it does with the messages does not happen.
+## What to do
 
-## Remedy
+Find out who should publish the topic. Where the finding is likely and the names say the same, remap
+one to the other; never a command or a stop, which may be meant for another robot.
 
-Find out who should publish the topic. Where the finding is likely, the types fit and the names say
-the same, remap one to the other; never a command or a stop, which may be meant for another robot.
+## When it is silent
 
-## Example
-
-`/nav` subscribes `/odometry/filterd`, and `/ekf` publishes `/odometry/filtered`.
+For inputs that are options, such as a pose to start from. It is `pedantic` where others subscribe
+the near name or something was not read. See also `lost_command` and `incomplete_launch`.
 """
 
 from collections.abc import Iterator, Mapping

@@ -2,24 +2,21 @@
 
 ## What it finds
 
-A component whose remaps move `/tf` or `/tf_static`, and whose TransformListener is a node of its
-own: `TransformListener(buffer)` without the component's node makes one. In ROS 2 a component's
-remaps are for that component alone, and those of its container for the nodes that it makes beside.
-Where no node of the launch publishes the remapped topic, the level is `pedantic`.
+A component's remap moves `/tf` or `/tf_static`, but its TransformListener is a node of its own
+(`TransformListener(buffer)`), which the remap does not reach. Each transform fails, or is another
+robot's.
 
-## Why it matters
+For example, `/left/tool_pose` remaps `/tf_static` to `/left/tf_static`; its listener subscribes
+`/tf_static`.
 
-The listener subscribes the names that the remap should have replaced. Every transform that the
-component asks for fails, or is another robot's, and no node fails.
-
-## Remedy
+## What to do
 
 Give the listener the component's node, `TransformListener(buffer, node)`, or write the remap at the
 container, too.
 
-## Example
+## When it is silent
 
-`/left/tool_pose` remaps `/tf_static` to `/left/tf_static`; its listener subscribes `/tf_static`.
+Below `pedantic` where no node of the launch publishes the remapped topic.
 """
 
 from collections.abc import Iterator

@@ -2,29 +2,21 @@
 
 ## What it finds
 
-The parameters of a launch, or of its YAML files, for a node whose source was read whole and that
-declares (ROS 2) or reads (ROS 1) others. Where the node knows a near name that nobody sets, it is
-likely meant, and the finding names it; else it is shown from the level `pedantic` on. What a file
-sets for all nodes (`/**`), or the launch file itself, counts where the node declares a near name. A
-parameter that any node of the app declares or reads does not count, nor do nodes with
-dynamic_reconfigure. A section of a parameter file for a name that no node has counts where a node
-that is given no parameters has a near name, or where one alone of these is given the file and has
-the section's name unless its launch renames it, or as its program's file. It also counts where one
-node alone declares most of the section, two names at least, and nothing else of the file is for it.
-So does, in ROS 2, a parameter file with values and without `ros__parameters`.
+A launch, or its YAML file, sets parameters that their node does not declare (ROS 2) or read (ROS
+1). ROS ignores them without a warning: a limit that was lowered in the file stays as high as it
+was. A section for a name that no node has counts, too, where it is likely meant for a node, and so
+does a ROS 2 file without `ros__parameters`.
 
-## Why it matters
+For example, `params.yaml` sets `max_velocity` of `/base`, and `/base` declares `max_vel`.
 
-ROS ignores what a node does not declare or read, without a warning. The node runs with its
-default: a limit that was lowered in the YAML file stays as high as it was.
-
-## Remedy
+## What to do
 
 Write the names that the node declares, or remove the parameters.
 
-## Example
+## When it is silent
 
-`params.yaml` sets `max_velocity` of `/base`, and `/base` declares `max_vel`.
+Where the source was not read whole, the node has dynamic_reconfigure, or any node uses the
+parameter. Without a near name it is `pedantic`.
 """
 
 from collections.abc import Iterator

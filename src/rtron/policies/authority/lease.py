@@ -2,19 +2,16 @@
 
 ## What it does
 
-One commander at a time may move what a group of streams moves, the base for instance: the holder of
-the group's lease. A commander gets the lease on request. It keeps the lease until it gives it back,
-until another commander takes over by consent or by rank, or until the lease ends because nobody has
-renewed it. While nobody holds the lease, nobody moves anything. On each stream of the group a new
-holder must first send a neutral command, one that moves nothing: a stick that is held down moves
-nothing when its turn comes. When the holder loses the lease, the robot stops, as it does when its
-source falls silent. A holder whose publisher was gone must be neutral again.
+Only the holder of a group's lease moves what the streams of the group move, such as the base. A
+commander gets the lease on request, and keeps it until it gives it back, until another one takes
+over by consent or by rank, or until nobody renews it. Without a holder, nobody moves anything. When
+the holder loses the lease, the robot stops. A new holder, or one whose publisher was gone, must
+first send a neutral command on each stream, one that moves nothing.
 
 ## When to use it
 
-Where people, web pages, scripts and agents command the same robot and it must be clear at each
-moment who does. Where the nodes of the app alone share a topic, Preemption does without requests.
-It is for velocities: of no other message is it known whether it is neutral.
+Where people, web pages, scripts and agents command one robot. For the app's own nodes Preemption
+needs no requests. It is for velocities only. [Leases](../leases.md).
 
 ## Settings
 
@@ -28,8 +25,7 @@ It is for velocities: of no other message is it known whether it is neutral.
 
 ## States
 
-The owner is reported as it was at the last message or tick. A commander is known by the publisher
-of its flow, so a publisher of several streams is one commander.
+A commander is known by the publisher of its flow.
 
 ## Example
 

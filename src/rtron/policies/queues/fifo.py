@@ -2,25 +2,18 @@
 
 ## What it does
 
-**Actions and states**: each message is an action, and one is in progress at a time. The others
-wait. The next goes when the one in progress is done, or when it is overdue: after the `timeout`
-of its flow, and after `max_hold` in any case.
+**Actions and states**: one action is in progress at a time, and the others wait. The next goes when
+the one in progress is done or overdue: after the `timeout` of its flow, at most `max_hold`.
 
-**Commands** (velocities): the turn belongs to a flow. Its messages pass at once and renew the
-turn, until the flow is silent for its `timeout` (`release_after` if it has none), or done, or
-`max_hold` has passed since the turn began. Meanwhile each other flow keeps its freshest message
-only: a newer one takes the place of the older, which is dropped. The next turn goes to the flow
-that has waited longest, and begins with the message that it kept.
+**Commands** (velocities): one flow has the turn, and its messages pass at once, until the flow is
+silent for its `timeout`, done, or `max_hold` has passed. Each other flow keeps its freshest message
+only. The next turn goes to the flow that has waited longest, and begins with that message.
 
-A waiting message that reaches `max_age` is dropped, and so is one that finds `queue_size`
-messages waiting, or 67 MB of them with it. A message leaves the queue at a tick only. If the tick
-is late, the message that was due is still the next to go, and a new one waits behind it.
+A waiting message is dropped after `max_age`, and a new one if `queue_size` messages or 67 MB wait.
 
 ## When to use it
 
-For actions that must be completed before the next begins, whoever asked for it: goals of a
-navigation, a search or a rescue. A goal that an unexpected node sends waits instead of
-interrupting the task.
+For actions that must be completed before the next begins, such as goals of a navigation.
 
 ## Settings
 

@@ -2,25 +2,19 @@
 
 ## What it does
 
-**Commands** (velocities): a message waits while a higher flow has spoken within the `timeout` of
-that higher flow (`release_after` if it has none). When all higher flows are silent, the freshest
-message of the highest waiting flow goes. Each flow keeps its freshest message only: a newer one
-takes the place of the older, which is dropped. A message that no higher flow stands before passes
-at once, even if lower ones wait.
+**Commands** (velocities): a message waits while a higher flow has published within that flow's
+`timeout`. Then the freshest message of the highest waiting flow goes. Each flow keeps its freshest
+message only. A message passes at once if no higher flow stands before it.
 
-**Actions and states**: each message is an action, and nothing interrupts the one in progress. The
-next goes when it is done, or overdue: after the `timeout` of its flow, and after `max_hold` in
-any case. The next is the one of the highest flow, and of this flow the earliest. It is settled at
-the moment the turn ends, even if the tick is late.
+**Actions and states**: nothing interrupts the action in progress. When it is done or overdue (after
+the `timeout` of its flow, at most `max_hold`), the earliest one of the highest flow goes.
 
-A waiting message that reaches `max_age` is dropped, and so is one that finds `queue_size`
-messages waiting, or 67 MB of them with it. A message leaves the queue at a tick only.
+A waiting message is dropped after `max_age`, and a new one if `queue_size` messages or 67 MB wait.
 
 ## When to use it
 
-For flows that must be completed or heard in the order of their importance. Compared with
-Preemption, a lower flow's last command is not lost: it goes as soon as the higher flows are
-silent, if it is not too old by then.
+For flows that must be completed in the order of their importance. Unlike with Preemption, a lower
+flow's last command is not lost, if it is not too old when the higher flows are silent.
 
 ## Settings
 

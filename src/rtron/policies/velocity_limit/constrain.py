@@ -3,18 +3,14 @@
 ## What it does
 
 A velocity above `max_vel_limit` is scaled down to it as a whole, angular part included, so that the
-robot follows the same curve more slowly. On the topic of a maximal velocity (`max_vel`), a value
-above the limit is replaced by the limit. What is within the limit passes untouched. The limits of
-turning and of driving sideways scale a velocity in the same way. The limit of acceleration holds
-back a speed that rises, never one that falls.
+robot follows the same curve more slowly. A value on the topic of a maximal velocity (`max_vel`) is
+replaced by the limit. The limit of acceleration holds back only a speed that rises.
 
-NaN and Inf are dropped, and so is a negative maximal velocity. A limit of 0 stops the robot: with
-the stop wave, and nothing passes.
+NaN, Inf and a negative maximal velocity are dropped. A limit of 0 stops the robot.
 
 ## When to use it
 
-Where the surroundings are narrow or full of people, and whoever stands beside the robot wants it
-slow, whatever the app believes. The end user selects it and sets the limit.
+Where the surroundings are narrow or full of people. The end user selects it and sets the limit.
 
 ## Settings
 

@@ -3,22 +3,17 @@
 ## What it does
 
 The limit is `threshold` x fps: the metres that the robot may drive from one frame to the next,
-times the frames a second that its image nodes really work off; several image nodes: the least. A
-velocity above it is scaled down as a whole, angular part included. On the topic of a maximal
-velocity the value asked for last goes out again whenever the limit changes, ten times a second at
-most.
+times the frames a second that its slowest image node processes. A velocity above it is scaled down
+as a whole, angular part included. On the topic of a maximal velocity the last value goes out again
+when the limit changes, ten times a second at most.
 
-The frame rate is measured by the fps_monitors, from what the image nodes publish for each frame:
-the frames of a sliding window, never more than one in the time since the last or in the longest gap
-of the window, never more than the camera's own. So a late frame lowers the limit at once, and the
-next ones do not lift it again as long as the gap is in the window. After that the limit rises by
-`max_accel_limit`, or by 0.5 m/s2 where the plan has none. When an image node falls silent, the
-limit is `lowest`, not the last one: by default 0, and the robot is stopped with the stop wave.
+The fps_monitors measure the rate in a sliding window. A late frame lowers the limit at once. The
+limit rises by `max_accel_limit` (0.5 m/s2 if the plan has none), after the gap has left the window.
+While an image node is silent the limit is `lowest`, by default 0: the robot stops.
 
 ## When to use it
 
-Always where a robot must see what is in its way: a recognition that is starved by another process
-slows the robot down instead of blinding it. The developer sets the threshold.
+Always where a robot must see what is in its way. The developer sets the threshold.
 
 ## Settings
 

@@ -2,7 +2,7 @@
 
 ## What it does
 
-What Safe and Constrain do, each message under the lower limit of the moment.
+Each message is under the lower limit of Safe and Constrain.
 
 ## When to use it
 
