@@ -30,6 +30,8 @@ COVERAGE = (
 STARTS_PROGRAMS = ("tests/service", "tests/survey", "tests/packaging")
 """Where the tests start servers, browsers and commands, and take longest."""
 PROCESSES = 3
+ROS_PROCESSES = 4
+"""Tests on real ROS processes wait more: three leave a fifth of two cores idle."""
 LONGEST_GROUP = 3600
 """After so many seconds a group is killed: pytest's own limit of a test did not end it."""
 NO_TESTS = 5
@@ -78,15 +80,14 @@ def all_groups(*, is_long: bool) -> list[Group]:
     service = (*network, *STARTS_PROGRAMS, *_without(*ros1))
     covered = tuple(f"tests/{folder}" for folder in COVERED)
     rest = "not ros2 and not covered"
+    ros = {"is_gate": False, "processes": ROS_PROCESSES}
     return [
         Group("lint", ("make", "--no-print-directory", "lint")),
         _tests("covered", "covered", (*covered, *COVERAGE), is_long=is_long),
         _tests("pure", rest, pure, is_long=is_long),
         _tests("service", rest, service, is_long=is_long, is_gate=False),
-        _tests(
-            "ros2", "ros2", files_with("ros2"), is_long=is_long, python=ROS2_PYTHON, is_gate=False
-        ),
-        _tests("ros1", rest, ros1, is_long=is_long, is_gate=False),
+        _tests("ros2", "ros2", files_with("ros2"), is_long=is_long, python=ROS2_PYTHON, **ros),
+        _tests("ros1", rest, ros1, is_long=is_long, **ros),
     ]
 
 
@@ -131,11 +132,12 @@ def _tests(
     is_long: bool = False,
     python: str = PYTHON,
     is_gate: bool = True,
+    processes: int = PROCESSES,
 ) -> Group:
     how = ("--hypothesis-profile=thorough",) if is_long else ()
     command = (
         *(python, "-m", "pytest", "-q", "-m", marks if is_long else f"({marks}) and not long"),
-        *("-n", str(PROCESSES), "--dist", "loadfile", "--no-loadscope-reorder"),
+        *("-n", str(processes), "--dist", "loadfile", "--no-loadscope-reorder"),
         f"--junitxml={RESULTS / name}.xml",
     )
     return Group(name, (*command, *how, *arguments), is_gate)
