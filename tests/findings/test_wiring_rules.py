@@ -513,13 +513,20 @@ class TestSimTime:
         assert bool(found("sim_time", graph)) is is_found
 
     @pytest.mark.parametrize(
-        ("program", "is_found"), [("spawner", False), ("ros2_control_node", True)]
+        ("package", "program", "is_found"),
+        [
+            ("controller_manager", "spawner", False),
+            ("controller_manager", "ros2_control_node", True),
+            ("tf2_ros", "static_transform_publisher", False),
+        ],
     )
-    def test_a_spawner_of_controllers_ends_at_once(self, program, is_found):
-        values = parameters("use_sim_time", laser=True, slam=True, spawn=False)
+    def test_a_spawner_ends_at_once_and_a_static_transform_holds_at_any_time(
+        self, package, program, is_found
+    ):
+        values = parameters("use_sim_time", laser=True, slam=True, other=False)
         graph = small_graph(SCAN, parameters=values)
-        spawner = Node(name="/spawn", package="controller_manager", executable=program)
-        graph = replace(graph, nodes=(*graph.nodes, spawner))
+        other = Node(name="/other", package=package, executable=program)
+        graph = replace(graph, nodes=(*graph.nodes, other))
         assert bool(found("sim_time", graph)) is is_found
 
 

@@ -359,6 +359,20 @@ def test_what_is_documented_of_a_driver():
     assert the_mover(gazebo).stops is Stops.NO
 
 
+@pytest.mark.parametrize(
+    ("file", "stops"),
+    [
+        ("github.com/x/y@1.0 diff_drive_controller/src/diff_drive_controller.cpp", Stops.YES),
+        ("github.com/x/y@1.0 velocity_controllers/src/joint.cpp", Stops.NO),
+    ],
+)
+def test_a_controller_in_gazebo_stops_as_a_controller_does(file, stops):
+    graph = small_graph(f"/gazebo gazebo_ros third_party\n    sub /cmd_vel {TWIST}\n")
+    ends = tuple(replace(e, evidence=(Evidence(file=file, line=1),)) for e in graph.endpoints)
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends)))
+    assert mover.stops is stops
+
+
 def test_doors():
     bridge = "/bridge rosbridge_server third_party\n"
     web = fact("socket", "/teleop", "web server")

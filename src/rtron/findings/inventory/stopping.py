@@ -78,10 +78,18 @@ def _of_forwarder(app: AppFacts, node: str, topic: str, led: Collection[str]) ->
 def _of_driver(
     app: AppFacts, node: str, controllers: Collection[str], topics: Collection[str]
 ) -> Stopping:
-    package = app.nodes[node].package if node in app.nodes else ""
-    known = Stopping(*_KNOWN[package]) if package in _KNOWN else None
-    found = _by_parameter(app, node, controllers) or _by_source(app, node, topics) or known
-    return found or Stopping(Stops.UNKNOWN, f"{node} does not tell")
+    found = _by_parameter(app, node, controllers) or _by_source(app, node, topics)
+    known = (Stopping(*_KNOWN[each]) for each in _packages(app, node, topics) if each in _KNOWN)
+    return found or next(known, Stopping(Stops.UNKNOWN, f"{node} does not tell"))
+
+
+def _packages(app: AppFacts, node: str, topics: Collection[str]) -> Iterator[str]:
+    """Yield the packages whose code hears the commands, as a controller's does, and the node's."""
+    for end in app.graph.subscribed_by(node):
+        if end.topic in topics:
+            yield from (at.file.rpartition(" ")[2].partition("/")[0] for at in end.evidence)
+    if node in app.nodes:
+        yield app.nodes[node].package
 
 
 def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Stopping | None:

@@ -62,8 +62,9 @@ def _keeps_time(app: AppFacts, node: str) -> bool:
     is_simulator = known.package.startswith(_SIMULATORS)
     is_helper = known.package.startswith("nav2_") and bool(_NAV2_HELPER.fullmatch(node))
     is_spawner = known.package == "controller_manager" and "spawner" in known.executable
+    is_static = known.executable == "static_transform_publisher"  # tf2 takes it at any time
     is_tool = is_spawner or node.rpartition("/")[2].startswith(_TOOL)
-    return not (is_simulator or is_helper or is_tool or node in app.facts.viewers)
+    return not (is_simulator or is_helper or is_tool or is_static or node in app.facts.viewers)
 
 
 RULE = FindingRule(
