@@ -6,7 +6,7 @@ import pytest
 from notation import graph_of
 
 from rtron.planning.plan_doubts import open_way_doubts
-from rtron.vocabulary import Mode, NodeParameter, Service
+from rtron.vocabulary import Mode, NodeParameter, Service, WiringFact, WiringFactKind
 from rtron.workflows.plan import propose
 from rtron.workflows.scan import scan_graph
 from rtron.workflows.unguarded import find_unguarded_commands, last_commands
@@ -140,10 +140,10 @@ def test_a_command_that_leaves_the_launch_is_guarded_and_the_way_past_it_told():
     assert doubt.message == f"which node obeys it on the robot is not known: {PAST}"
 
 
-def unread(text, *names):
+def unread(text, *names, wiring=()):
     graph = graph_of("app", text)
     nodes = tuple(replace(node, unread=node.name in names) for node in graph.nodes)
-    return scan_graph(replace(graph, nodes=nodes))
+    return scan_graph(replace(graph, nodes=nodes, wiring=wiring))
 
 
 @pytest.mark.parametrize(
@@ -242,6 +242,7 @@ PWM = "    pub /arduino/pwm own_msgs/PWM\n"
 MIXER = BASE.replace("/base driver", "/mixer mixer") + PWM
 BOARD = "/board rosserial_python own\n"
 GAINS = "/gains rostopic own\n    pub /motor/pid own_msgs/Gains\n"
+ONCE = (WiringFact(kind=WiringFactKind.SENT_ONCE, subject="/gains"),)
 
 
 @pytest.mark.parametrize(
@@ -261,17 +262,26 @@ def test_what_goes_to_firmware_of_the_launch_is_guarded(board, successors):
 
 def test_what_is_also_sent_once_is_guarded():
     once = GAINS.replace("/motor/pid own_msgs/Gains", "/arduino/pwm own_msgs/PWM")
-    plan = propose(unread(NAV + MIXER + BOARD + once, "/board")).plan
+    plan = propose(unread(NAV + MIXER + BOARD + once, "/board", wiring=ONCE)).plan
     (flows,) = [grcn.flows for grcn in plan.grcn if grcn.topic == "/arduino/pwm"]
     assert {flow.publisher for flow in flows} == {"/gains", "/mixer"}
 
 
 def test_what_is_sent_once_is_refused_with_the_reason():
-    found = unread(NAV + BOARD + GAINS, "/board")
+    found = unread(NAV + BOARD + GAINS, "/board", wiring=ONCE)
     plan = propose(found).plan
     assert enforced(plan) == ["/cmd_vel"]
     why = "sent once, and a guard keeps no command for later: guard it yourself, with `kind: state`"
     assert ("base", f"/motor/pid: {why}") in told(found, plan)
+
+
+def test_what_nobody_sends_is_not_sent_once():
+    device = WiringFact(kind=WiringFactKind.DEVICE, subject="/arm", value="CAN")
+    found = scan("/arm driver own\n    sub /arm/goal_pos own_msgs/Arm\n", wiring=(device,))
+    ((_, why),) = told(found, propose(found).plan)
+    assert (
+        why == "/arm/goal_pos: nobody in this launch sends it: give the launch file of who should"
+    )
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ from rtron.coherence import guards_nothing
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles, unread_drivers
 from rtron.findings.motion.arbiter import arbiters
-from rtron.findings.motion.several_publishers import speaks_once
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import Mode, Plan, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
@@ -54,7 +53,7 @@ def _is_command(app: AppFacts, command: Command) -> bool:
 
 
 def _is_sent_once(app: AppFacts, command: Command) -> bool:
-    return all(speaks_once(app, node) for node in command.senders)
+    return bool(command.senders) and all(map(app.sends_once, command.senders))
 
 
 def _open_inputs(app: AppFacts) -> frozenset[str]:

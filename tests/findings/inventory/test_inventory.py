@@ -1130,10 +1130,11 @@ def test_who_obeys_a_velocity_makes_what_firmware_gets_of_it():
 
 
 def test_what_the_launch_publishes_once_goes_to_firmware():
+    once = (fact("sent_once", "/gains", ""),)
     text = "/gains rostopic third_party\n    pub /left_motor/pid geometry_msgs/Vector3\n"
-    (base, _) = inventory(text + "/b rosserial_python third_party\n", unread=("/b",))
+    (base, _) = inventory(text + "/b rosserial_python third_party\n", unread=("/b",), wiring=once)
     assert names(base.commands) == ["/left_motor/pid"]
-    assert inventory(text) == ()
+    assert inventory(text, wiring=once) == ()
 
 
 def test_a_signal_lets_a_node_begin_whose_commands_a_driver_alone_knows():

@@ -8,7 +8,7 @@ Requests that are done one by one, such as PX4's, and commands that reach nobody
 It counts though no reader is known: the driver of the base is often not in the workspace. Where an
 arbiter (twist_mux and its kin) publishes the topic, the others pass it by. Nodes of one stack, such
 as Nav2's servers, take turns among themselves and do not count, nor does a base that publishes its
-own input, or a `rostopic pub` of the launch file, which speaks once. Who passes Nav2's collision
+own input, or a `topic pub` of the launch file that sends once. Who passes Nav2's collision
 monitor by counts, but for its docking server, which looks for collisions itself.
 
 ## Why it matters
@@ -37,7 +37,6 @@ from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 from rtron.wording import both_or_all, conjugate, join_names
 
-_ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
 _MOVERS = frozenset(
     {"base", "driver", "motor", "motors", "wheel", "wheels", "chassis", "controller", "drive"}
     | {"serial", "rosserial", "firmware", "mcu", "vesc", "roboclaw", "arduino", "teensy"}
@@ -66,14 +65,9 @@ def check(app: AppFacts) -> Iterator[Finding]:
 def senders(app: AppFacts, topic: str) -> tuple[str, ...]:
     """Return who commands by a topic: its publishers, without a base that may answer itself."""
     readers = app.readers(topic)
-    publishers = tuple(node for node in app.publishers(topic) if not speaks_once(app, node))
+    publishers = tuple(node for node in app.publishers(topic) if not app.sends_once(node))
     others = tuple(node for node in publishers if node not in readers)
     return others if set(readers) <= set(publishers) else publishers
-
-
-def speaks_once(app: AppFacts, node: str) -> bool:
-    """Return whether a node is a `topic pub` of the launch, which sets something at the start."""
-    return node in app.nodes and app.nodes[node].package in _ONE_SHOT_PACKAGES
 
 
 def arbiters_of(publishers: tuple[str, ...], known: Mapping[str, object]) -> list[str]:
