@@ -244,7 +244,12 @@ def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
             "/base looks at the age of commands, after 0.5 s, driver.py:7",
         ),
         ((DRIVER, last("checked")), (), Stops.UNKNOWN, "/base may look at the age of commands, d"),
-        ((last("repeated"),), (), Stops.NO, "/base sends its last command for ever"),
+        (
+            (last("repeated"),),
+            (),
+            Stops.NO,
+            "/base sends its last command for ever when /cmd_vel ends",
+        ),
         ((KEPT,), (), Stops.UNKNOWN, "/base does not tell"),
         ((DRIVER, KEPT, AGED), (), Stops.UNKNOWN, "/base is not seen to look at the age of these"),
         ((fact("command_age", "/base", "age"),), (), Stops.UNKNOWN, "/base may look at the age"),
@@ -295,6 +300,37 @@ def test_the_commands_whose_age_nobody_looks_at_are_named(fate, named):
     (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=facts)))
     why = f"nothing in the source of /base looks at the age of commands on {named}"
     assert (mover.stops, mover.stop) == (Stops.NO, why)
+
+
+@pytest.mark.parametrize(
+    ("fates", "stops", "why"),
+    [
+        (("stopped", "stopped"), Stops.YES, "/base looks at the age of commands, driver.py:9"),
+        (("stopped",), Stops.UNKNOWN, "/base looks at the age of some commands, but is not seen"),
+        (("stopped", "unnoticed"), Stops.NO, "nothing in the source of /base looks"),
+        (("checked", "unnoticed"), Stops.NO, "nothing in the source of /base looks"),
+        (("stopped", "repeated"), Stops.NO, "nothing in the source of /base looks"),
+    ],
+)
+def test_each_topic_of_a_driver_is_judged_by_itself(fates, stops, why):
+    graph = small_graph(BASE + f"    sub /raw_vel {TWIST}\n")
+    places = {"/cmd_vel": PLACE, "/raw_vel": (Evidence(file="driver.py", line=9),)}
+    ends = tuple(replace(each, evidence=places[each.topic]) for each in graph.endpoints)
+    told = zip(fates, places.values(), strict=False)
+    facts = (DRIVER, *(replace(last(fate), evidence=place) for fate, place in told))
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=facts)))
+    assert (mover.stops, mover.stop[: len(why)]) == (stops, why)
+
+
+def test_a_parameter_helps_no_topic_whose_age_nobody_looks_at():
+    other = replace(last("stopped"), evidence=(Evidence(file="driver.py", line=9),))
+    graph = small_graph(BASE + f"    sub /raw_vel {TWIST}\n")
+    places = {"/cmd_vel": PLACE, "/raw_vel": other.evidence}
+    ends = tuple(replace(each, evidence=places[each.topic]) for each in graph.endpoints)
+    timeout = parameters("cmd_vel_timeout", base=0.5)
+    facts = (DRIVER, KEPT, AGED, other)
+    app = app_facts(replace(graph, endpoints=ends, wiring=facts, parameters=timeout))
+    assert take_inventory(app)[0].stops is Stops.NO
 
 
 def test_a_name_that_tells_of_an_age_may_have_no_place():

@@ -14,7 +14,7 @@ from rtron.findings.motion.command_timeout import (
 )
 from rtron.vocabulary import LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
-from rtron.wording import join_names
+from rtron.wording import conjugate, join_names
 
 _KNOWN = {
     "diff_drive_controller": (Stops.YES, "cmd_vel_timeout, by default 0.5 s"),
@@ -80,7 +80,10 @@ def _of_driver(
 ) -> Stopping:
     package = app.nodes[node].package if node in app.nodes else ""
     known = Stopping(*_KNOWN[package]) if package in _KNOWN else None
-    found = _by_parameter(app, node, controllers) or _by_source(app, node, topics) or known
+    read = _by_source(app, node, sorted(t for t in topics if node in app.readers(t)))
+    if read and read.stops is Stops.NO:
+        return read
+    found = _by_parameter(app, node, controllers) or read or known
     return found or Stopping(Stops.UNKNOWN, f"{node} does not tell")
 
 
@@ -100,30 +103,48 @@ def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Sto
 
 
 def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | None:
-    last = app.last_messages(node, topics)
+    """Return the worst of what the source of a node does with its topics, each by itself."""
+    fates = {topic: app.last_messages(node, {topic}) for topic in topics}
+    last = {fate: fact for each in fates.values() for fate, fact in each.items()}
     age = next(_facts(app, node, WiringFactKind.COMMAND_AGE), None)
-    obeyed = [topic for topic in topics if node in app.readers(topic)]
-    is_read = all(app.last_messages(node, {topic}) for topic in obeyed)
-    devices = [fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)]
-    if set(last) == {LastMessageFate.STOPPED}:
-        stop = last[LastMessageFate.STOPPED]
-        after = "".join(f", after {seconds}" for seconds in stop.others)
-        return Stopping(Stops.YES, f"{node} looks at the age of commands{after}{_place(stop)}")
-    if hint := last.get(LastMessageFate.CHECKED) or (None if last and is_read else age):
+    is_read = bool(fates) and all(fates.values())
+    if age is None or (is_read and _is_of_others(app, node, age)):
+        kept = [topic for topic in topics if not UNCHECKED.isdisjoint(fates[topic])]
+        if found := _of_kept(app, node, kept):
+            return found
+    if is_read and all({*each} == {LastMessageFate.STOPPED} for each in fates.values()):
+        return _stopped(node, last[LastMessageFate.STOPPED])
+    hint = last.get(LastMessageFate.CHECKED) or (None if is_read else age)
+    if hint:
         return Stopping(Stops.UNKNOWN, f"{node} may look at the age of commands{_place(hint)}")
-    if age and not _is_of_others(app, node, age):
+    if stop := last.get(LastMessageFate.STOPPED):
+        others = join_names([t for t in topics if {*fates[t]} != {LastMessageFate.STOPPED}])
+        why = f"{node} looks at the age of some commands, but is not seen to on {others}"
+        return Stopping(Stops.UNKNOWN, f"{why}{_place(stop)}")
+    if age:
         why = f"{node} is not seen to look at the age of these commands; a name may tell of it"
         return Stopping(Stops.UNKNOWN, f"{why}{_place(age)}")
-    if last and devices and CLEVER_DEVICES.isdisjoint(devices):
-        kept = join_names(
-            [t for t in sorted(topics) if UNCHECKED & {*app.last_messages(node, {t})}]
-        )
-        why = f"nothing in the source of {node} looks at the age of commands on {kept}"
-        return Stopping(Stops.NO, why)
-    if last and devices:
+    return None
+
+
+def _stopped(node: str, stop: WiringFact) -> Stopping:
+    after = "".join(f", after {seconds}" for seconds in stop.others)
+    return Stopping(Stops.YES, f"{node} looks at the age of commands{after}{_place(stop)}")
+
+
+def _of_kept(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
+    """Return what becomes of the commands of a driver in whose source nothing tells of an age."""
+    devices = {fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)}
+    if topics and not devices.isdisjoint(CLEVER_DEVICES):
         return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
-    is_repeated = LastMessageFate.REPEATED in last
-    return Stopping(Stops.NO, f"{node} sends its last command for ever") if is_repeated else None
+    if topics and devices:
+        why = "nothing in the source of"
+        where = join_names(topics)
+        return Stopping(Stops.NO, f"{why} {node} looks at the age of commands on {where}")
+    repeated = [t for t in topics if LastMessageFate.REPEATED in app.last_messages(node, {t})]
+    ends = f"{join_names(repeated)} {conjugate(repeated, 'end')}"
+    why = f"{node} sends its last command for ever when {ends}"
+    return Stopping(Stops.NO, why) if repeated else None
 
 
 def _is_of_others(app: AppFacts, node: str, age: WiringFact) -> bool:
