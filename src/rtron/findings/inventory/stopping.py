@@ -109,8 +109,8 @@ def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | 
     age = next(_facts(app, node, WiringFactKind.COMMAND_AGE), None)
     is_read = bool(fates) and all(fates.values())
     if age is None or (is_read and _is_of_others(app, node, age)):
-        kept = [topic for topic in topics if not UNCHECKED.isdisjoint(fates[topic])]
-        if found := _of_kept(app, node, kept):
+        unchecked = [topic for topic in topics if not UNCHECKED.isdisjoint(fates[topic])]
+        if found := _of_unchecked(app, node, unchecked):
             return found
     if is_read and all({*each} == {LastMessageFate.STOPPED} for each in fates.values()):
         return _stopped(node, last[LastMessageFate.STOPPED])
@@ -132,7 +132,7 @@ def _stopped(node: str, stop: WiringFact) -> Stopping:
     return Stopping(Stops.YES, f"{node} looks at the age of commands{after}{_place(stop)}")
 
 
-def _of_kept(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
+def _of_unchecked(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
     """Return what becomes of the commands of a driver in whose source nothing tells of an age."""
     devices = {fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)}
     if topics and not devices.isdisjoint(CLEVER_DEVICES):
@@ -142,8 +142,8 @@ def _of_kept(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
         where = join_names(topics)
         return Stopping(Stops.NO, f"{why} {node} looks at the age of commands on {where}")
     repeated = [t for t in topics if LastMessageFate.REPEATED in app.last_messages(node, {t})]
-    ends = f"{join_names(repeated)} {conjugate(repeated, 'end')}"
-    why = f"{node} sends its last command for ever when {ends}"
+    condition = f"{join_names(repeated)} {conjugate(repeated, 'end')}"
+    why = f"{node} sends its last command for ever when {condition}"
     return Stopping(Stops.NO, why) if repeated else None
 
 

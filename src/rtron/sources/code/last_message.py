@@ -101,7 +101,7 @@ class _Program:
             fate = LastMessageFate.UNNOTICED
         elif repetition.is_cleared or is_counted(reached, others):
             fate = LastMessageFate.CHECKED
-        elif made and all(map(_only_tells, made.values())):
+        elif made and all(map(_is_state, made.values())):
             fate = LastMessageFate.UNNOTICED
         further = made if fate is LastMessageFate.REPEATED else ()
         return LastMessageUse(fate=fate, evidence=(place, *further))
@@ -188,7 +188,7 @@ class _Program:
         return self._known[id(function)]
 
 
-def _only_tells(publisher: Declaration) -> bool:
+def _is_state(publisher: Declaration) -> bool:
     """Return whether a publisher tells what was measured, or how something stands."""
     return bool(_STATES.match(publisher.type)) and not _ORDERS.search(publisher.name)
 
