@@ -140,7 +140,7 @@ def test_a_command_that_leaves_the_launch_is_guarded_and_the_way_past_it_told():
     assert doubt.message == f"which node obeys it on the robot is not known: {PAST}"
 
 
-LOOK = "look at what that subscribes while the robot runs"
+LOOK = "look at its subscriptions while the robot runs"
 
 
 def unread(text, *names, wiring=()):
@@ -171,8 +171,8 @@ def test_a_driver_that_was_not_read_may_obey_and_nobody_else(other):
     ("package", "why"),
     [
         ("driver", "not read, so what moves it is not known: give its source"),
-        ("micro_ros_agent", f"what its firmware obeys is not known: {LOOK}"),
-        ("rosserial_python", f"what its firmware obeys is not known: {LOOK}"),
+        ("micro_ros_agent", f"what that firmware obeys is not known: {LOOK}"),
+        ("rosserial_python", f"what that firmware obeys is not known: {LOOK}"),
     ],
 )
 def test_a_driver_that_was_not_read_is_told_beside_what_is_guarded(package, why):

@@ -166,8 +166,8 @@ _SIGNAL = "a plan leaves switches and signals open: any node can send it"
 _ONCE = "sent once, and a guard keeps no command for later: guard it yourself, with `kind: state`"
 _OBSERVED = "its coordination node only observes: `mode: enforce` guards it"
 _NOTHING_MOVES = "nothing that was read moves a robot: give the launch file and source of what does"
-_LOOK = "look at what that subscribes while the robot runs"
-_FIRMWARE = f"what its firmware obeys is not known: {_LOOK}"
+_LOOK = "look at its subscriptions while the robot runs"
+_FIRMWARE = f"what that firmware obeys is not known: {_LOOK}"
 _UNREAD = "not read, so what moves it is not known: give its source"
 _WHY_UNGUARDED = {
     Means.TOPIC: "no coordination node enforces who commands it",

@@ -323,6 +323,14 @@ def test_each_topic_of_a_driver_is_judged_by_itself(fates, stops, why):
     assert (mover.stops, mover.stop) == (stops, why)
 
 
+@pytest.mark.parametrize(
+    ("package", "stops"), [("rosserial_arduino", Stops.NO), ("relay", Stops.UNKNOWN)]
+)
+def test_firmware_whose_sketch_was_read_needs_no_device(package, stops):
+    mover = the_mover(TWO_DRIVERS + BASE.replace(" driver ", f" {package} "), wiring=(KEPT,))
+    assert mover.stops is stops
+
+
 def test_a_parameter_helps_no_topic_whose_age_nobody_looks_at():
     timeout = parameters("cmd_vel_timeout", base=0.5)
     app = with_two_topics(("unnoticed", "stopped"), AGED, parameters=timeout)

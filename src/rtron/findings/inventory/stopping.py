@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES
 from rtron.findings.motion.command_timeout import (
     CLEVER_DEVICES,
     STREAMS,
@@ -135,9 +136,10 @@ def _stopped(node: str, stop: WiringFact) -> Stopping:
 def _of_unchecked(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
     """Return what becomes of the commands of a driver in whose source nothing tells of an age."""
     devices = {fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)}
+    is_firmware = node in app.nodes and app.nodes[node].package in FIRMWARE_PACKAGES
     if topics and not devices.isdisjoint(CLEVER_DEVICES):
         return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
-    if topics and devices:
+    if topics and (devices or is_firmware):
         why = "nothing in the source of"
         where = join_names(topics)
         return Stopping(Stops.NO, f"{why} {node} looks at the age of commands on {where}")
