@@ -146,10 +146,11 @@ class TestSeveralPublishers:
         other_reader = small_graph(TWO_DRIVERS + more + BASE)
         assert len(found("several_publishers", other_reader)) == 2
 
-    @pytest.mark.parametrize(("package", "is_found"), [("rostopic", False), ("pub", True)])
-    def test_a_topic_pub_of_the_launch_is_no_driver(self, package, is_found):
-        text = TWO_DRIVERS.replace(" teleop ", f" {package} ")
-        assert bool(found("several_publishers", small_graph(text))) is is_found
+    @pytest.mark.parametrize(("node", "is_found"), [("/teleop", False), ("/other", True)])
+    def test_a_topic_pub_of_the_launch_that_sends_once_is_no_driver(self, node, is_found):
+        once = (WiringFact(kind=WiringFactKind.SENT_ONCE, subject=node),)
+        text = TWO_DRIVERS.replace(" teleop ", " rostopic ")
+        assert bool(found("several_publishers", small_graph(text, wiring=once))) is is_found
 
     @pytest.mark.parametrize("name", ["prev_cmd", "last_cmd_vel"])
     def test_what_tells_of_a_command_afterwards_is_none(self, name):

@@ -6,7 +6,7 @@ import pytest
 from notation import graph_of
 
 from rtron.planning.plan_doubts import open_way_doubts
-from rtron.vocabulary import Mode, NodeParameter, Service
+from rtron.vocabulary import Mode, NodeParameter, Service, WiringFact, WiringFactKind
 from rtron.workflows.plan import propose
 from rtron.workflows.scan import scan_graph
 from rtron.workflows.unguarded import find_unguarded_commands, last_commands
@@ -140,10 +140,13 @@ def test_a_command_that_leaves_the_launch_is_guarded_and_the_way_past_it_told():
     assert doubt.message == f"which node obeys it on the robot is not known: {PAST}"
 
 
-def unread(text, *names):
+LOOK = "look at its subscriptions while the robot runs"
+
+
+def unread(text, *names, wiring=()):
     graph = graph_of("app", text)
     nodes = tuple(replace(node, unread=node.name in names) for node in graph.nodes)
-    return scan_graph(replace(graph, nodes=nodes))
+    return scan_graph(replace(graph, nodes=nodes, wiring=wiring))
 
 
 @pytest.mark.parametrize(
@@ -151,7 +154,7 @@ def unread(text, *names):
     [
         *("/door rosbridge_server", "/door foxglove_bridge", "/driver mqtt_bridge"),
         *("/driver ros1_bridge", "/driver micro_ros_agent"),
-        *("/teleop keys", "/camera_driver usb", "/left/driver driver"),
+        *("/teleop keys", "/camera_driver usb", "/left/driver driver", "/e_stop base_driver"),
     ],
 )
 def test_a_driver_that_was_not_read_may_obey_and_nobody_else(other):
@@ -164,11 +167,19 @@ def test_a_driver_that_was_not_read_may_obey_and_nobody_else(other):
     assert doubt == f"that /serial (not read) obeys it is a guess; if not, {past}"
 
 
-def test_a_driver_that_was_not_read_is_told_beside_what_is_guarded():
-    proposed = propose(unread(NAV + BASE + "/arm_driver driver own\n", "/arm_driver"))
+@pytest.mark.parametrize(
+    ("package", "why"),
+    [
+        ("driver", "not read, so what moves it is not known: give its source"),
+        ("micro_ros_agent", f"what that firmware obeys is not known: {LOOK}"),
+        ("rosserial_python", f"what that firmware obeys is not known: {LOOK}"),
+    ],
+)
+def test_a_driver_that_was_not_read_is_told_beside_what_is_guarded(package, why):
+    proposed = propose(unread(NAV + BASE + f"/arm_driver {package} own\n", "/arm_driver"))
     assert enforced(proposed.plan) == ["/cmd_vel"]
     (problem,) = proposed.omitted
-    assert problem.message.startswith("/arm_driver: not read, so what moves it is not known")
+    assert problem.message == f"/arm_driver: {why}"
 
 
 def test_nobody_is_guessed_where_a_node_is_known_to_obey():
@@ -242,6 +253,7 @@ PWM = "    pub /arduino/pwm own_msgs/PWM\n"
 MIXER = BASE.replace("/base driver", "/mixer mixer") + PWM
 BOARD = "/board rosserial_python own\n"
 GAINS = "/gains rostopic own\n    pub /motor/pid own_msgs/Gains\n"
+ONCE = (WiringFact(kind=WiringFactKind.SENT_ONCE, subject="/gains"),)
 
 
 @pytest.mark.parametrize(
@@ -261,29 +273,44 @@ def test_what_goes_to_firmware_of_the_launch_is_guarded(board, successors):
 
 def test_what_is_also_sent_once_is_guarded():
     once = GAINS.replace("/motor/pid own_msgs/Gains", "/arduino/pwm own_msgs/PWM")
-    plan = propose(unread(NAV + MIXER + BOARD + once, "/board")).plan
+    plan = propose(unread(NAV + MIXER + BOARD + once, "/board", wiring=ONCE)).plan
     (flows,) = [grcn.flows for grcn in plan.grcn if grcn.topic == "/arduino/pwm"]
     assert {flow.publisher for flow in flows} == {"/gains", "/mixer"}
 
 
 def test_what_is_sent_once_is_refused_with_the_reason():
-    found = unread(NAV + BOARD + GAINS, "/board")
+    found = unread(NAV + BOARD + GAINS, "/board", wiring=ONCE)
     plan = propose(found).plan
     assert enforced(plan) == ["/cmd_vel"]
     why = "sent once, and a guard keeps no command for later: guard it yourself, with `kind: state`"
     assert ("base", f"/motor/pid: {why}") in told(found, plan)
 
 
+def test_what_nobody_sends_is_not_sent_once():
+    device = WiringFact(kind=WiringFactKind.DEVICE, subject="/arm", value="CAN")
+    found = scan("/arm driver own\n    sub /arm/goal_pos own_msgs/Arm\n", wiring=(device,))
+    ((_, why),) = told(found, propose(found).plan)
+    assert (
+        why == "/arm/goal_pos: nobody in this launch sends it: give the launch file of who should"
+    )
+
+
 @pytest.mark.parametrize(
-    ("other", "why"),
+    ("other", "package", "why"),
     [
-        ("/box", "nobody that was read obeys it, and /box may: give the source"),
-        ("/none", "nobody in this launch obeys it: give the launch file of who should"),
+        ("/box", "box", "nobody that was read obeys it, and /box may: give the source"),
+        ("/none", "box", "nobody in this launch obeys it: give the launch file of who should"),
+        (
+            "/left/box",
+            "rosserial_python",
+            f"nobody that was read obeys it, and the firmware behind /left/box may: {LOOK}",
+        ),
     ],
 )
-def test_who_may_obey_what_leaves_the_launch_is_told(other, why):
-    found = unread(NAV + "    pub /set_gripper std_msgs/Float64\n/box box own\n", other)
-    assert ("gripper", f"/set_gripper: {why}") in told(found, propose(found).plan)
+def test_who_may_obey_what_leaves_the_launch_is_told(other, package, why):
+    box = f"/box {package} own\n/left/box {package} own\n"
+    found = unread(NAV + "    pub /arm/set_gripper std_msgs/Float64\n" + box, other)
+    assert ("gripper", f"/arm/set_gripper: {why}") in told(found, propose(found).plan)
 
 
 SELF = "/base publishes what it obeys: what it sends itself does not pass the guard"

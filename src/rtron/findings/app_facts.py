@@ -97,21 +97,27 @@ class AppFacts:
     @cached_property
     def _unread_publishers(self) -> dict[str, Evidence]:
         """The places of code that may publish a topic, by topic."""
-        kind = WiringFactKind.UNREAD_PUBLISHER
-        facts = (fact for fact in self.graph.wiring if fact.kind is kind)
+        facts = self._wiring[WiringFactKind.UNREAD_PUBLISHER]
         return {fact.subject: place for fact in facts for place in fact.evidence}
 
     def last_messages(self, node: str, topics: Collection[str]) -> dict[str, WiringFact]:
         """Return the fates (LastMessageFate) of the last messages that a node gets on topics."""
         endpoints = (end for end in self.graph.subscribed_by(node) if end.topic in topics)
         places = {place for end in endpoints for place in end.evidence}
-        facts = (fact for fact in self._last_messages if places.intersection(fact.evidence[:1]))
-        return {fact.value: fact for fact in facts}
+        facts = self._wiring[WiringFactKind.LAST_MESSAGE]
+        return {fact.value: fact for fact in facts if places.intersection(fact.evidence[:1])}
+
+    def sends_once(self, node: str) -> bool:
+        """Return whether a node is a `topic pub` of the launch that sets something, and rests."""
+        return any(fact.subject == node for fact in self._wiring[WiringFactKind.SENT_ONCE])
 
     @cached_property
-    def _last_messages(self) -> tuple[WiringFact, ...]:
-        kind = WiringFactKind.LAST_MESSAGE
-        return tuple(fact for fact in self.graph.wiring if fact.kind is kind)
+    def _wiring(self) -> defaultdict[WiringFactKind, list[WiringFact]]:
+        """The facts about the wiring, by what they are about."""
+        found = defaultdict[WiringFactKind, list[WiringFact]](list)
+        for fact in self.graph.wiring:
+            found[fact.kind].append(fact)
+        return found
 
     @property
     def is_whole(self) -> bool:
@@ -209,7 +215,7 @@ class AppFacts:
         """Whether something that was not read may use commands of any name."""
         given = {
             fact.subject
-            for fact in self._unread_facts
+            for fact in self._wiring[WiringFactKind.UNREAD_NODE]
             if not self._commands_of_unread.isdisjoint(fact.others)
         }
         nodes = (self.nodes[name] for name in {*self.unread_nodes} - given)
@@ -220,13 +226,10 @@ class AppFacts:
     @cached_property
     def _commands_of_unread(self) -> frozenset[str]:
         """The commands of motion that remaps and parameters name to nodes that were not read."""
-        names = chain.from_iterable(fact.others for fact in self._unread_facts)
+        names = chain.from_iterable(
+            fact.others for fact in self._wiring[WiringFactKind.UNREAD_NODE]
+        )
         return frozenset(filter(self.is_motion, names))
-
-    @cached_property
-    def _unread_facts(self) -> tuple[WiringFact, ...]:
-        kind = WiringFactKind.UNREAD_NODE
-        return tuple(fact for fact in self.graph.wiring if fact.kind is kind)
 
     def _may_be(self, open_name: _OpenName, topic: str) -> bool:
         """Return whether an endpoint whose name is known in part may be one of a topic."""

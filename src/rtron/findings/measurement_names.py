@@ -32,7 +32,7 @@ _MAYBE_MEASURED = re.compile(
 _SENSORS = re.compile(
     r"(?:^|[\W_])(?:(?:camera|lidar|laser|image|video|imu|gps|gnss|navsat|nmea|map|mapping|slam)s?"
     r"|realsense2?|rplidar|velodyne|ouster|hokuyo|urg|depthai|zed|usbcam|amcl|cartographer|rtabmap"
-    r"|localization|ekf|rviz2?|description|tf2?|yolo\w*|detector|detection|audio|speech|leds?"
+    r"|localization|ekf|rviz2?|description|tf2?|yolo\w*|detector|detection|audio|speech|e?speak|tts|leds?"
     r"|diagnostics?|message_info)(?:[\W_]|$)"
 )
 """Words in the names of what neither sends commands of motion nor obeys them."""

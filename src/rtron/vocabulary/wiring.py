@@ -51,6 +51,8 @@ class WiringFactKind(StringEnum):
     """A topic that code which was not understood may publish."""
     STATE_PUBLISHER = "state_publisher"
     """A latched topic that the value, a node, publishes once or on change, not ever again."""
+    SENT_ONCE = "sent_once"
+    """A node that is a `topic pub` of the launch and sends its message once, not ever again."""
     DISTRIBUTION = "distribution"
     """The ROS distribution that the user gave for the scan; what is only guessed is no fact."""
     DEVICE = "device"

@@ -8,7 +8,6 @@ from rtron.coherence import guards_nothing
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles, unread_drivers
 from rtron.findings.motion.arbiter import arbiters
-from rtron.findings.motion.several_publishers import speaks_once
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import Mode, Plan, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
@@ -37,7 +36,7 @@ def last_commands(scan: ScanResult) -> dict[str, tuple[str, ...]]:
     )
     topics = (c for c in commands if c.means is Means.TOPIC and c.type not in SIGNALS)
     unread = unread_drivers(scan.app)
-    firmware = [n for n in unread if scan.app.nodes[n].package.startswith("rosserial_")]
+    firmware = [node for node in unread if node in NodeRoles(scan.app).firmware]
     return {
         each.name: tuple(_within_reach(each.name, firmware if each.receivers else unread))
         for each in topics
@@ -54,7 +53,7 @@ def _is_command(app: AppFacts, command: Command) -> bool:
 
 
 def _is_sent_once(app: AppFacts, command: Command) -> bool:
-    return all(speaks_once(app, node) for node in command.senders)
+    return bool(command.senders) and all(map(app.sends_once, command.senders))
 
 
 def _open_inputs(app: AppFacts) -> frozenset[str]:
@@ -100,8 +99,9 @@ def _reasons(
         mode = _mode(each, modes)
         if each.means is Means.SERVICE or mode is not Mode.ENFORCE:
             names[_why(app, mover, each, mode)].append(each.name)
-    if not mover.last_commands:
-        names[_UNREAD] += mover.drivers
+    firmware = NodeRoles(app).firmware
+    for driver in () if mover.last_commands else mover.drivers:
+        names[_FIRMWARE if driver in firmware else _UNREAD].append(driver)
     for each in _passed_on(mover, modes):
         who = f"{join_names(each.receivers)} {conjugate(each.receivers, 'act')}"
         names[f"not guarded: {who} on what any node sends there"].append(each.name)
@@ -142,14 +142,17 @@ def _why(app: AppFacts, mover: Mover, command: Command, mode: Mode | None) -> st
         return _STOP if mover.thing is Thing.STOP else _SIGNAL
     if command.receivers and command.senders:
         return _WHY_UNGUARDED[Means.TOPIC]
-    return _ONCE if _is_sent_once(app, command) else _missing_side(mover, command)
+    return _ONCE if _is_sent_once(app, command) else _missing_side(app, mover, command)
 
 
-def _missing_side(mover: Mover, command: Command) -> str:
+def _missing_side(app: AppFacts, mover: Mover, command: Command) -> str:
     """Return who is not known of a command: its senders, or who obeys it."""
     unread = [name for name in mover.unread if name.startswith("/")]
     if unread and not command.receivers:
-        return f"nobody that was read obeys it, and {join_names(unread)} may: give the source"
+        who = join_names(unread)
+        if NodeRoles(app).firmware.issuperset(unread):
+            return f"nobody that was read obeys it, and the firmware behind {who} may: {_LOOK}"
+        return f"nobody that was read obeys it, and {who} may: give the source"
     missing = "sends" if command.receivers else "obeys"
     return f"nobody in this launch {missing} it: give the launch file of who should"
 
@@ -163,6 +166,8 @@ _SIGNAL = "a plan leaves switches and signals open: any node can send it"
 _ONCE = "sent once, and a guard keeps no command for later: guard it yourself, with `kind: state`"
 _OBSERVED = "its coordination node only observes: `mode: enforce` guards it"
 _NOTHING_MOVES = "nothing that was read moves a robot: give the launch file and source of what does"
+_LOOK = "look at its subscriptions while the robot runs"
+_FIRMWARE = f"what that firmware obeys is not known: {_LOOK}"
 _UNREAD = "not read, so what moves it is not known: give its source"
 _WHY_UNGUARDED = {
     Means.TOPIC: "no coordination node enforces who commands it",

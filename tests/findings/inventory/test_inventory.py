@@ -244,7 +244,12 @@ def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
             "/base looks at the age of commands, after 0.5 s, driver.py:7",
         ),
         ((DRIVER, last("checked")), (), Stops.UNKNOWN, "/base may look at the age of commands, d"),
-        ((last("repeated"),), (), Stops.NO, "/base sends its last command for ever"),
+        (
+            (last("repeated"),),
+            (),
+            Stops.NO,
+            "/base sends its last command for ever when /cmd_vel ends",
+        ),
         ((KEPT,), (), Stops.UNKNOWN, "/base does not tell"),
         ((DRIVER, KEPT, AGED), (), Stops.UNKNOWN, "/base is not seen to look at the age of these"),
         ((fact("command_age", "/base", "age"),), (), Stops.UNKNOWN, "/base may look at the age"),
@@ -284,26 +289,56 @@ def test_a_name_that_tells_of_the_age_of_other_commands_tells_nothing(fate, file
     assert stopping(app, ("/base",), commands, ()).stops is stops
 
 
-@pytest.mark.parametrize(
-    ("fate", "named"), [("stopped", "/cmd_vel"), ("unnoticed", "/cmd_vel and /raw_vel")]
-)
-def test_the_commands_whose_age_nobody_looks_at_are_named(fate, named):
+def with_two_topics(fates, *facts, **changes):
+    """Return an app whose base hears `/cmd_vel`, then `/raw_vel`, with the fates of both."""
     graph = small_graph(BASE + f"    sub /raw_vel {TWIST}\n")
     places = {"/cmd_vel": PLACE, "/raw_vel": (Evidence(file="driver.py", line=9),)}
     ends = tuple(replace(each, evidence=places[each.topic]) for each in graph.endpoints)
-    facts = (DRIVER, KEPT, replace(last(fate), evidence=places["/raw_vel"]))
-    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=facts)))
-    why = f"nothing in the source of /base looks at the age of commands on {named}"
-    assert (mover.stops, mover.stop) == (Stops.NO, why)
+    told = zip(fates, places.values(), strict=False)
+    facts = (DRIVER, *facts, *(replace(last(fate), evidence=place) for fate, place in told))
+    return app_facts(replace(graph, endpoints=ends, wiring=facts, **changes))
+
+
+LOOKED = "/base looks at the age of"
+NEVER = "nothing in the source of /base looks at the age of commands on"
+
+
+@pytest.mark.parametrize(
+    ("fates", "stops", "why"),
+    [
+        (("stopped", "stopped"), Stops.YES, f"{LOOKED} commands, driver.py:9"),
+        (
+            ("stopped",),
+            Stops.UNKNOWN,
+            f"{LOOKED} some commands, but is not seen to on /raw_vel, driver.py:7",
+        ),
+        (("unnoticed", "stopped"), Stops.NO, f"{NEVER} /cmd_vel"),
+        (("unnoticed", "unnoticed"), Stops.NO, f"{NEVER} /cmd_vel and /raw_vel"),
+        (("checked", "unnoticed"), Stops.NO, f"{NEVER} /raw_vel"),
+        (("stopped", "repeated"), Stops.NO, f"{NEVER} /raw_vel"),
+    ],
+)
+def test_each_topic_of_a_driver_is_judged_by_itself(fates, stops, why):
+    (mover,) = take_inventory(with_two_topics(fates))
+    assert (mover.stops, mover.stop) == (stops, why)
+
+
+@pytest.mark.parametrize(
+    ("package", "stops"), [("rosserial_arduino", Stops.NO), ("relay", Stops.UNKNOWN)]
+)
+def test_firmware_whose_sketch_was_read_needs_no_device(package, stops):
+    mover = the_mover(TWO_DRIVERS + BASE.replace(" driver ", f" {package} "), wiring=(KEPT,))
+    assert mover.stops is stops
+
+
+def test_a_parameter_helps_no_topic_whose_age_nobody_looks_at():
+    timeout = parameters("cmd_vel_timeout", base=0.5)
+    app = with_two_topics(("unnoticed", "stopped"), AGED, parameters=timeout)
+    assert take_inventory(app)[0].stops is Stops.NO
 
 
 def test_a_name_that_tells_of_an_age_may_have_no_place():
-    age = replace(AGED, evidence=())
-    graph = small_graph(BASE + f"    sub /raw_vel {TWIST}\n")
-    places = {"/cmd_vel": PLACE, "/raw_vel": (Evidence(file="driver.py", line=9),)}
-    ends = tuple(replace(each, evidence=places[each.topic]) for each in graph.endpoints)
-    facts = (DRIVER, KEPT, age, replace(last("stopped"), evidence=places["/raw_vel"]))
-    app = app_facts(replace(graph, endpoints=ends, wiring=facts))
+    app = with_two_topics(("unnoticed", "stopped"), replace(AGED, evidence=()))
     found = stopping(app, ("/base",), [Command(means=Means.TOPIC, name="/cmd_vel")], ())
     assert found.why.endswith("these commands; a name may tell of it")
 
@@ -876,7 +911,12 @@ def test_a_controller_of_no_base_moves_the_arm_beside_it(package, thing):
 
 @pytest.mark.parametrize(
     ("node", "package"),
-    [("/navsat/nmea_serial_node", "nmea_comms"), ("/rosserial_message_info", "rosserial_python")],
+    [
+        ("/navsat/nmea_serial_node", "nmea_comms"),
+        ("/rosserial_message_info", "rosserial_python"),
+        ("/espeak_node", "espeak"),
+        ("/e_stop", "rover_drive_system"),
+    ],
 )
 def test_a_sensor_that_was_not_read_moves_nothing(node, package):
     text = f"{node} {package} third_party\n"
@@ -1144,10 +1184,11 @@ def test_who_obeys_a_velocity_makes_what_firmware_gets_of_it():
 
 
 def test_what_the_launch_publishes_once_goes_to_firmware():
+    once = (fact("sent_once", "/gains", ""),)
     text = "/gains rostopic third_party\n    pub /left_motor/pid geometry_msgs/Vector3\n"
-    (base, _) = inventory(text + "/b rosserial_python third_party\n", unread=("/b",))
+    (base, _) = inventory(text + "/b rosserial_python third_party\n", unread=("/b",), wiring=once)
     assert names(base.commands) == ["/left_motor/pid"]
-    assert inventory(text) == ()
+    assert inventory(text, wiring=once) == ()
 
 
 def test_a_signal_lets_a_node_begin_whose_commands_a_driver_alone_knows():

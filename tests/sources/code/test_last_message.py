@@ -60,6 +60,8 @@ CPP_BODY = """
 KEEP = "self.speed = message.linear.x"
 KEEP_WITH_TIME = f"{KEEP}; self.last = now"
 STOP_IN_CALLBACK = f"if now - self.last > 1:\n    self.speed = 0.0\n{KEEP_WITH_TIME}"
+TAKEN = "if self.speed:\n    self.drive(self.speed)\n    self.last = now{}"
+LATE = "\nif now - self.last > 2: self.off()"
 COUNTED = "if self.ticks != self.seen: self.out.publish(self.speed)"
 KEEP_CPP = "speed_ = message.linear.x;"
 OUT_CPP = "out_->publish(speed_);"
@@ -130,6 +132,16 @@ def told(found):
         (STOP_IN_CALLBACK, "self.drive(self.speed)", "unnoticed", None),
         (KEEP, "if now - self.last > 0.5:\n    self.off()", "unnoticed", None),
         (KEEP, "self.drive(self.speed)", "unnoticed", None),
+        (f"{KEEP}\nself.fresh = True", "if self.fresh: self.drive(1)", "unnoticed", None),
+        ("self.motor.power = 1", "if not self.motor: self.motor = None", "unnoticed", None),
+        (KEEP, TAKEN.format("\n    self.speed = None") + LATE, "stopped", 2.0),
+        (KEEP, TAKEN.format("") + LATE, "unnoticed", None),
+        (
+            "self.speeds[0] = message.linear.x",
+            "left, right = self.speeds\nself.speeds = (right, right)\nself.out.publish(right)",
+            "repeated",
+            None,
+        ),
         ("self.drive(message.linear.x)", "pass", "unnoticed", None),
         (
             "self.port = open(self.path)\nself.drive(message.linear.x)",
@@ -187,6 +199,12 @@ def test_in_python(callback, timer, fate, seconds):
 )
 def test_in_cpp(callback, timer, fate, seconds):
     assert told(cpp(callback, timer)) == (fate, seconds)
+
+
+def test_what_a_constructor_sets_is_not_set_back():
+    members = CPP.format(callback=f"{KEEP_CPP} fresh_ = true;", timer="if (fresh_) send(speed_);")
+    found = ros2_runs.cpp(f"fresh_ = false;{CPP_BODY}", members=members)
+    assert told(found.last_messages) == ("unnoticed", None)
 
 
 UPDATE = """    def update(self):
@@ -283,6 +301,20 @@ def test_where_the_publisher_is_made_that_repeats_it(timer, names):
     (last,) = found.last_messages
     assert last.fate.value == "repeated"
     assert sorted(made[at].rpartition("/")[2] for at in last.evidence[1:]) == names
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "fate"),
+    [
+        ("joint_states", "JointState", "unnoticed"),
+        ("target_angles", "JointState", "repeated"),
+        ("joint_states", "Joy", "repeated"),
+    ],
+)
+def test_what_tells_how_something_stands_repeats_no_command(topic, type, fate):
+    text = PYTHON.format(callback=indented(KEEP), timer=indented("self.out.publish(self.speed)"))
+    text = text.replace("std_msgs.msg import Float32", f"sensor_msgs.msg import {type} as Float32")
+    assert told(ros1_runs.run_text(text.replace("'out'", f"'{topic}'")).last_messages)[0] == fate
 
 
 def test_where_the_publisher_is_made_in_cpp():

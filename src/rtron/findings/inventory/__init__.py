@@ -9,9 +9,9 @@ from rtron.findings.inventory.command_topics import STOPPING
 from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
-from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles
+from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles, may_drive_unread
 from rtron.findings.inventory.stopping import Stopping, stopping
-from rtron.findings.measurement_names import is_called_sensor, moves_nothing
+from rtron.findings.measurement_names import moves_nothing
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary.inventory import (
@@ -71,7 +71,7 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
     packages = {
         node: app.nodes[node].package
         for node in app.unread_nodes
-        if node not in listed and not is_called_sensor(app.nodes[node])
+        if node not in listed and may_drive_unread(app.nodes[node])
     }
     named = [n for n, p in packages.items() if p in FIRMWARE_PACKAGES or moves(n, p)]
     has_driver = any(mover.drivers or mover.unread for mover in movers)
@@ -117,7 +117,7 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
     nodes = tuple(
         node
         for node in app.unread_nodes
-        if node not in bridges(app) and not is_called_sensor(app.nodes[node])
+        if node not in bridges(app) and may_drive_unread(app.nodes[node])
     )
     files = (name for name in app.unread_files if ".launch" in name)
     return nodes or tuple(name for name in files if not moves_nothing(name))[:1]

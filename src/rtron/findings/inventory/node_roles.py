@@ -35,6 +35,8 @@ _LISTENERS = re.compile(
     rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status"
 )
 """Words in the names of nodes that hear commands and obey none."""
+_STOPS = re.compile(r"(?:e_?stop|emergency)(?:_|$)")
+"""How the names of nodes begin that stop a robot and drive none."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
 _SHOWN = frozenset({"sensor_msgs/JointState", "tf2_msgs/TFMessage", "tf/tfMessage"})
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
@@ -177,11 +179,16 @@ class NodeRoles:
         return self.drives(node) or is_unread or not types.isdisjoint(_MOVED)
 
 
+def may_drive_unread(node: Node) -> bool:
+    """Return whether the names of a node that was not read leave open that it drives something."""
+    return not is_called_sensor(node) and not _STOPS.match(node.name.rpartition("/")[2].lower())
+
+
 def unread_drivers(app: AppFacts) -> list[str]:
     """Return the nodes that were not read and are called like drivers, but those for others."""
     others = carriers(app)
     nodes = (app.nodes[name] for name in app.unread_nodes if name not in others)
-    return [n.name for n in nodes if moves(n.name, n.package) and not is_called_sensor(n)]
+    return [n.name for n in nodes if moves(n.name, n.package) and may_drive_unread(n)]
 
 
 def measured_topics(app: AppFacts) -> frozenset[str]:

@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES
 from rtron.findings.motion.command_timeout import (
     CLEVER_DEVICES,
     STREAMS,
@@ -14,7 +15,7 @@ from rtron.findings.motion.command_timeout import (
 )
 from rtron.vocabulary import LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
-from rtron.wording import join_names
+from rtron.wording import conjugate, join_names
 
 _KNOWN = {
     "diff_drive_controller": (Stops.YES, "cmd_vel_timeout, by default 0.5 s"),
@@ -78,8 +79,11 @@ def _of_forwarder(app: AppFacts, node: str, topic: str, led: Collection[str]) ->
 def _of_driver(
     app: AppFacts, node: str, controllers: Collection[str], topics: Collection[str]
 ) -> Stopping:
-    found = _by_parameter(app, node, controllers) or _by_source(app, node, topics)
+    read = _by_source(app, node, sorted(t for t in topics if node in app.readers(t)))
+    if read and read.stops is Stops.NO:
+        return read
     known = (Stopping(*_KNOWN[each]) for each in _packages(app, node, topics) if each in _KNOWN)
+    found = _by_parameter(app, node, controllers) or read
     return found or next(known, Stopping(Stops.UNKNOWN, f"{node} does not tell"))
 
 
@@ -108,30 +112,49 @@ def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Sto
 
 
 def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | None:
-    last = app.last_messages(node, topics)
+    """Return the worst of what the source of a node does with its topics, each by itself."""
+    fates = {topic: app.last_messages(node, {topic}) for topic in topics}
+    last = {fate: fact for each in fates.values() for fate, fact in each.items()}
     age = next(_facts(app, node, WiringFactKind.COMMAND_AGE), None)
-    obeyed = [topic for topic in topics if node in app.readers(topic)]
-    is_read = all(app.last_messages(node, {topic}) for topic in obeyed)
-    devices = [fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)]
-    if set(last) == {LastMessageFate.STOPPED}:
-        stop = last[LastMessageFate.STOPPED]
-        after = "".join(f", after {seconds}" for seconds in stop.others)
-        return Stopping(Stops.YES, f"{node} looks at the age of commands{after}{_place(stop)}")
-    if hint := last.get(LastMessageFate.CHECKED) or (None if last and is_read else age):
+    is_read = bool(fates) and all(fates.values())
+    if age is None or (is_read and _is_of_others(app, node, age)):
+        unchecked = [topic for topic in topics if not UNCHECKED.isdisjoint(fates[topic])]
+        if found := _of_unchecked(app, node, unchecked):
+            return found
+    if is_read and all({*each} == {LastMessageFate.STOPPED} for each in fates.values()):
+        return _stopped(node, last[LastMessageFate.STOPPED])
+    hint = last.get(LastMessageFate.CHECKED) or (None if is_read else age)
+    if hint:
         return Stopping(Stops.UNKNOWN, f"{node} may look at the age of commands{_place(hint)}")
-    if age and not _is_of_others(app, node, age):
+    if stop := last.get(LastMessageFate.STOPPED):
+        others = join_names([t for t in topics if {*fates[t]} != {LastMessageFate.STOPPED}])
+        why = f"{node} looks at the age of some commands, but is not seen to on {others}"
+        return Stopping(Stops.UNKNOWN, f"{why}{_place(stop)}")
+    if age:
         why = f"{node} is not seen to look at the age of these commands; a name may tell of it"
         return Stopping(Stops.UNKNOWN, f"{why}{_place(age)}")
-    if last and devices and CLEVER_DEVICES.isdisjoint(devices):
-        kept = join_names(
-            [t for t in sorted(topics) if UNCHECKED & {*app.last_messages(node, {t})}]
-        )
-        why = f"nothing in the source of {node} looks at the age of commands on {kept}"
-        return Stopping(Stops.NO, why)
-    if last and devices:
+    return None
+
+
+def _stopped(node: str, stop: WiringFact) -> Stopping:
+    after = "".join(f", after {seconds}" for seconds in stop.others)
+    return Stopping(Stops.YES, f"{node} looks at the age of commands{after}{_place(stop)}")
+
+
+def _of_unchecked(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
+    """Return what becomes of the commands of a driver in whose source nothing tells of an age."""
+    devices = {fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)}
+    is_firmware = node in app.nodes and app.nodes[node].package in FIRMWARE_PACKAGES
+    if topics and not devices.isdisjoint(CLEVER_DEVICES):
         return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
-    is_repeated = LastMessageFate.REPEATED in last
-    return Stopping(Stops.NO, f"{node} sends its last command for ever") if is_repeated else None
+    if topics and (devices or is_firmware):
+        why = "nothing in the source of"
+        where = join_names(topics)
+        return Stopping(Stops.NO, f"{why} {node} looks at the age of commands on {where}")
+    repeated = [t for t in topics if LastMessageFate.REPEATED in app.last_messages(node, {t})]
+    condition = f"{join_names(repeated)} {conjugate(repeated, 'end')}"
+    why = f"{node} sends its last command for ever when {condition}"
+    return Stopping(Stops.NO, why) if repeated else None
 
 
 def _is_of_others(app: AppFacts, node: str, age: WiringFact) -> bool:

@@ -10,7 +10,6 @@ from rtron.findings.inventory.derived_commands import REPORTS
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import may_be_command
 from rtron.findings.measurement_names import may_be_measured
-from rtron.findings.motion.several_publishers import speaks_once
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Thing
 from rtron.vocabulary.names import snake_case
 
@@ -63,7 +62,7 @@ class UnheardCommands:
         if "{" in topic or not self._is_unheard(topic) or not may_be_command(topic, type):
             return False
         is_moving = self._is_moving(topic)
-        if is_moving and any(speaks_once(self.app, node) for node in senders):
+        if is_moving and any(map(self.app.sends_once, senders)):
             return True
         if not all(map(self._hands_on, senders)):
             return False

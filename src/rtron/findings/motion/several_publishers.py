@@ -17,8 +17,8 @@ publisher go through one arbiter.
 ## When it is silent
 
 Among nodes of one stack, such as Nav2's servers, unless one passes the collision monitor by; for a
-base that publishes its own input, and a `rostopic pub` of the launch. Requests such as PX4's, and
-commands that reach nobody, are `pedantic`.
+base that publishes its own input, and a `topic pub` of the launch that sends once. Requests such as
+PX4's, and commands that reach nobody, are `pedantic`.
 """
 
 import re
@@ -32,7 +32,6 @@ from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 from rtron.wording import both_or_all, conjugate, join_names
 
-_ONE_SHOT_PACKAGES = ("rostopic", "ros2topic")
 _MOVERS = frozenset(
     {"base", "driver", "motor", "motors", "wheel", "wheels", "chassis", "controller", "drive"}
     | {"serial", "rosserial", "firmware", "mcu", "vesc", "roboclaw", "arduino", "teensy"}
@@ -61,14 +60,9 @@ def check(app: AppFacts) -> Iterator[Finding]:
 def senders(app: AppFacts, topic: str) -> tuple[str, ...]:
     """Return who commands by a topic: its publishers, without a base that may answer itself."""
     readers = app.readers(topic)
-    publishers = tuple(node for node in app.publishers(topic) if not speaks_once(app, node))
+    publishers = tuple(node for node in app.publishers(topic) if not app.sends_once(node))
     others = tuple(node for node in publishers if node not in readers)
     return others if set(readers) <= set(publishers) else publishers
-
-
-def speaks_once(app: AppFacts, node: str) -> bool:
-    """Return whether a node is a `topic pub` of the launch, which sets something at the start."""
-    return node in app.nodes and app.nodes[node].package in _ONE_SHOT_PACKAGES
 
 
 def arbiters_of(publishers: tuple[str, ...], known: Mapping[str, object]) -> list[str]:

@@ -40,7 +40,10 @@ class Test:
 
 
 class FunctionSteps:
-    """What a function does, as far as it matters here; `members` outlive its call."""
+    """What a function does, as far as it matters here; `members` outlive its call.
+
+    `marks` are the constants that it writes to members, or into them.
+    """
 
     def __init__(self, function: Function, *, is_cpp: bool) -> None:
         self.function = function
@@ -56,12 +59,21 @@ class FunctionSteps:
         self.loop_calls = {last_name(n.function) for n in loops if isinstance(n, Call)}
         self.members: list[tuple[str, Expr]] = []
         self.locals: list[tuple[str, Expr]] = []
+        self.marks: set[tuple[str, Expr]] = set()
         for node in nodes:
             for target, value in assignments(node):
                 stored = self.member(target)
                 (self.members if stored else self.locals).append(
                     (stored or last_name(target), value)
                 )
+                if stored and is_constant(value):
+                    self.marks.add((last_name(target), value))
+
+    @property
+    def is_constructor(self) -> bool:
+        """Whether it runs once, before all others."""
+        owner, _, name = self.function.name.rpartition("::")
+        return not self.loop_calls and (name == "__init__" or owner.rpartition("::")[2] == name)
 
     def member(self, target: Expr) -> str:
         """Return the member or global below which something is written, empty for a local."""

@@ -15,7 +15,6 @@ from rtron.sources.code.function_steps import (
     Test,
     assignments,
     is_comparison,
-    is_constant,
     is_stop,
     is_zero,
     last_name,
@@ -25,8 +24,13 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.ir import Assign, Attr, Call, Const, Expr, Function, New
 from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.reachability import reachable_functions
-from rtron.sources.code.repeated_message import find_repetition, is_counted
-from rtron.sources.declaration import DeclarationKind, LastMessageUse
+from rtron.sources.code.repeated_message import (
+    dependent_nodes,
+    find_repetition,
+    is_cleared_by,
+    is_counted,
+)
+from rtron.sources.declaration import Declaration, DeclarationKind, LastMessageUse
 from rtron.vocabulary import Evidence, LastMessageFate
 
 _CLOCKS = frozenset(
@@ -42,6 +46,8 @@ _STATES = re.compile(
     r"|rosgraph_msgs/|rcl_interfaces/"
 )
 """Types of what is measured or shown: no command."""
+_ORDERS = re.compile(r"cmd|command|target|desired|goal|set_?point|reference", re.IGNORECASE)
+"""Words in the names of topics that command, also where their type tells what was measured."""
 _TIMER_MAKERS = frozenset({"Timer", "createTimer", "create_timer", "create_wall_timer"})
 _MAX_FUNCTIONS = 1000
 _MAX_REACHED = 100
@@ -76,36 +82,41 @@ class _Program:
         keys = {each.function.key for each in reached}
         others = [each for each in self.codes if each.function.key not in keys]
         beside = self._run_beside(callbacks)
+        stored = {
+            name for each in reached for name, value in each.members if _is_given(value, each)
+        }
         times = {name for each in reached for name, value in each.members if _is_time(value, each)}
+        times |= {name for each in beside for name in _times_of_taking(each, stored)}
         if found := self._age_test(times, beside):
             return replace(found, evidence=(place, *found.evidence))
         if found := self._age_test(times, others):  # who calls them is not known
             evidence = (place, *found.evidence)
             return replace(found, fate=LastMessageFate.CHECKED, evidence=evidence)
-        stored = {
-            name for each in reached for name, value in each.members if _is_given(value, each)
-        }
         if _restarts_timer(reached) or self._is_marked(reached, others):
             return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
         repetition = find_repetition(stored - times, reached, beside)
+        made = dict(self._publishers_made(repetition.publishers))
+        fate = LastMessageFate.REPEATED
         if not repetition.publishers:
-            return LastMessageUse(fate=LastMessageFate.UNNOTICED, evidence=(place,))
-        if repetition.is_cleared or is_counted(reached, others):
-            return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
-        places = (place, *self._publishers_made(repetition.publishers))
-        return LastMessageUse(fate=LastMessageFate.REPEATED, evidence=places)
+            fate = LastMessageFate.UNNOTICED
+        elif repetition.is_cleared or is_counted(reached, others):
+            fate = LastMessageFate.CHECKED
+        elif made and all(map(_is_state, made.values())):
+            fate = LastMessageFate.UNNOTICED
+        further = made if fate is LastMessageFate.REPEATED else ()
+        return LastMessageUse(fate=fate, evidence=(place, *further))
 
-    def _publishers_made(self, names: Collection[str]) -> Iterator[Evidence]:
-        """Yield where publishers are made that variables or members hold, as far as it is seen."""
-        made = self.machine.recorder.declared(DeclarationKind.PUBLISH)
-        places = {at for declared in made for at in declared.evidence}
+    def _publishers_made(self, names: Collection[str]) -> Iterator[tuple[Evidence, Declaration]]:
+        """Yield the publishers that variables or members hold by where they are made, if known."""
+        published = self.machine.recorder.declared(DeclarationKind.PUBLISH)
+        made = {at: declared for declared in published for at in declared.evidence}
         found = dict[Evidence, None]()
         for code in self.codes:
             given = (*code.members, *code.locals, *code.function.initialisers)
             values = [value for name, value in given if name in names]
             lines = {n.line for n in ir_nodes(tuple(values)) if isinstance(n, (Call, New))}
             found |= dict.fromkeys(Evidence(file=code.function.file, line=n) for n in sorted(lines))
-        yield from (at for at in found if at in places)
+        yield from ((at, made[at]) for at in found if at in made)
 
     def _run_beside(self, callbacks: list[Function]) -> list[FunctionSteps]:
         """Return what runs without the message: other callbacks, and loops with what they call."""
@@ -158,8 +169,10 @@ class _Program:
     @staticmethod
     def _is_marked(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
         """Return whether a callback sets something to a value that others set back, and test."""
-        marks = {pair for each in reached for pair in each.members if is_constant(pair[1])}
-        values = {pair for each in others for pair in each.members if is_constant(pair[1])}
+        marks = set[tuple[str, Expr]]().union(*(each.marks for each in reached))
+        values = set[tuple[str, Expr]]().union(
+            *(each.marks for each in others if not each.is_constructor)
+        )
         changed = {name for name, _ in marks} & {name for name, _ in values - marks}
         return any(mentioned_names(t.condition) & changed for each in others for t in each.tests)
 
@@ -173,6 +186,19 @@ class _Program:
             is_cpp = self.machine.runtime.passes_by_reference
             self._known[id(function)] = FunctionSteps(function, is_cpp=is_cpp)
         return self._known[id(function)]
+
+
+def _is_state(publisher: Declaration) -> bool:
+    """Return whether a publisher tells what was measured, or how something stands."""
+    return bool(_STATES.match(publisher.type)) and not _ORDERS.search(publisher.name)
+
+
+def _times_of_taking(code: FunctionSteps, stored: set[str]) -> Iterator[str]:
+    """Yield where a function keeps the time at which it took away what a callback had stored."""
+    for node in dependent_nodes(code, stored) if is_cleared_by(code, stored) else ():
+        for target, value in assignments(node):
+            if _is_time(value, code) and (name := code.member(target)):
+                yield name
 
 
 def _is_given(value: Expr, code: FunctionSteps) -> bool:

@@ -50,7 +50,7 @@ def find_repetition(
     called = [f for f in beside if any(_calls(each, f) for pair in pairs for each in pair)]
     return Repetition(
         frozenset().union(*(names for *_, names in found)),
-        is_cleared=any(_clears(each, stored) for each in chain(*pairs, called)),
+        is_cleared=any(is_cleared_by(each, stored) for each in chain(*pairs, called)),
     )
 
 
@@ -95,7 +95,7 @@ def _publishers(stored: set[str], user: FunctionSteps, sender: FunctionSteps) ->
     if not _calls(user, sender):
         return set()
     calls = [call for call in user.calls if last_name(call.function) == _name(sender)]
-    chosen = _nodes_that_depend(user, made)
+    chosen = dependent_nodes(user, made)
     if any(call is node for call in calls for node in chosen):
         return {_publisher(call) for call in _publish_calls(sender)}
     params = {param.name for param in sender.function.params[not sender.is_cpp :]}
@@ -106,7 +106,7 @@ def _publishers(stored: set[str], user: FunctionSteps, sender: FunctionSteps) ->
 def _fed_publishers(code: FunctionSteps, names: set[str]) -> set[str]:
     """Return the names of the publishers in a function that get what it makes of names."""
     made = _made_of(code, names)
-    chosen = {id(node) for node in _nodes_that_depend(code, made)}
+    chosen = {id(node) for node in dependent_nodes(code, made)}
     return {
         _publisher(call)
         for call in _publish_calls(code)
@@ -121,7 +121,7 @@ def _made_of(code: FunctionSteps, names: set[str]) -> set[str]:
         before = len(made)
         for node in ir_nodes(code.function.body):
             made |= _fed_names(code, node, made)
-        chosen = _nodes_that_depend(code, made)
+        chosen = dependent_nodes(code, made)
         made |= {root for n in chosen for t, _ in assignments(n) for root in _roots(t, code)}
     return made
 
@@ -134,31 +134,35 @@ def _fed_names(code: FunctionSteps, node: object, made: set[str]) -> set[str]:
     return {root for target in fed for root in _roots(target, code)}
 
 
-def _nodes_that_depend(code: FunctionSteps, names: set[str]) -> list[Any]:
+def dependent_nodes(code: FunctionSteps, names: set[str]) -> list[Any]:
     """Return what a function does only where a test of names says so."""
     tests = (test for test in code.tests if mentioned_names(test.condition) & names)
     return [node for test in tests for node in ir_nodes(test.branches)]
 
 
-def _clears(code: FunctionSteps, stored: set[str]) -> bool:
+def is_cleared_by(code: FunctionSteps, stored: set[str]) -> bool:
     """Return whether a function assigns what was stored anew, or takes it away."""
+    made = _made_of(code, stored)
     for node in ir_nodes(code.function.body):
         if isinstance(node, Call) and last_name(node.function) in _TAKING:
             if mentioned_names(node) & stored:
                 return True
-        elif any(_is_anew(t, value, code, stored) for t, value in assignments(node)):
+        elif any(_is_anew(t, value, code, stored, made) for t, value in assignments(node)):
             return True
     return False
 
 
-def _is_anew(target: Expr, value: Expr, code: FunctionSteps, stored: set[str]) -> bool:
+def _is_anew(
+    target: Expr, value: Expr, code: FunctionSteps, stored: set[str], made: set[str]
+) -> bool:
+    """Return whether something is stored that is not `made` of what was."""
     if isinstance(target, SequenceExpr):
-        return any(_is_anew(item, value, code, stored) for item in target.items)
+        return any(_is_anew(item, value, code, stored, made) for item in target.items)
     if code.member(target) not in stored:
         return False
     is_number = isinstance(value, Const) and not isinstance(value.value, (str, bytes))
     is_whole = last_name(target) in stored
-    is_other = is_whole and not mentioned_names(value) & stored
+    is_other = is_whole and not mentioned_names(value) & made
     return is_number or is_zero(value) or is_other or (is_whole and isinstance(value, Binary))
 
 

@@ -5,6 +5,7 @@ from test_static_app import ends
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros1.app import scan_app
+from rtron.vocabulary import WiringFactKind
 
 MANIFEST = '<?xml version="1.0.0"?>\n<package><name>{}</name></package>'
 TALK = """#!/usr/bin/env python
@@ -77,3 +78,18 @@ def test_what_stands_in_for_the_nodelet_loader_is_read(tmp_path):
     body = '<node pkg="nodelet" type="nodelet" name="n" args="manager"/>'
     graph = scan(tmp_path, body, package="nodelet", script="nodelet")
     assert {"> /chatter", "> /none"} <= set(ends(graph, "/n"))
+
+
+@pytest.mark.parametrize(
+    ("args", "once"),
+    [
+        ("pub /go std_msgs/Bool true", ["/stop"]),
+        ("pub -1 /go std_msgs/Bool true", ["/stop"]),
+        ("pub -r 10 /go std_msgs/Bool true", []),
+        ("pub /go std_msgs/Bool true --rate=10", []),
+    ],
+)
+def test_a_topic_pub_without_a_rate_sends_once(tmp_path, args, once):
+    graph = scan(tmp_path, f'<node pkg="rostopic" type="rostopic" name="stop" args="{args}"/>')
+    kind = WiringFactKind.SENT_ONCE
+    assert [fact.subject for fact in graph.wiring if fact.kind is kind] == once

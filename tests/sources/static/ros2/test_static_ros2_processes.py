@@ -4,7 +4,7 @@ import pytest
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
-from rtron.vocabulary import ActionRole, Durability, QoS, Reliability
+from rtron.vocabulary import ActionRole, Durability, QoS, Reliability, WiringFactKind
 
 PYTHON = """from launch import LaunchDescription
 from launch.actions import ExecuteProcess
@@ -52,6 +52,15 @@ def test_a_publisher_may_be_named_and_remapped(started):
     (sent,) = graph.publishers("/bot/b")
     assert joined([sent]) == [("/bot/stop", "/bot/b", "std_msgs/msg/Bool")]
     assert sent.qos.reliability is Reliability.BEST_EFFORT
+
+
+@pytest.mark.parametrize(
+    ("options", "once"), [("", []), ("-r 5", []), ("--once", ["/x"]), ("-t 3", ["/x"])]
+)
+def test_a_topic_pub_that_is_not_told_how_often_goes_on(started, options, once):
+    graph = started(*f"ros2 topic pub {options} -n x /a std_msgs/msg/Bool".split())
+    kind = WiringFactKind.SENT_ONCE
+    assert [fact.subject for fact in graph.wiring if fact.kind is kind] == once
 
 
 @pytest.mark.parametrize("line", ["echo /a std_msgs/String --once", "hz -w 5 /a", "echo /a"])

@@ -24,7 +24,8 @@ _LIBRARIES = {
     "EtherCAT": r"ethercat\.h|\becrt\.h|\bsoem",
     "servo bus": r"dynamixel_sdk|lx16a|scservo|SCServo|feetech|herkulex",
     "motor controller": r"roboclaw|odrive|vesc_(?:interface|packet)|pyvesc|[Rr]oboteq|phidget22"
-    r"|sabertooth|tmc\d{4}|moteus",
+    r"|sabertooth|tmc\d{4}|moteus|Rosmaster_Lib|[Mm]otor_?(?:HAT|hat)\b"
+    r"|\b(?:(?:easygo|go)pigo3?|brickpi3|picarx|robot_hat|ev3dev2?|pyfirmata2?)\b",
     "Modbus": r"\bpymodbus|minimalmodbus|\bmodbus(?:/modbus)?\.h",
     "TCP link": r"\bcreate_connection\(|\.connect\(\s*\(|\bconnect\([^;\n]{0,60}sockaddr",
     "LCM": r"\blcm/lcm|^[ \t]*(?:import|from) lcm\b",

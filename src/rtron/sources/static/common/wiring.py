@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from rtron.sources.models.common.arguments import positional
+from rtron.sources.models.common.arguments import has_option, positional
 from rtron.sources.static.common.node_part import NodePart
 from rtron.vocabulary import (
     Endpoint,
@@ -21,6 +21,8 @@ from rtron.vocabulary.launch import resolve_name
 from rtron.vocabulary.parameters import pattern_matches
 
 _NODELET = "nodelet"
+_REPEATED = "-r --rate"
+_COUNTED = "-1 --once -t --times"
 _NAME = re.compile(r"[~/]?\w+(?:/\w+)*", re.ASCII)
 _Remap: TypeAlias = tuple[str, str]
 _Program: TypeAlias = tuple[str, ...]
@@ -131,6 +133,22 @@ def _fact(
 
 def _last(name: str) -> str:
     return name.rpartition("/")[2]
+
+
+def sent_once(part: NodePart) -> Iterator[WiringFact]:
+    """Yield a fact for a `topic pub` that ends or rests after its message.
+
+    That of ROS 1 does without a rate, that of ROS 2 if it is told how often.
+    """
+    node = part.node
+    is_once = {
+        "rostopic": not has_option(node.site.args, _REPEATED),
+        "ros2topic": has_option(node.site.args, _COUNTED),
+    }
+    names = {each.name for each in part.interface.nodes} or {part.owner}
+    for name in names if is_once.get(node.package) else ():
+        kind = WiringFactKind.SENT_ONCE
+        yield WiringFact(kind=kind, subject=name, evidence=(node.evidence,))
 
 
 @dataclass(slots=True)

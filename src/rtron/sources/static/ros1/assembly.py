@@ -17,7 +17,7 @@ from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import TaskKind
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
-from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
+from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses, sent_once
 from rtron.sources.static.ros1.node_parameters import node_parameters
 from rtron.sources.workspace import ProgramLanguage, Workspace
 from rtron.vocabulary import (
@@ -86,7 +86,7 @@ class Assembly(GraphBuilder):
         remaps = {**process_remaps, **dict(part.node.site.remaps)}
         is_python = part.task is not None and part.task.kind is TaskKind.PYTHON
         self._declare(part, ProcessRemaps(remaps, is_roscpp=not is_python))
-        self.add_wiring(*last_messages(part))
+        self.add_wiring(*last_messages(part), *sent_once(part))
         self.frames.add(part, remaps.get(TRANSFORMS, TRANSFORMS))
         self.remap_uses.add(part, part.owner, remaps, _declared_names(part))
 

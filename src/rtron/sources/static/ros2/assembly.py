@@ -16,7 +16,7 @@ from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import TaskKind
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
-from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses
+from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses, sent_once
 from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
 from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.sources.workspace import Workspace
@@ -60,7 +60,7 @@ class Ros2Assembly(GraphBuilder):
                 self.add_entity(entity)
                 if isinstance(entity, Endpoint) and entity.direction is Direction.PUBLISH:
                     self._note_output(part, entity)
-        self.add_wiring(*last_messages(part))
+        self.add_wiring(*last_messages(part), *sent_once(part))
         for created in islice(_created_nodes(part), 1):
             self.frames.add(part, _remap_rules(created, part)(TRANSFORMS))
             self.frames.activated.update(_activated_nodes(created.name, part))
