@@ -1,8 +1,10 @@
 """Fixtures that tests of every folder use."""
 
 import os
+import shutil
 import signal
 from contextlib import ExitStack, closing
+from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
@@ -46,6 +48,22 @@ def programs_folder(tmp_path_factory):
 def driver(programs_folder):
     """Compile a wheel driver against roscpp."""
     return compiled(programs_folder, "driver", "roscpp")
+
+
+@pytest.fixture(scope="session")
+def migrated_file(tmp_path_factory):
+    """Make a service's database file for tests to copy, which takes less than to make each."""
+    from rtron.service.server.database_setup import open_database  # noqa: PLC0415 - few need it
+
+    path = tmp_path_factory.mktemp("migrated") / "rtron.db"
+    open_database(path).close()
+    return path
+
+
+@pytest.fixture
+def database_file(tmp_path, migrated_file):
+    """Give a new file of a service's database that has its tables."""
+    return Path(shutil.copy(migrated_file, tmp_path))
 
 
 @pytest.fixture

@@ -1,8 +1,7 @@
 """What tests of the security service use: real databases of both kinds, the app, its people."""
 
-import shutil
 import subprocess
-from pathlib import Path
+from functools import partial
 
 import authlib.deprecate  # noqa: F401 - it shows its warnings always, unless pytest's filters come later
 import httpx
@@ -10,9 +9,11 @@ import pytest
 from argon2 import PasswordHasher
 from postgresql_server import PostgreSQL, programs
 from service_app import TLS, AccountFactory, ManualClock, open_app, serve_in_thread
+from sqlalchemy import create_engine
+from sqlalchemy.engine.default import DefaultDialect
 
 from rtron.service.config import ServiceConfig
-from rtron.service.server.database_setup import open_database
+from rtron.service.store import database as store_database
 from rtron.service.store.accounts import passwords
 from rtron.service.store.database import Database
 
@@ -27,6 +28,17 @@ def cheap_password_hashing():
         passwords._dummy_hash.cache_clear()
         yield
     passwords._dummy_hash.cache_clear()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def shared_statements():
+    """Compile a statement once for all databases of a kind; SQLAlchemy does so for each of them."""
+    sharing = partial(create_engine, execution_options={"compiled_cache": {}})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(store_database, "create_engine", sharing)
+        patch.setattr(DefaultDialect, "__eq__", lambda ours, other: ours.name == other.name)
+        patch.setattr(DefaultDialect, "__hash__", lambda ours: hash(ours.name))
+        yield
 
 
 @pytest.fixture
@@ -46,20 +58,6 @@ def postgresql():
     server = PostgreSQL()
     yield server
     server.stop()
-
-
-@pytest.fixture(scope="session")
-def migrated_file(tmp_path_factory):
-    """Make a database file for tests to copy, which takes less than to make each."""
-    path = tmp_path_factory.mktemp("migrated") / "rtron.db"
-    open_database(path).close()
-    return path
-
-
-@pytest.fixture
-def database_file(tmp_path, migrated_file):
-    """Give a new file of a database that has its tables."""
-    return Path(shutil.copy(migrated_file, tmp_path))
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

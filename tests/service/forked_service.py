@@ -14,6 +14,9 @@ _LOADED = (
     "rtron.service.server.app",
     "rtron.service.server.http",
     "rtron.service.server.oidc_setup",
+    "alembic.config",
+    "alembic.runtime.environment",
+    "alembic.script",
 )
 _forkserver = get_context("forkserver")
 _forkserver.set_forkserver_preload(list(_LOADED))

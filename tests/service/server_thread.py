@@ -60,18 +60,23 @@ def _is_closing(connection):
     return getattr(getattr(connection, "conn", None), "state", None) is State.CLOSING
 
 
-def listening_socket():
-    """Return a socket on a free port; asyncio sends at once only on one that says it is TCP's."""
-    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-    listening.bind(("127.0.0.1", 0))
-    listening.listen()
-    return listening
+def bound_socket(port=0):
+    """Return a socket on a port that others of ours may have too, or on a free one.
+
+    asyncio sends at once only on one that says it is TCP's.
+    """
+    bound = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+    bound.bind(("127.0.0.1", port))
+    return bound
 
 
 @contextmanager
-def serve_app(app, options, limited=lambda listening: listening):
+def serve_app(app, options, limited=lambda listening: listening, port=0):
     """Serve an app with options of uvicorn's until the end of the block; give its port."""
-    listening = limited(listening_socket())
+    bound = bound_socket(port)
+    bound.listen()
+    listening = limited(bound)
     port = listening.getsockname()[1]
     server = PromptServer(uvicorn.Config(app, **{**options, "port": port}))
     thread = Thread(target=server.run, kwargs={"sockets": [listening]}, daemon=True)

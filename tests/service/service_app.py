@@ -99,13 +99,13 @@ def open_app(config, *clocks):
 
 
 @contextmanager
-def serve_in_thread(app, config=None):
-    """Serve an app as `rtron serve` does, in a thread; give its port."""
+def serve_in_thread(app, config=None, port=0):
+    """Serve an app as `rtron serve` does, in a thread, on a port or a free one; give its port."""
     config = config or ServiceConfig()
 
     def limited(listening):
         return HandshakeSocket(listening, ConnectionLimit(config.proxies))
 
     options = uvicorn_options(config)
-    with serve_app(app, options, *([limited] if config.tls else [])) as port:
-        yield port
+    with serve_app(app, options, *([limited] if config.tls else []), port=port) as served:
+        yield served

@@ -1,9 +1,12 @@
 """`rtron rollout` against a real service, with guards on the real link."""
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
+from contextlib import contextmanager
+from functools import partial
 
 import pytest
 from controller_setup import PLAN, hello, plan
@@ -29,54 +32,72 @@ CHANGE = ("rollout", "start", "drive", "policy=Block", "--reason", "visitors")
 LATER = (*CHANGE, "--group", "hall-a", "--wait", "1h")
 
 
-@pytest.fixture
-def app(tmp_path):
-    return create_app(ServiceConfig(database=tmp_path / "rtron.db"))
+class Hall:
+    """A service, and the guards of hall A."""
+
+    def __init__(self, app, port):
+        self.port, self.people = port, AccountFactory(app.state.service)
+        self.guards = [
+            AnsweringGuard(port, robot, self.people.token_headers(robot, "guard", robot=robot))
+            for robot in ROBOTS
+        ]
+        service = app.state.service
+        wait_for(lambda: all(service.hub.state(robot) for robot in ROBOTS))
+        with service.database.session() as session:
+            ids = [find_robot(session, robot)[0].id for robot in ROBOTS]
+            replace_members(session, "hall-a", ids)
 
 
-@pytest.fixture
-def port(app):
+@contextmanager
+def open_hall(file):
+    app = create_app(ServiceConfig(database=file))
     with serve_in_thread(app) as port:
-        yield port
+        hall = Hall(app, port)
+        yield hall
+        for guard in hall.guards:
+            guard.close()
 
 
 @pytest.fixture
-def people(app):
-    return AccountFactory(app.state.service)
+def hall(database_file):
+    with open_hall(database_file) as hall:
+        yield hall
+
+
+@pytest.fixture(scope="module")
+def unchanged_hall(tmp_path_factory, migrated_file):
+    """A hall for all that is refused."""
+    with open_hall(shutil.copy(migrated_file, tmp_path_factory.mktemp("hall"))) as hall:
+        yield hall
 
 
 @pytest.fixture
-def guards(app, port, people):
-    """The guards of hall A."""
-    made = [
-        AnsweringGuard(port, robot, people.token_headers(robot, "guard", robot=robot))
-        for robot in ROBOTS
-    ]
-    service = app.state.service
-    wait_for(lambda: all(service.hub.state(robot) for robot in ROBOTS))
-    with service.database.session() as session:
-        ids = [find_robot(session, robot)[0].id for robot in ROBOTS]
-        replace_members(session, "hall-a", ids)
-    yield made
-    for guard in made:
-        guard.close()
+def run_as(rtron, tmp_path):
+    """Run a command at a hall's service as somebody with a role."""
 
-
-@pytest.fixture
-def call(rtron, port, people, tmp_path):
-    """Run a command as somebody with a role."""
-
-    def run(*words, role="developer"):
+    def run(hall, *words, role="developer"):
         path = tmp_path / f"{role}.token"
         if not path.exists():
-            header = people.token_headers("me", role)["Authorization"]
+            header = hall.people.token_headers("me", role)["Authorization"]
             path.write_text(header.removeprefix("Bearer "))
-        return rtron(*words, "--service", f"http://127.0.0.1:{port}", "--token-file", path)
+        return rtron(*words, "--service", f"http://127.0.0.1:{hall.port}", "--token-file", path)
 
     return run
 
 
-def test_a_good_change_is_followed_to_the_last_robot(call, guards):
+@pytest.fixture
+def call(run_as, hall):
+    return partial(run_as, hall)
+
+
+@pytest.fixture
+def refused_call(run_as, unchanged_hall):
+    """Run a command that changes nothing."""
+    yield (call := partial(run_as, unchanged_hall))
+    assert call("rollout", "list").out == ""
+
+
+def test_a_good_change_is_followed_to_the_last_robot(call):
     ran = call(*CHANGE, "--group", "hall-a", *SOON, "--follow")
     lines = ran.out.splitlines()
     assert (ran.code, ran.err) == (0, "")
@@ -84,8 +105,8 @@ def test_a_good_change_is_followed_to_the_last_robot(call, guards):
     assert lines[-1] == "roll-out 1: done; 5 of 5 have the change (5 in force)"
 
 
-def test_a_bad_change_goes_back_and_says_why(call, guards):
-    for guard in guards:
+def test_a_bad_change_goes_back_and_says_why(call, hall):
+    for guard in hall.guards:
         guard.is_bad = True
     ran = call(*CHANGE, "--app", "small", "--follow", "--format", "json")
     views = list(map(json.loads, ran.out.splitlines()))
@@ -104,7 +125,7 @@ def test_a_bad_change_goes_back_and_says_why(call, guards):
     assert line.endswith(note)
 
 
-def test_pause_resume_and_cancel(call, guards):
+def test_pause_resume_and_cancel(call):
     started = json.loads(call(*LATER, "--format", "json").out)
     id = str(started["id"])
     assert started["policy"]["wait"] == 3600
@@ -119,7 +140,7 @@ def test_pause_resume_and_cancel(call, guards):
     assert call("rollout", "show", id, "--follow").code == 1
 
 
-def test_a_change_is_taken_back(call, guards, app):
+def test_a_change_is_taken_back(call):
     call(*CHANGE, *SOON, *(word for robot in ROBOTS for word in ("--robot", robot)), "-f")
     assert "GOING BACK" in call("rollout", "cancel", "1", "--reason", "it brakes").out
     ran = call("rollout", "show", "1", "--follow")
@@ -127,7 +148,7 @@ def test_a_change_is_taken_back(call, guards, app):
     assert "WENT BACK; stage 2 of 2; 0 of 5 have the change (0 in force), 5 without" in ran.out
 
 
-def test_the_change_and_the_stages_are_shown(call, guards):
+def test_the_change_and_the_stages_are_shown(call):
     words = ["policy=Priority_Queue", "flow1.priority=3", "flow2.timeout=plan"]
     options = ["--stages", "2,40%,60%,100%", "--wait", "1h", "--limit", "gone=1"]
     call("rollout", "start", "drive", *words, "--app", "small", "--reason", "x y", *options)
@@ -161,15 +182,14 @@ def test_the_change_and_the_stages_are_shown(call, guards):
         (("rollout", "cancel", "7", "--reason", "none"), "there is no roll-out 7"),
     ],
 )
-def test_what_is_refused_has_help(call, guards, words, told):
-    ran = call(*words)
+def test_what_is_refused_has_help(refused_call, words, told):
+    ran = refused_call(*words)
     assert (ran.code, ran.out) == (2, "")
     assert told in ran.err
-    assert call("rollout", "list").out == ""
 
 
-def test_it_takes_the_rights_of_the_change(call, guards):
-    ran = call(*LATER, role="end_user")
+def test_it_takes_the_rights_of_the_change(refused_call):
+    ran = refused_call(*LATER, role="end_user")
     assert (ran.code, "may not select_policy at drive" in ran.err) == (2, True)
 
 
@@ -193,14 +213,13 @@ def test_a_shell_completes_limits_and_keys():
     assert rollout.complete_setting("max_v") == ["max_vel_limit="]
 
 
-def test_a_service_that_is_away_is_asked_again(tmp_path):
+def test_a_service_that_is_away_is_asked_again(tmp_path, database_file):
     """A roll-out of a robot that is off is followed over a kill of the service."""
-    location = tmp_path / "service.sqlite"
-    database = Database(location)
+    database = Database(database_file)
     with database.write_session() as session:
         perform_handshake(session, "car1", hello(plan()), now=1)
     database.close()
-    with ServiceProcess(tmp_path, location) as service:
+    with ServiceProcess(tmp_path, database_file) as service:
         new = {"robots": {"names": ["car1"]}, "nodes": {"drive": {"policy": "Block"}}}
         service.request("/api/v1/rollouts", "POST", new | {"reason": "visitors"})
         command = [sys.executable, "-m", "rtron", "rollout", "show", "1", "--follow"]
@@ -241,7 +260,7 @@ def test_names_of_strangers_are_made_harmless():
 PLANNED = ("rollout", "start", "--group", "hall-a", "--reason", "visitors", *SOON)
 
 
-def test_a_plan_is_rolled_out_and_shown(call, guards, tmp_path):
+def test_a_plan_is_rolled_out_and_shown(call, tmp_path):
     path = tmp_path / "other.yaml"
     path.write_text(PLAN.replace("priority: 2", "priority: 3"))
     ran = call(*PLANNED, "--plan", path, "--follow")
@@ -249,17 +268,17 @@ def test_a_plan_is_rolled_out_and_shown(call, guards, tmp_path):
     assert f"the plan {plan_document_digest(path.read_text())}" in call("rollout", "show", "1").out
 
 
-def test_a_plan_that_needs_a_launch_is_refused(call, guards, tmp_path):
+def test_a_plan_that_needs_a_launch_is_refused(refused_call, tmp_path):
     path = tmp_path / "other.yaml"
     path.write_text(PLAN.replace("/base]", "/base2]"))
-    ran = call(*PLANNED, "--plan", path)
+    ran = refused_call(*PLANNED, "--plan", path)
     assert ran.code == 2
     assert "needs a new launch: grcn drive: successors" in ran.err
     assert "rtron instrument" in ran.err
 
 
 @pytest.mark.parametrize("words", [(), ("drive", "policy=Block", "--plan", "x"), ("drive",)])
-def test_a_change_is_of_settings_or_a_plan(call, guards, words):
-    ran = call(*PLANNED, *words)
+def test_a_change_is_of_settings_or_a_plan(refused_call, words):
+    ran = refused_call(*PLANNED, *words)
     assert ran.code == 2
     assert "--plan" in ran.err

@@ -23,8 +23,8 @@ WHY = ("--reason", "a test")
 
 
 @pytest.fixture
-def app(tmp_path):
-    with open_app(ServiceConfig(database=tmp_path / "rtron.db")) as app:
+def app(database_file):
+    with open_app(ServiceConfig(database=database_file)) as app:
         yield app
 
 

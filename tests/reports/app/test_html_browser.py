@@ -1,6 +1,7 @@
 """The page in a real browser: Debian's chromium and chromium-driver."""
 
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -44,22 +45,32 @@ def opened(chromium, tmp_path):
     assert chromium.get_log("browser") == []
 
 
-@pytest.fixture
-def autorace(opened):
+@pytest.fixture(scope="module")
+def autorace_file(tmp_path_factory):
+    """Write the page of an app with a plan and a finding, which most tests open."""
     graph = read_graph(FIXTURES / "autorace.json")
     report = discover_risks(graph)
-    return opened(graph, report, propose_plan(graph, report))
+    path = tmp_path_factory.mktemp("autorace") / "graph.html"
+    path.write_text(graph_to_html(graph, report, propose_plan(graph, report), [HIGH]), "utf-8")
+    return path
+
+
+@pytest.fixture
+def autorace(chromium, autorace_file):
+    chromium.get(autorace_file.as_uri())
+    yield chromium
+    assert chromium.get_log("browser") == []
+
+
+OF_ALL = "return [...document.querySelectorAll(arguments[0])].map((each) => {});"
 
 
 def texts(page, selector):
-    return [
-        element.get_attribute("textContent")
-        for element in page.find_elements(By.CSS_SELECTOR, selector)
-    ]
+    return page.execute_script(OF_ALL.format("each.textContent"), selector)
 
 
 def labels(page, selector=".press"):
-    return {e.get_attribute("aria-label") for e in page.find_elements(By.CSS_SELECTOR, selector)}
+    return set(page.execute_script(OF_ALL.format("each.getAttribute('aria-label')"), selector))
 
 
 def click(page, selector):
@@ -83,25 +94,39 @@ def lit(page):
     return labels(page, ".box.lit > .press") | labels(page, "[data-topic].lit > .row")
 
 
-def test_all_nodes_are_drawn_where_they_can_be_seen(autorace):
+RECTS = (
+    "(({left, right, top, bottom}) => ({left, right, top, bottom}))(each.getBoundingClientRect())"
+)
+
+
+def rects(page, selector):
+    return page.execute_script(OF_ALL.format(RECTS), selector)
+
+
+def test_all_nodes_are_drawn_apart_where_they_can_be_seen_and_zoomed(autorace):
     nodes = {label for label in labels(autorace) if label.startswith("node ")}
     assert len(nodes) == 25
-    stage = autorace.find_element(By.ID, "stage").rect
+    boxes = rects(autorace, ".box")
+    assert not [
+        (a, b)
+        for a, b in combinations(boxes, 2)
+        if a["left"] < b["right"]
+        and b["left"] < a["right"]
+        and a["top"] < b["bottom"]
+        and b["top"] < a["bottom"]
+    ]
+    (stage,) = rects(autorace, "#stage")
     show_all(autorace)
-    for box in autorace.find_elements(By.CSS_SELECTOR, ".box"):
-        rect = box.rect
-        assert rect["x"] >= stage["x"] - 1
-        assert rect["x"] + rect["width"] <= stage["x"] + stage["width"] + 1
-        assert rect["y"] >= stage["y"] - 1
-
-
-def test_boxes_do_not_overlap(autorace):
-    overlaps = autorace.execute_script("""
-        const boxes = [...document.querySelectorAll(".box")].map((b) => b.getBoundingClientRect());
-        return boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) =>
-            a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)).length;
-    """)
-    assert overlaps == 0
+    for box in rects(autorace, ".box"):
+        assert box["left"] >= stage["left"] - 1
+        assert box["right"] <= stage["right"] + 1
+        assert box["top"] >= stage["top"] - 1
+    box = autorace.find_element(By.CSS_SELECTOR, "[aria-label='node /gazebo']")
+    before = box.rect["width"]
+    click(autorace, "#zoom-in")
+    until(autorace, lambda: box.rect["width"] > 1.2 * before)
+    click(autorace, "#zoom-fit")
+    until(autorace, lambda: abs(box.rect["width"] - before) < 1)
 
 
 def test_a_risk_lights_its_part_and_explains_itself(autorace):
@@ -131,22 +156,22 @@ def test_at_risk_only_leaves_out_the_rest(autorace):
     assert {"topic /cmd_vel", "node /gazebo"} <= after
 
 
-def test_a_filter_hides_a_package(autorace):
+def test_filters_hide_a_package_all_but_one_value_and_everything(autorace):
     click(autorace, "#filters summary")
     click(autorace, "[data-facet=package] input[value=rviz]")
     assert "node /rviz" not in labels(autorace)
     click(autorace, "[data-facet=package] input[value=rviz]")
     assert "node /rviz" in labels(autorace)
-
-
-def test_only_one_value_of_a_filter(autorace):
-    click(autorace, "#filters summary")
     only = autorace.find_element(By.CSS_SELECTOR, "[data-facet=trust] .facet:last-child .only")
     only.send_keys(Keys.ENTER)
     assert "node /detect_lane" not in labels(autorace)
     assert "node /gazebo" in labels(autorace)
     only.send_keys(Keys.ENTER)
     assert "node /detect_lane" in labels(autorace)
+    for value in autorace.find_elements(By.CSS_SELECTOR, "[data-facet=trust] input"):
+        value.click()
+    assert autorace.find_element(By.ID, "empty").is_displayed()
+    assert labels(autorace, ".box > .press") == set()
 
 
 def test_a_node_shows_where_its_endpoints_were_read(opened):
@@ -186,21 +211,14 @@ def test_implicit_endpoints_come_when_asked_for(opened):
     assert labels(page) == {"node /lane", "topic /cmd_vel", "topic /rosout"}
 
 
-def test_leaf_topics_come_when_asked_for(autorace):
-    assert "topic /move_base/feedback" not in labels(autorace)
-    click(autorace, "#leaves")
-    assert "topic /move_base/feedback" in labels(autorace)
-
-
-def test_a_page_with_nothing_left_says_so(autorace):
-    click(autorace, "#filters summary")
-    for value in autorace.find_elements(By.CSS_SELECTOR, "[data-facet=trust] input"):
-        value.click()
-    assert autorace.find_element(By.ID, "empty").is_displayed()
-    assert labels(autorace, ".box > .press") == set()
-
-
-def test_the_saved_picture_stands_alone(autorace):
+def test_the_theme_can_be_chosen_and_the_saved_picture_stands_alone(autorace):
+    found = []
+    for _ in range(2):
+        click(autorace, "#theme")
+        found.append(
+            autorace.execute_script("return getComputedStyle(document.body).backgroundColor")
+        )
+    assert found == ["rgb(246, 247, 249)", "rgb(18, 22, 28)"]
     text = autorace.execute_async_script(
         "const done = arguments[0];"
         "URL.createObjectURL = (blob) => { blob.text().then(done); return '#'; };"
@@ -227,7 +245,9 @@ def test_coordination_nodes_show_their_flows(autorace):
 def test_search_finds_opens_and_chooses(autorace):
     field = autorace.find_element(By.ID, "search")
     assert "topic /move_base/status" not in labels(autorace)
+    assert "topic /move_base/feedback" not in labels(autorace)
     click(autorace, "#leaves")
+    assert "topic /move_base/feedback" in labels(autorace)
     assert "topic /move_base/status" not in labels(autorace)
     field.send_keys("move_base/status", Keys.ENTER)
     assert "topic /move_base/status" in lit(autorace)
@@ -268,28 +288,9 @@ def test_what_is_left_out_comes_when_it_is_chosen(autorace):
     assert autorace.find_element(By.ID, "leaves").get_attribute("aria-pressed") == "true"
 
 
-def test_zoom_and_fit(autorace):
-    box = autorace.find_element(By.CSS_SELECTOR, "[aria-label='node /gazebo']")
-    show_all(autorace)
-    before = box.rect["width"]
-    click(autorace, "#zoom-in")
-    until(autorace, lambda: box.rect["width"] > 1.2 * before)
-    click(autorace, "#zoom-fit")
-    until(autorace, lambda: abs(box.rect["width"] - before) < 1)
-
-
 def until(page, condition):
     """Wait for what the next frame shows."""
     WebDriverWait(page, 10, 0.05).until(lambda _: condition())
-
-
-def test_the_theme_can_be_chosen(autorace):
-    ground = "return getComputedStyle(document.body).backgroundColor"
-    found = []
-    for _ in range(2):
-        click(autorace, "#theme")
-        found.append(autorace.execute_script(ground))
-    assert found == ["rgb(246, 247, 249)", "rgb(18, 22, 28)"]
 
 
 def test_a_stranger_s_markup_is_shown_as_text(opened):
@@ -365,26 +366,25 @@ def screen(chromium):
 
 
 @pytest.mark.parametrize(("width", "height"), [(1300, 900), (390, 844)])
-def test_the_graph_opens_readable(screen, opened, width, height):
+def test_the_graph_opens_readable(screen, chromium, autorace_file, width, height):
     screen(width, height)
-    graph = read_graph(FIXTURES / "autorace.json")
-    report = discover_risks(graph)
-    page = opened(graph, report, propose_plan(graph, report), [HIGH])
+    page = chromium
+    page.get(autorace_file.as_uri())
     WebDriverWait(page, 10).until(lambda page: page.execute_script(LABEL_SIZES))
     assert min(page.execute_script(LABEL_SIZES)) >= 11
     assert len(page.execute_script(LABEL_SIZES)) >= 5
     assert page.execute_script("return document.documentElement.scrollWidth") <= width
 
 
-def test_on_a_phone_a_findings_node_is_in_the_middle_above_its_details(screen, opened, tmp_path):
+def test_on_a_phone_a_findings_node_is_in_the_middle_above_its_details(screen, chromium, tmp_path):
     screen(390, 844)
     graph, path = read_graph(FIXTURES / "autorace.json"), tmp_path / "addressed.html"
     report, finding = discover_risks(graph), replace(HIGH, nodes=(), topics=("/cmd_vel",))
-    page = opened(graph, report, None, [finding])
     path.write_text(graph_to_html(graph, report, None, [finding], {}), encoding="utf-8")
-    page.get(f"{path.as_uri()}#finding:{finding.id}")
-    WebDriverWait(page, 10).until(lambda page: page.execute_script(LABEL_SIZES))
-    top, bottom, lit = page.execute_script("""
+    chromium.get("about:blank")
+    chromium.get(f"{path.as_uri()}#finding:{finding.id}")
+    WebDriverWait(chromium, 10).until(lambda page: page.execute_script(LABEL_SIZES))
+    top, bottom, lit = chromium.execute_script("""
         const rect = (element) => element.getBoundingClientRect();
         const top = (selector) => rect(document.querySelector(selector)).top;
         const lit = [...document.querySelectorAll(".box.lit")].map(rect);

@@ -73,7 +73,7 @@ class CollectorServer:
     def serving(self):
         """Serve until the end of the block."""
         app = FastAPI(lifespan=self._running)
-        app.include_router(router)
+        app.router.routes.extend(router.routes)
         app.state.collector = self.collector
         with serve_app(app, {**serving(ServiceConfig()), "host": "127.0.0.1"}) as self.port:
             yield self

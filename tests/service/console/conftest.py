@@ -10,6 +10,7 @@ from console_fleet import NAMES, Fleet, store_robots
 from console_guard import SimulatedGuard
 from console_robot import FIXTURE, plan
 from harness import wait_for
+from server_thread import bound_socket
 from service_app import PASSWORD, TLS, AccountFactory, serve_in_thread
 
 from chromium import open_chromium
@@ -72,12 +73,19 @@ def fleet_file(migrated_file, tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="session")
+def console_port():
+    """Have one port for all consoles: the browser keeps scripts that it has read from there."""
+    with bound_socket() as holder:
+        yield holder.getsockname()[1]
+
+
 @pytest.fixture
-def console(request, database_file):
+def console(request, database_file, console_port):
     if "silent_fleet" in request.fixturenames:
         shutil.copy(request.getfixturevalue("fleet_file"), database_file)
     app = create_app(ServiceConfig(database=database_file))
-    with serve_in_thread(app) as port:
+    with serve_in_thread(app, port=console_port) as port:
         made = Console(app, port)
         yield made
         made.close()

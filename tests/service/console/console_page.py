@@ -22,6 +22,12 @@ const root = document.querySelector(arguments[0]);
 return [...(root?.querySelectorAll("button, a") ?? [])]
     .filter((each) => strip(each.textContent) === strip(arguments[1]));
 """
+_GO = """
+const [hash, done] = arguments, before = location.href;
+location.hash = hash;
+if (location.href === before) done();
+else addEventListener("hashchange", () => requestAnimationFrame(() => setTimeout(done)));
+"""
 _RECORD_FRAMES = """
 window.receivedFrames = [];
 window.WebSocket = class extends WebSocket {
@@ -96,7 +102,8 @@ class Page:
         self.until(lambda: file.exists() and file.stat().st_size, file.name)
 
     def go(self, view):
-        self.browser.execute_script("location.hash = arguments[0]", f"#/{view}")
+        """Go to a view; it is drawn, but may still be loading."""
+        self.browser.execute_async_script(_GO, f"#/{view}")
 
     def until(self, condition, what="it", seconds=60):
         waiting = WebDriverWait(self.browser, seconds, 0.05, ignored_exceptions=PASSING)
@@ -113,13 +120,13 @@ class Page:
 
     def wait_for_text(self, words, selector="#app"):
         """Wait until these words are shown."""
-        return self.until(lambda: self._shows(words, selector), f"{words!r} in {selector}")
+        return self.until(lambda: self.shows(words, selector), f"{words!r} in {selector}")
 
     def wait_without_text(self, words, selector="#app"):
         """Wait until there is such an element, and these words are not shown in it."""
-        self.until(lambda: not self._shows(words, selector), f"no {words!r} in {selector}")
+        self.until(lambda: not self.shows(words, selector), f"no {words!r} in {selector}")
 
-    def _shows(self, words, selector):
+    def shows(self, words, selector):
         """Tell whether words are shown; the costly look at what is visible comes last."""
         element = self.browser.find_element(By.CSS_SELECTOR, selector)
         return self.browser.execute_script(_HAS_TEXT, selector, words) and words in element.text
@@ -177,6 +184,13 @@ class Page:
         script = self.browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", source)
         yield lambda: self.browser.execute_script("return window.receivedFrames.splice(0);")
         self.browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
+
+    def overflow(self):
+        """Return the width (px) of the page, and by how much the content is wider than its box."""
+        return self.browser.execute_script(
+            "const c = document.getElementById('content');"
+            "return [document.documentElement.scrollWidth, c.scrollWidth - c.clientWidth];"
+        )
 
     def rows(self, selector="tbody tr"):
         return [row.text for row in self.all(selector)]

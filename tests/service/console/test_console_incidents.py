@@ -31,8 +31,11 @@ def test_an_incident_appears_in_the_list_while_one_looks(console, guard, page):
     page.wait_for_text("Incident of turtle1")
 
 
-def test_the_page_shows_command_and_output_and_what_would_have_been(console, guard, page):
+def test_the_page_shows_what_was_and_what_would_have_been_and_is_a_file(
+    console, guard, page, tmp_path
+):
     save(console, guard, a_report())
+    page.download_to(tmp_path)
     page.login("eva", PAGE)
     page.wait_for_text("0.80 m/s instead of 0.22 m/s at +0.00 s; into kitchen after 3.0 s")
     page.find(".chart canvas")
@@ -49,17 +52,16 @@ def test_the_page_shows_command_and_output_and_what_would_have_been(console, gua
     assert "flow1 /teleop 400 0 0 200" in rows
     page.wait_for_text("revision 3")
     page.wait_for_text(f"rtron incident export {NAME}")
-
-
-def test_the_path_is_drawn_with_areas_and_with_what_would_have_been(console, guard, page):
-    save(console, guard, a_report())
-    page.login("eva", PAGE)
     page.wait_for_text("Path, in map")
     was, would_be = page.all(".map polyline")
     assert len(was.get_attribute("points").split()) == 40
     assert len(would_be.get_attribute("points").split()) == 60
     assert page.find(".map .area").get_attribute("points") == "6,1 8,1 8,-2 6,-2"
     assert page.find(".map text").text == "kitchen"
+    page.press("JSON")
+    file = tmp_path / f"{NAME}.json"
+    page.await_download(file)
+    wait_for(lambda: json.loads(file.read_text())["schema"] == "rtron.incident_report/1")
 
 
 def test_an_event_leads_to_its_incident(console, guard, page):
@@ -68,16 +70,6 @@ def test_an_event_leads_to_its_incident(console, guard, page):
     page.login("eva", "robots/turtle1/events")
     page.press("What happened")
     page.wait_for_text("Incident of turtle1")
-
-
-def test_the_report_is_a_file(console, guard, page, tmp_path):
-    save(console, guard, a_report())
-    page.download_to(tmp_path)
-    page.login("eva", PAGE)
-    page.press("JSON")
-    file = tmp_path / f"{NAME}.json"
-    page.await_download(file)
-    wait_for(lambda: json.loads(file.read_text())["schema"] == "rtron.incident_report/1")
 
 
 def test_what_has_no_velocity_and_no_pose_is_shown_without(console, guard, page):

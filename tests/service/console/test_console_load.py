@@ -34,7 +34,7 @@ def test_all_robots_of_a_fleet_are_there_after_few_requests(console, fleet, cold
     assert size <= MOST_BYTES
 
 
-def test_the_data_that_is_shown_first_is_asked_for_once_before_the_scripts_run(console, cold):
+def test_what_is_shown_first_is_asked_for_once_and_the_rest_comes_from_the_cache(console, cold):
     cold.browser.get(console.base)
     cold.wait_for_text("No robot is known yet")
     names = cold.browser.execute_script(
@@ -42,11 +42,6 @@ def test_the_data_that_is_shown_first_is_asked_for_once_before_the_scripts_run(c
         ".filter((each) => each.name.endsWith('/api/v1/me')).map((each) => each.initiatorType);"
     )
     assert names == ["link"]
-
-
-def test_what_comes_again_comes_from_the_cache(console, cold):
-    cold.browser.get(console.base)
-    cold.wait_for_text("No robot is known yet")
     cold.browser.refresh()
     cold.wait_for_text("No robot is known yet")
     again = cold.browser.execute_script(

@@ -134,6 +134,7 @@ def _load_service() -> None:
         import rtron.service.server.http
         import rtron.service.server.oidc_setup  # noqa: F401 - `serve` imports from them
     finally:
+        gc.freeze()
         gc.enable()
 
 

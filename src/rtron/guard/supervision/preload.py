@@ -33,9 +33,8 @@ def preload(config: GuardConfig) -> None:
         with suppress(ImportError):  # ROS 2 is not here: whoever joins it says so
             import_module(f"rtron.{name}")
     prepare_plan(config.plan)
-    gc.enable()
-    gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 def prepare_plan(plan: Plan) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import AsyncIterator
 from contextlib import ExitStack, asynccontextmanager, nullcontext
-from functools import cache
 
 from fastapi import APIRouter, FastAPI
 from prometheus_client import CollectorRegistry
@@ -129,7 +128,7 @@ def _assemble(service: ServiceContext) -> FastAPI:
     counters = app.state.collector.counters
     app.state.registry.register(ServiceMetrics(service, counters, app.state.login_throttle))
     install_error_handlers(app)
-    app.router.routes.extend(_routes())
+    app.router.routes.extend(_ROUTES)
     return app
 
 
@@ -211,9 +210,7 @@ def _rollout_runner(service: ServiceContext) -> RolloutRunner:
     )
 
 
-@cache
 def _routes() -> tuple[BaseRoute, ...]:
-    """Return the routes of every app: to make them takes most of the time that an app takes."""
     api = APIRouter(prefix=API, responses=ERROR_RESPONSES)
     for part in _API_ROUTES:
         api.include_router(part.router)
@@ -223,6 +220,10 @@ def _routes() -> tuple[BaseRoute, ...]:
     routes.include_router(websocket_endpoint.router)
     routes.include_router(console.router)
     return tuple(routes.routes)
+
+
+_ROUTES = _routes()
+"""Those of every app: to make them takes most of the time that an app takes."""
 
 
 def _middleware(config: ServiceConfig) -> list[Middleware]:
