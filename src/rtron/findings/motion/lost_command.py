@@ -61,6 +61,6 @@ RULE = FindingRule(
     name="lost_command",
     title="A motion command reaches nobody",
     consequence="failure: likely, possible where something was not read",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -72,6 +72,6 @@ RULE = FindingRule(
     name="open_command",
     title="Nobody in the app publishes a command that a node obeys",
     consequence="motion: possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

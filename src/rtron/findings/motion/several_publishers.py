@@ -147,6 +147,6 @@ RULE = FindingRule(
     name="several_publishers",
     title="Several nodes command one motion",
     consequence="motion: certain where a reader is known, else likely",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -152,6 +152,6 @@ RULE = FindingRule(
     name="mixed_odometry",
     title="Nodes of one control loop read raw and fused odometry",
     consequence="failure: likely between nodes that need one pose, else possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )
