@@ -11,7 +11,7 @@ nor teleoperation.
 ## What to do
 
 Scan the launch files that send these commands, too. If nobody should send them, guard the topics
-with an empty GRCN.
+with a GRCN without flows, which lets nobody through.
 
 ## When it is silent
 
