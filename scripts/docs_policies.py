@@ -20,8 +20,8 @@ _EXAMPLE = "## Example\n\n"
 INDEX = """\
 # Policies
 
-What a coordination node does with each message is its policy, one page a policy. `rtron explain NAME`
-prints the page. [Leases](../leases.md) and [limits of the velocity](../missions.md) show plans.
+What a coordination node does with each message is its policy. `rtron explain NAME` prints its
+page. [Leases](../leases.md) and [limits of the velocity](../missions.md) show plans.
 
 | policy | what it does |
 |---|---|
