@@ -1,4 +1,4 @@
-"""Write docs/policies/<Name>.md from each policy's docstring and table.
+"""Write docs/policies/<Name>.md from each policy's docstring and table, and their index.
 
 With --check, write nothing, name the pages that are stale and exit 1 if there are any.
 """
@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 from rtron.policies import POLICIES, Policy
 from rtron.policies.state_machine import TableEnum, TransitionEffect, TransitionTable
@@ -16,20 +17,42 @@ from rtron.vocabulary import PolicyName, PolicySettings
 PAGES = Path(__file__).parent.parent / "docs" / "policies"
 _EXAMPLE = "## Example\n\n"
 
+INDEX = """\
+# Policies
+
+What a coordination node does with each message is its policy. `rtron explain NAME` prints its
+page. [Leases](../leases.md) and [limits of the velocity](../missions.md) show plans.
+
+| policy | what it does |
+|---|---|
+{rows}
+"""
+
+
+def index() -> str:
+    """Return the index of the policies in Markdown."""
+    return INDEX.format(rows="\n".join(map(_row, POLICIES.items())))
+
+
+def _row(item: tuple[PolicyName, Callable[[PolicySettings], Policy]]) -> str:
+    name, policy = item
+    return f"| [{name}]({name}.md) | {_summary(name, import_module(policy.__module__))} |"
+
+
+def _summary(name: PolicyName, module: ModuleType) -> str:
+    summary = (module.__doc__ or "").strip().split("\n", 1)[0].removeprefix(f"{name}: ")
+    return f"{summary[0].upper()}{summary[1:]}"
+
 
 def policy_page(name: PolicyName, policy: Callable[[PolicySettings], Policy]) -> str:
     """Return a policy's page in Markdown."""
     module = import_module(policy.__module__)
-    summary, text = (module.__doc__ or "").strip().split("\n", 1)
-    text, example = text.split(_EXAMPLE)
-    summary = summary.removeprefix(f"{name}: ")
+    _, text = (module.__doc__ or "").strip().split("\n", 1)
+    text, _ = text.split(_EXAMPLE)
     first = _first_with(module.TABLE)
     others = f"The states and transitions are those of [{first}]({first}.md#states)."
     states = "\n".join(_states(module.TABLE)) if first == name else others
-    return (
-        f"# {name}\n\n{summary[0].upper()}{summary[1:]}\n{text}{states}\n\n"
-        f"{_EXAMPLE}```pycon\n{example}\n```\n"
-    )
+    return f"# {name}\n\n{_summary(name, module)}\n{text}{states}\n"
 
 
 def _first_with(table: TransitionTable[TableEnum, TableEnum]) -> PolicyName:
@@ -74,6 +97,7 @@ def _merged(
 def stale(pages: Path) -> dict[Path, str]:
     """Return what should stand in each page that does not."""
     wanted = {pages / f"{name}.md": policy_page(name, made) for name, made in POLICIES.items()}
+    wanted[pages / "README.md"] = index()
     return {
         path: page
         for path, page in wanted.items()

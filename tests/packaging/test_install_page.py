@@ -19,7 +19,7 @@ _OWN_DOMAIN = "ROS_DOMAIN_ID=42 "
 @pytest.mark.long
 def test_a_stranger_gets_to_a_guarded_app(ros2, tmp_path):
     install, *blocks = BLOCKS
-    assert 'pip install "rtron[ros2]"' in install
+    assert 'pip install "./rtron[ros2]"' in install
     for name, words in COMMANDS.items():
         program = tmp_path / "bin" / name
         program.parent.mkdir(exist_ok=True)

@@ -125,6 +125,6 @@ RULE = FindingRule(
     name="arbiter",
     title="An arbiter decides between commands",
     consequence="oddity",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

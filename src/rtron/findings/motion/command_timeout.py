@@ -207,6 +207,6 @@ RULE = FindingRule(
     name="command_timeout",
     title="A base keeps its last command for ever",
     consequence="motion: certain by a parameter, likely from source",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

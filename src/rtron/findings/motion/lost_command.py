@@ -2,9 +2,10 @@
 
 ## What it finds
 
-Nobody subscribes a topic that commands motion, while another of its type is obeyed that it likely
-means: the same name in another namespace, a similar name beside it, or the only obeyed topic of the
-same actuator that nobody publishes. What the node commands, such as a stop, never happens.
+Nobody subscribes to a topic that commands motion, and a node obeys another topic of its type, which
+the publisher likely means: the same name in another namespace, a similar name beside it, or the
+only obeyed topic of the same actuator that nobody publishes. What the publisher commands, such as a
+stop, never happens.
 
 For example, `/collision_monitor` publishes `/cmd_vel`, and `/wheel_controller` obeys `/wheel_cmd`.
 
@@ -61,6 +62,6 @@ RULE = FindingRule(
     name="lost_command",
     title="A motion command reaches nobody",
     consequence="failure: likely, possible where something was not read",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -192,6 +192,6 @@ RULE = FindingRule(
     name="network_bridge",
     title="A node opens the graph to the network",
     consequence="motion: certain; likely where only its include is seen, possible where local",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

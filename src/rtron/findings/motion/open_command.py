@@ -11,7 +11,7 @@ nor teleoperation.
 ## What to do
 
 Scan the launch files that send these commands, too. If nobody should send them, guard the topics
-with an empty GRCN.
+with a GRCN without flows, which lets nobody through.
 
 ## When it is silent
 
@@ -72,6 +72,6 @@ RULE = FindingRule(
     name="open_command",
     title="Nobody in the app publishes a command that a node obeys",
     consequence="motion: possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -86,6 +86,6 @@ RULE = FindingRule(
     name="power_command",
     title="Any node can switch the robot off or restart it",
     consequence="failure: likely",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

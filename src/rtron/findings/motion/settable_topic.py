@@ -51,6 +51,6 @@ RULE = FindingRule(
     name="settable_topic",
     title="A parameter decides by which topic a node moves the robot",
     consequence="oddity",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

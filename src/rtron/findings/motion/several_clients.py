@@ -80,6 +80,6 @@ RULE = FindingRule(
     name="several_clients",
     title="Several nodes send goals that move the robot to one action",
     consequence="motion: possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -3,8 +3,8 @@
 ## What it finds
 
 A topic that commands motion (a velocity, a setpoint, a trajectory) has more than one publisher. The
-base obeys whoever published last. It counts though no reader is known, and where a node passes an
-arbiter by.
+base obeys whoever published last. A topic without a known reader counts, too, and so does a node
+that publishes past an arbiter.
 
 For example, `/move_base` and `/teleop` publish `/cmd_vel`; `/base_driver`, which was not read, may
 obey.
@@ -141,6 +141,6 @@ RULE = FindingRule(
     name="several_publishers",
     title="Several nodes command one motion",
     consequence="motion: certain where a reader is known, else likely",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

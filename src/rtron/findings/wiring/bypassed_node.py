@@ -99,6 +99,6 @@ RULE = FindingRule(
     name="bypassed_node",
     title="A node ignores a filtered topic",
     consequence="motion or failure: possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -93,6 +93,6 @@ RULE = FindingRule(
     name="double_frame",
     title="Two nodes broadcast the transform of one frame",
     consequence="failure: likely",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

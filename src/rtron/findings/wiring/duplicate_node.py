@@ -64,6 +64,6 @@ RULE = FindingRule(
     name="duplicate_node",
     title="Two nodes have one name",
     consequence="failure: likely",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

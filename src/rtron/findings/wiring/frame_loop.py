@@ -48,6 +48,6 @@ RULE = FindingRule(
     name="frame_loop",
     title="The transforms form a loop",
     consequence="failure: likely",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -169,6 +169,6 @@ RULE = FindingRule(
     name="idle_remap",
     title="A remap changes nothing",
     consequence="failure: likely where it leaves a topic without its other end, else possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

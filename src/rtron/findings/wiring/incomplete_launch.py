@@ -61,6 +61,6 @@ RULE = FindingRule(
     name="incomplete_launch",
     title="Nodes need what this launch does not start",
     consequence="failure: possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -119,6 +119,6 @@ RULE = FindingRule(
     name="missed_state",
     title="A reader that starts later never learns a latched state",
     consequence="failure, or motion on a topic that commands it: likely",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

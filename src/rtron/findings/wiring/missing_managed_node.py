@@ -91,6 +91,6 @@ RULE = FindingRule(
     name="missing_managed_node",
     title="A lifecycle manager waits for a node that is not there",
     consequence="failure: likely where the launch starts other nodes of it, else possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

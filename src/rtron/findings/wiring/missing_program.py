@@ -91,6 +91,6 @@ RULE = FindingRule(
     name="missing_program",
     title="A launch file starts, includes or loads what is not there",
     consequence="failure: likely",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -55,6 +55,6 @@ RULE = FindingRule(
     name="mistyped_parameter",
     title="A launch gives a parameter another type than its node declares",
     consequence="failure: likely",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -2,7 +2,7 @@
 
 ## What it finds
 
-Of two nodes of which one sends the other commands of motion, one reads an odometry as its source
+One node sends commands of motion to another one. One of the two reads an odometry as its source
 sends it, the other what a filter makes of it. The robot swings, or misses its goal.
 
 For example, `/ekf` makes `/odometry/filtered` of `/odom`. `/controller_server` reads
@@ -152,6 +152,6 @@ RULE = FindingRule(
     name="mixed_odometry",
     title="Nodes of one control loop read raw and fused odometry",
     consequence="failure: likely between nodes that need one pose, else possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

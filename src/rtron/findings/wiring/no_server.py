@@ -142,6 +142,6 @@ RULE = FindingRule(
     name="no_server",
     title="A node calls a service or an action that nobody offers, and a near name is offered",
     consequence="failure: likely where all nodes were read, else possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -130,6 +130,6 @@ RULE = FindingRule(
     name="qos_mismatch",
     title="The QoS of two ends of a topic do not fit",
     consequence="failure, or motion on a topic that commands it: certain",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

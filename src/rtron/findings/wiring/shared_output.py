@@ -55,6 +55,6 @@ RULE = FindingRule(
     name="shared_output",
     title="Two instances of one program publish one topic",
     consequence="failure: possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

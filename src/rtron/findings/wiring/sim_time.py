@@ -71,6 +71,6 @@ RULE = FindingRule(
     name="sim_time",
     title="Some nodes follow simulated time, others do not",
     consequence="failure: certain",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -115,6 +115,6 @@ RULE = FindingRule(
     name="stray_frame",
     title="A frame that is used is in no transform",
     consequence="failure: likely where it is looked up and a near one is there, else possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

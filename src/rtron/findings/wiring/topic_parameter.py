@@ -48,6 +48,6 @@ RULE = FindingRule(
     name="topic_parameter",
     title="A parameter names a topic that nobody uses",
     consequence="failure: possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -101,6 +101,6 @@ RULE = FindingRule(
     name="type_mismatch",
     title="The ends of a topic have different message types",
     consequence="failure, motion on a topic that commands it: certain; possible by distribution",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

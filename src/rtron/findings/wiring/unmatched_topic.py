@@ -146,6 +146,6 @@ RULE = FindingRule(
     name="unmatched_topic",
     title="A node subscribes a topic that nobody publishes, and a near name is published",
     consequence="failure: likely where nobody subscribes the near name, else possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

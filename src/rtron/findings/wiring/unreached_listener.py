@@ -56,6 +56,6 @@ RULE = FindingRule(
     name="unreached_listener",
     title="A remap of /tf does not reach a transform listener",
     consequence="failure: likely, possible where nobody publishes the remapped topic",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )

@@ -91,6 +91,6 @@ RULE = FindingRule(
     name="unread_parameter",
     title="A launch sets parameters that their node does not declare or read",
     consequence="failure: likely where the node knows a near name, else possible",
-    since="0.2.0",
+    since="0.1.0",
     check=check,
 )
