@@ -98,7 +98,6 @@ def scan(  # noqa: PLR0913 - one for each option
     $ rtron scan src --launch pkg/app.launch --level auditor
     $ rtron scan src --launch pkg/app.launch --format html -o app.html
     $ rtron scan src --launch pkg/app.launch.py  ROS 2: .py, .xml, .yaml
-    $ rtron scan src --launch pkg/app.launch.py --execute-launch
     $ rtron scan --live --format graph --fail-on never -o graph.json
     $ rtron scan --live --ros 2 --domain 7       the app in ROS 2 domain 7
     $ rtron scan graph.json --format json --fail-on high
@@ -109,9 +108,6 @@ def scan(  # noqa: PLR0913 - one for each option
 
     rtron.toml ignores a finding by rule and topic, with a reason; in your own
     code a comment does: `rtron: ignore[RULE] REASON`.
-
-    Only --execute-launch runs code of the app: the Python of its launch files.
-    Never use it on files that you do not trust.
 
     Exit code: 0 nothing that is shown has the severity --fail-on, 1 something
     has, or nothing of the app could be read, 2 bad input. The paper's risks

@@ -35,8 +35,7 @@ class LaunchStart:
     process the whole of it. `parameters_complete` says that every parameter file is known,
     `extra_arguments` are a component's extra arguments. `conditions` are those that it stands
     under, `is_uncertain` says that one of them is not known. `awaited_event` is what it waits for.
-    `include_chain` has the includes around, outermost first. `executed` says that the launch file
-    was run to find it; conditions and chain are not known then.
+    `include_chain` has the includes around, outermost first.
     """
 
     kind: StartKind
@@ -57,7 +56,6 @@ class LaunchStart:
     awaited_event: str = ""
     evidence: Evidence
     include_chain: tuple[Evidence, ...] = ()
-    executed: bool = False
 
     @property
     def full_name(self) -> str:
