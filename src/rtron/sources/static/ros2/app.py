@@ -134,7 +134,7 @@ def _unique_generated_files(app_launches: Sequence[AppLaunch]) -> dict[str, Yaml
 
 def _check_content(launch: AppLaunch) -> None:
     """Raise InputError for a launch file that tells nothing."""
-    if launch.unresolved and not (launch.starts or launch.includes or launch.arguments):
+    if launch.unresolved and not (launch.starts or launch.has_includes or launch.arguments):
         first = launch.unresolved[0]
         line = first.evidence[0].line if first.evidence else 0
         message = f"nothing that it starts can be read: {first.what}: {first.why}"
