@@ -54,8 +54,7 @@ ROS2_PARTS = {
     "ros2_cell": "cell.figures_ros2:figures",
 }
 """Need rclpy: these run where it is installed, the others where it is not."""
-ZENOH_PARTS = {"zenoh": "zenoh.access:figures"} if find_spec("zenoh") else {}
-AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS | ZENOH_PARTS
+AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS
 OUTPUT = ROOT / "build" / "bench.json"
 
 

@@ -182,8 +182,7 @@ def test_no_arguments_show_the_help(rtron):
     [
         ("rtron sc", b"scan"),
         ("rtron --ver", b"--version"),
-        ("rtron scan --exec", b"--execute-launch"),
-        ("rtron plan --launch-", b"--launch-python"),
+        ("rtron scan --env-", b"--env-all"),
         ("rtron explain gr", b"gr_st"),
         ("rtron explain Pre", b"Preemption"),
     ],

@@ -125,9 +125,6 @@ def select_app(selection: AppSelection, progress: Progress = ignore_progress) ->
 
 def _select_app(selection: AppSelection, progress: Progress) -> SelectedApp:
     paths = selection.paths
-    if selection.source.execute and not selection.folders:
-        help = "give folders with source, and --launch"
-        raise InputError("--execute-launch without an app in source", help=help)
     if paths and selection.live:
         help = "leave one of the two out"
         raise InputError(f"both {paths[0]} and --live are given", help=help)

@@ -15,7 +15,6 @@ from rtron.workflows.launch_arguments import parse_assignments
 if TYPE_CHECKING:
     from rtron.sources.launch.common.environment import LaunchEnvironment
     from rtron.sources.launch.common.launch_file import LaunchFileInfo
-    from rtron.sources.launch.ros2.executed.execution import Execution
     from rtron.sources.workspace import Workspace
     from rtron.sources.workspace.distro_guess import DistroGuess
 
@@ -24,10 +23,9 @@ if TYPE_CHECKING:
 class SourceOptions:
     """The options that only an app in source has.
 
-    Each of `launches` is a launch file with its own arguments, quoted as in a shell. `execute`
-    allows the Python of ROS 2 launch files to run, in the interpreter `python`. `env` are variables
-    as `given_environment` takes them, `env_all` takes all of the user's. `start_method` is that of
-    ScanOptions.
+    Each of `launches` is a launch file with its own arguments, quoted as in a shell. `env`
+    are variables as `given_environment` takes them, `env_all` takes all of the user's.
+    `start_method` is that of ScanOptions.
     """
 
     launches: Sequence[str] = ()
@@ -36,16 +34,12 @@ class SourceOptions:
     jobs: int | None = None
     use_cache: bool = True
     start_method: str | None = None
-    execute: bool = False
-    python: str | None = None
 
     @property
     def command_line(self) -> list[str]:
         """The words of a command line that choose the same app."""
         words = [word for launch in self.launches for word in ("--launch", launch)]
-        words += self.environment_options
-        words += ["--execute-launch"] if self.execute else []
-        return words + (["--launch-python", self.python] if self.python else [])
+        return words + self.environment_options
 
     @property
     def environment_options(self) -> list[str]:
@@ -64,7 +58,6 @@ class WorkspaceSource:
     options: ScanOptions
     workspace: "Workspace"
     ros: int = 1
-    execution: "Execution | None" = None
     distro: "DistroGuess | None" = None
 
     def read(self) -> InteractionGraph:
@@ -91,9 +84,7 @@ class WorkspaceSource:
         if self.ros > 1:
             from rtron.sources.static.ros2.app import scan_ros2_app  # noqa: PLC0415 - only one is needed
 
-            return scan_ros2_app(
-                self.folders, self.launches, self.environ, self.options, self.execution
-            )
+            return scan_ros2_app(self.folders, self.launches, self.environ, self.options)
         from rtron.sources.static.ros1.app import scan_app  # noqa: PLC0415 - likewise
 
         return scan_app(self.folders, self.launches, self.environ, self.options).graph
@@ -139,7 +130,6 @@ def open_workspace_source(
         ),
         workspace,
         ros,
-        _launch_execution(options, ros),
         distro,
     )
 
@@ -157,18 +147,6 @@ def static_scan_options(jobs: int | None, *, use_cache: bool, progress: Progress
 
     options = ScanOptions(cache=user_cache_folder() if use_cache else None, progress=progress)
     return replace(options, workers=jobs) if jobs else options
-
-
-def _launch_execution(choice: SourceOptions, ros: int) -> "Execution | None":
-    """Return how launch files are executed; raise InputError where they cannot be."""
-    from rtron.sources.launch.ros2.executed.execution import Execution  # noqa: PLC0415 - likewise
-
-    if choice.python and not choice.execute:
-        raise InputError("--launch-python without --execute-launch", help="give both, or none")
-    if choice.execute and ros == 1:
-        help = "leave it out: launch files of ROS 1 hold no Python"
-        raise InputError("--execute-launch is for launch files of ROS 2", help=help)
-    return Execution(python=choice.python) if choice.execute else None
 
 
 def _single_generation(generations: Mapping[Path, int]) -> int:

@@ -65,7 +65,7 @@ def forge(folder, keystore, domain):
     """Return a keystore of an insider: the identity of /nav, and permissions of its own making."""
     everything = frozenset(AccessRight(kind, "/*") for kind in RightKind)
     nav = ProcessAccess(name="/nav", nodes=(NodeAccess(node="/nav", rights=everything),))
-    access = AppAccess(app="robot", processes=(nav,))
+    access = AppAccess(processes=(nav,))
     write(folder, access, now=datetime.now(timezone.utc), domain=domain)
     stolen = ("public/identity_ca.cert.pem", "public/crl.pem")
     for name in (*stolen, "enclaves/nav/cert.pem", "enclaves/nav/key.pem"):

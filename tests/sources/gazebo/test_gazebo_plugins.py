@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.sources.gazebo import PluginScope, Sensor, plugin_library, read_plugins
+from rtron.sources.gazebo import Sensor, plugin_library, read_plugins
 from rtron.sources.xacro import parse_element
 from rtron.vocabulary import Evidence
 
@@ -28,7 +28,7 @@ URDF = """<?xml version="1.0" encoding="utf-8"?>
 
 def test_the_plugins_of_a_urdf():
     drive, eyes, bare = read_plugins(parse_element(URDF, "robot.urdf"))
-    assert (drive.filename, drive.name, drive.scope) == ("drive", "drive", PluginScope.MODEL)
+    assert (drive.filename, drive.name) == ("drive", "drive")
     assert drive.values == {
         "topic": "cmd_vel",
         "joint": ["a", "b", "c"],
@@ -37,7 +37,7 @@ def test_the_plugins_of_a_urdf():
     }
     assert drive.evidence == Evidence(file="robot.urdf", line=5)
     assert (drive.sensor, drive.link) == (None, "")
-    assert (eyes.filename, eyes.link, eyes.scope) == ("eyes", "camera_link", PluginScope.SENSOR)
+    assert (eyes.filename, eyes.link) == ("eyes", "camera_link")
     assert eyes.sensor == Sensor(type="multicamera", name="eyes", cameras=("left", "right"))
     assert (bare.filename, bare.name) == ("", "")
 

@@ -3,7 +3,7 @@
 import pytest
 
 from rtron.errors import InputError
-from rtron.sources.gazebo import PluginScope, read_world
+from rtron.sources.gazebo import read_world
 
 MODEL = """<sdf version="1.5"><model name="bot"><link name="base">
 <sensor type="camera" name="eye"><plugin filename="libcamera.so" name="c"/></sensor>
@@ -34,7 +34,7 @@ def include(uri, more=""):
 
 
 def facts(fake_study):
-    return [(p.filename, str(p.scope), p.model, p.link) for p in fake_study.plugins]
+    return [(p.filename, p.model, p.link) for p in fake_study.plugins]
 
 
 def test_plugins_of_world_model_sensor_and_gui(world):
@@ -44,10 +44,10 @@ def test_plugins_of_world_model_sensor_and_gui(world):
         'filename="libd.so"/></model></model></world>'
     )
     assert facts(found) == [
-        ("a", "world", "", ""),
-        ("b", "gui", "", ""),
-        ("c", "model", "m", ""),
-        ("d", "model", "m::n", ""),
+        ("a", "", ""),
+        ("b", "", ""),
+        ("c", "m", ""),
+        ("d", "m::n", ""),
     ]
 
 
@@ -59,9 +59,9 @@ def test_a_model_is_found(by, world, models):
     }
     found = world(include("model://bot"), **given[by])
     assert facts(found) == [
-        ("camera", "sensor", "bot", "base"),
-        ("video", "visual", "bot", "base"),
-        ("drive", "model", "bot", ""),
+        ("camera", "bot", "base"),
+        ("video", "bot", "base"),
+        ("drive", "bot", ""),
     ]
     assert found.plugins[0].evidence.file == str(models / "bot" / "model.sdf")
     assert found.plugins[0].evidence.line == 2
@@ -73,7 +73,6 @@ def test_an_include_may_rename_its_model_and_add_a_plugin(world, models):
     found = world(include("model://bot", more), packages={"pkg": models.parent})
     assert {plugin.model for plugin in found.plugins} == {"two"}
     assert found.plugins[-1].filename == "own"
-    assert found.plugins[-1].scope is PluginScope.MODEL
 
 
 def test_a_models_config_names_its_newest_file(world, models):

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[3] / "src" / "rtron"
-_LIBRARIES = ("rclpy", "launch", "launch_ros", "action_msgs", "rosidl_runtime_py")
+_LIBRARIES = ("rclpy", "action_msgs", "rosidl_runtime_py")
 _C_FUNCTION = re.compile(r"(?:rcl|rmw|rcutils)_[a-z0-9_]+(?<!_t)")
 _NAMED_FUNCTION = re.compile(r"rcl_[a-z0-9_]+(?<!_t)")
 _OBJECTS = {
@@ -32,21 +32,16 @@ _OBJECTS = {
     "impl": "action class",
 }
 """The owner of what is used of the objects of rclpy that are called so."""
-_LAUNCH_OBJECTS = dict.fromkeys(
-    ("action", "context", "handler", "timer", "target", "substitution"), "launch's object"
-)
 _ROOMS = {
     "wire/ros2": {**_OBJECTS, "context": "Context", "info": "TopicEndpointInfo"},
     "guard/transport/ros2": _OBJECTS,
     "sources/live/ros2": {"_node": "Node"},
-    "sources/launch/ros2/executed/visit": _LAUNCH_OBJECTS,
 }
 _OTHERS = frozenset(
     {"Subscription.close", "TopicEndpointInfo.gid", "TopicEndpointInfo.node_entities_info_seq"}
 )
 """Uses of the transport's own `Subscription`, and of a message, which a variable is called for."""
 _ANNOTATED = ("Node", "QoSProfile", "Duration", "TopicEndpointInfo")
-_WRAPPERS = ("_wrap_method", "_replace_attribute")
 
 Alternatives = frozenset[str]
 """The names of which a release must have one."""
@@ -124,24 +119,17 @@ class _Reader(ast.NodeVisitor):
             self.generic_visit(node)
 
     def visit_Call(self, node: ast.Call) -> None:
-        """Take the keywords that a library is called with, and methods named in strings."""
+        """Take the keywords that a library is called with."""
         name = self._name(node.func)
         for each in node.keywords if name else ():
             if each.arg:
                 self._add(f"{name}({each.arg})", node)
-        if isinstance(node.func, ast.Name) and node.func.id in _WRAPPERS:
-            self._add_wrapped(node)
         self.generic_visit(node)
 
     def visit_Constant(self, node: ast.Constant) -> None:
         """Take a function of C that a string names."""
         if isinstance(node.value, str) and _NAMED_FUNCTION.fullmatch(node.value):
             self._add(node.value, node)
-
-    def _add_wrapped(self, node: ast.Call) -> None:
-        owner, name = self._name(node.args[0]), node.args[1]
-        if owner and isinstance(name, ast.Constant):
-            self._add(f"{owner}.{name.value}", node)
 
     def _imported(self, node: ast.stmt) -> list[str]:
         """Return what an import takes from a library, and know it by its name from now on."""

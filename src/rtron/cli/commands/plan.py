@@ -65,7 +65,6 @@ def plan(
     $ rtron plan graph.json                show the proposal
     $ rtron plan src --launch pkg/app.launch -o rtron.yaml
     $ rtron plan src/pkg/launch/app.launch    with the source of its package
-    $ rtron plan src --launch pkg/app.launch.py --execute-launch
     $ rtron plan graph.json -o rtron.yaml  write it; an older one becomes .bak
     $ rtron plan graph.json -o -           print the YAML
     $ rtron plan --live -o rtron.yaml      for the running app
@@ -80,8 +79,6 @@ def plan(
 
     `--from-run` proposes priorities, times and frame thresholds, with the
     measurements behind each. See docs/tuning.md.
-
-    --execute-launch RUNS the Python of the app's launch files, as in rtron scan.
 
     Exit code: 0 proposed; 1 proposed, but the plan guards nothing; 2 bad input.
     """

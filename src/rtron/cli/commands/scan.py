@@ -20,8 +20,6 @@ class Format(str, Enum):
     TEXT = "text"
     JSON = "json"
     GRAPH = "graph"
-    NODL = "nodl"
-    ROSGRAPH = "rosgraph"
     DOT = "dot"
     SARIF = "sarif"
     HTML = "html"
@@ -50,10 +48,7 @@ def scan(  # noqa: PLR0913 - one for each option
     *,
     format: Annotated[
         Format,
-        typer.Option(
-            help="Report, risks as JSON, graph as JSON, NoDL, rosgraph_msgs/Graph, DOT, SARIF, "
-            "or an HTML page."
-        ),
+        typer.Option(help="Report, risks as JSON, graph as JSON, DOT, SARIF, or an HTML page."),
     ] = Format.TEXT,
     level: Annotated[
         Level,
@@ -98,20 +93,15 @@ def scan(  # noqa: PLR0913 - one for each option
     $ rtron scan src --launch pkg/app.launch --level auditor
     $ rtron scan src --launch pkg/app.launch --format html -o app.html
     $ rtron scan src --launch pkg/app.launch.py  ROS 2: .py, .xml, .yaml
-    $ rtron scan src --launch pkg/app.launch.py --execute-launch
     $ rtron scan --live --format graph --fail-on never -o graph.json
     $ rtron scan --live --ros 2 --domain 7       the app in ROS 2 domain 7
     $ rtron scan graph.json --format json --fail-on high
     $ rtron scan run.bag                         the publishers in a recording
-    $ rtron scan graph.json --format nodl -o nodes   ROS 2: a file for each node
     $ rtron scan src --launch pkg/app.launch --format json -o last.json
     $ rtron scan src --launch pkg/app.launch --baseline last.json    what is new
 
     rtron.toml ignores a finding by rule and topic, with a reason; in your own
     code a comment does: `rtron: ignore[RULE] REASON`.
-
-    Only --execute-launch runs code of the app: the Python of its launch files.
-    Never use it on files that you do not trust.
 
     Exit code: 0 nothing that is shown has the severity --fail-on, 1 something
     has, or nothing of the app could be read, 2 bad input. The paper's risks

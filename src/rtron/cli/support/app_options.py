@@ -10,11 +10,9 @@ from rtron.cli.support.options import (
     Domain,
     Env,
     EnvAll,
-    Execute,
     Inputs,
     Jobs,
     Launches,
-    LaunchPython,
     Live,
     LiveTimeout,
     Master,
@@ -52,8 +50,6 @@ def _app_selection(  # noqa: PLR0913 - one for each option
     launch: Launches = None,
     env: Env = None,
     env_all: EnvAll = False,
-    execute_launch: Execute = False,
-    launch_python: LaunchPython = None,
     live: Live = False,
     master: Master = DEFAULT_MASTER,
     ros: RosOption = RosGeneration.AUTO,
@@ -71,8 +67,6 @@ def _app_selection(  # noqa: PLR0913 - one for each option
         env_all=env_all,
         jobs=jobs,
         use_cache=not no_cache,
-        execute=execute_launch,
-        python=launch_python,
     )
     running = LiveApp(ros=ros, master=master, domain=domain, timeout=timeout)
     given = AppSelection(inputs=inputs or (), live=running if live else None, source=source)

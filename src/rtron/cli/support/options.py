@@ -56,24 +56,6 @@ Env = Annotated[
 EnvAll = Annotated[
     bool, typer.Option("--env-all", help="Your whole environment is the app's, as at a launch.")
 ]
-Execute = Annotated[
-    bool,
-    typer.Option(
-        "--execute-launch",
-        help="RUN the Python of ROS 2 launch files, with your rights, where RTron cannot resolve "
-        "something statically. Needs ROS 2's launch library. The nodes themselves do not start.",
-    ),
-]
-LaunchPython = Annotated[
-    str | None,
-    typer.Option(
-        "--launch-python",
-        metavar="PYTHON",
-        help="The Python with ROS 2's launch library, for --execute-launch; by default that of "
-        "`ros2`.",
-        show_default=False,
-    ),
-]
 Jobs = Annotated[
     int | None,
     typer.Option(

@@ -67,7 +67,6 @@ def app_access(graph: InteractionGraph, plan: Plan, *, operator: bool = False) -
     processes += _processes(graph, nodes)
     _refuse_shared_names(processes)
     return AppAccess(
-        app=plan.app,
         processes=tuple(processes),
         doubts=tuple(dict.fromkeys((*rights.doubts, *_unread(graph)))),
     )

@@ -85,7 +85,6 @@ class AccessDoubt:
 class AppAccess:
     """The processes of a guarded app, the guard's own first, and what may break."""
 
-    app: str
     processes: tuple[ProcessAccess, ...]
     doubts: tuple[AccessDoubt, ...] = ()
 

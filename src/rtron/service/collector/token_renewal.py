@@ -2,12 +2,12 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Collection, Mapping
-from typing import Protocol
+from collections.abc import Callable, Mapping
 
 from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.domain.errors import ConflictError
+from rtron.service.store.accounts.tokens import GuardTokens
 
 log = logging.getLogger(__name__)
 
@@ -16,26 +16,10 @@ _MAX_AT_A_TIME = 20
 _RETRY_AFTER_S = 3600.0
 
 
-class RenewableTokens(Protocol):
-    """The tokens of guards in the database; called in threads."""
-
-    def find_due(self, secrets: Collection[str]) -> Collection[str]:
-        """Return those of the tokens that are to be renewed."""
-
-    def renew(self, secret: str) -> str | None:
-        """Return the next secret of a token; None if the token is over.
-
-        ConflictError if it is being renewed already.
-        """
-
-    def promote(self, secret: str) -> None:
-        """Let a next secret replace the one before."""
-
-
 class TokenRenewal:
     """Offers new tokens to the guards that take them, while it runs; used in the event loop."""
 
-    def __init__(self, tokens: RenewableTokens, interval_s: float) -> None:
+    def __init__(self, tokens: GuardTokens, interval_s: float) -> None:
         self._tokens = tokens
         self._interval_s = interval_s
         self._connections: dict[object, tuple[str, Callable[[str], None]]] = {}

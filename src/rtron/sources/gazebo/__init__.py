@@ -2,7 +2,6 @@
 
 from rtron.sources.gazebo.plugins import (
     GazeboPlugin,
-    PluginScope,
     PluginValue,
     Sensor,
     plugin_library,
@@ -13,7 +12,6 @@ from rtron.sources.gazebo.world import GazeboWorld, model_folders, read_world
 __all__ = [
     "GazeboPlugin",
     "GazeboWorld",
-    "PluginScope",
     "PluginValue",
     "Sensor",
     "model_folders",

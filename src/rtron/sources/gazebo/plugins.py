@@ -10,20 +10,9 @@ from pathlib import PurePosixPath
 from typing import TypeAlias
 
 from rtron.sources.xacro import XmlElement
-from rtron.vocabulary import Evidence, StringEnum
+from rtron.vocabulary import Evidence
 
 PluginValue: TypeAlias = "str | dict[str, PluginValue] | list[PluginValue]"
-
-
-class PluginScope(StringEnum):
-    """What a plugin is attached to."""
-
-    SYSTEM = "system"
-    WORLD = "world"
-    MODEL = "model"
-    SENSOR = "sensor"
-    VISUAL = "visual"
-    GUI = "gui"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +34,6 @@ class GazeboPlugin:
 
     filename: str
     name: str
-    scope: PluginScope
     values: Mapping[str, PluginValue] = field(default_factory=dict)
     sensor: Sensor | None = None
     link: str = ""
@@ -55,9 +43,8 @@ class GazeboPlugin:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PluginContext:
-    """What stands around an element: model, link, sensor, and what a plugin there belongs to."""
+    """The model, the link and the sensor around an element."""
 
-    scope: PluginScope = PluginScope.SYSTEM
     model: str = ""
     link: str = ""
     sensor: Sensor | None = None
@@ -67,21 +54,12 @@ class PluginContext:
         name = element.attributes.get("name", "")
         if element.tag == "model":
             model = f"{self.model}::{name}" if self.model else name
-            return PluginContext(scope=PluginScope.MODEL, model=model)
+            return PluginContext(model=model)
         if element.tag == "link":
             return replace(self, link=name)
         if element.tag == "sensor":
-            return replace(self, scope=PluginScope.SENSOR, sensor=_read_sensor(element))
-        if element.tag in _SCOPES:
-            return replace(self, scope=_SCOPES[element.tag])
+            return replace(self, sensor=_read_sensor(element))
         return self
-
-
-_SCOPES: Mapping[str, PluginScope] = {
-    "gui": PluginScope.GUI,
-    "visual": PluginScope.VISUAL,
-    "world": PluginScope.WORLD,
-}
 
 
 def read_plugins(root: XmlElement) -> tuple[GazeboPlugin, ...]:
@@ -94,7 +72,9 @@ def read_plugins(root: XmlElement) -> tuple[GazeboPlugin, ...]:
     return tuple(
         plugin
         for gazebo in root.elements("gazebo")
-        for plugin in read_plugins_below(gazebo, _gazebo_element_context(gazebo))
+        for plugin in read_plugins_below(
+            gazebo, PluginContext(link=gazebo.attributes.get("reference", ""))
+        )
     )
 
 
@@ -115,7 +95,6 @@ def read_plugin(element: XmlElement, context: PluginContext) -> GazeboPlugin:
     return GazeboPlugin(
         filename=plugin_library(element.attributes.get("filename", "")),
         name=element.attributes.get("name", ""),
-        scope=context.scope,
         values=_read_values(element),
         sensor=context.sensor,
         link=context.link,
@@ -127,10 +106,6 @@ def read_plugin(element: XmlElement, context: PluginContext) -> GazeboPlugin:
 def plugin_library(filename: str) -> str:
     """Return a library's name: `gazebo_ros_camera` for `libgazebo_ros_camera.so`."""
     return PurePosixPath(filename.strip()).name.removesuffix(".so").removeprefix("lib")
-
-
-def _gazebo_element_context(gazebo: XmlElement) -> PluginContext:
-    return PluginContext(scope=PluginScope.MODEL, link=gazebo.attributes.get("reference", ""))
 
 
 def _read_sensor(element: XmlElement) -> Sensor:

@@ -9,7 +9,7 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.folders import path_exists
 from rtron.sources.bounded_file import read_regular_file
-from rtron.sources.gazebo.plugins import GazeboPlugin, PluginContext, PluginScope, read_plugin
+from rtron.sources.gazebo.plugins import GazeboPlugin, PluginContext, read_plugin
 from rtron.sources.launch.common.packages import PackageIndex
 from rtron.sources.launch.common.xml_document import MAX_BYTES
 from rtron.sources.workspace.package_files import is_inside
@@ -115,7 +115,7 @@ class _WorldReader:
         name = include.find("name")
         named = _with_model_name(root, name.text if name else "")
         yield from self.read_plugins_below(named, context, (*files, str(path)))
-        own = replace(context, scope=PluginScope.MODEL, model=name.text if name else "")
+        own = replace(context, model=name.text if name else "")
         for plugin in include.elements("plugin"):
             yield read_plugin(plugin, own)
 

@@ -29,7 +29,6 @@ class BuildTarget:
     links: tuple[str, ...] = ()
     definitions: tuple[str, ...] = ()
     output_name: str = ""
-    evidence: Evidence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +41,6 @@ class ComponentClass:
     class_name: str
     library: str
     executable: str = ""
-    evidence: Evidence
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,13 +21,11 @@ class PackageFiles:
     """The files below a package's folder, relative to it, sorted; hidden folders are left out.
 
     `roots` are the real folders that a file may lie in; a link that leads out of them is no file.
-    `is_complete` is False where there are more than MAX_FILES, or some folder cannot be read.
     """
 
     folder: Path
     roots: tuple[Path, ...]
     names: tuple[str, ...] = ()
-    is_complete: bool = True
     _by_name: Mapping[str, list[str]] = field(default_factory=dict, repr=False)
     _by_folder: Mapping[str, list[str]] = field(default_factory=dict, repr=False)
 
@@ -73,22 +71,19 @@ class PackageFiles:
 def list_files(folder: Path, roots: tuple[Path, ...]) -> PackageFiles:
     """Return a package's files; what cannot be listed is left out."""
     names: list[str] = []
-    unread: list[str] = []
-    for parent, folders, files in walk(folder, lambda path, _: unread.append(path)):
+    for parent, folders, files in walk(folder):
         prefix = os.path.relpath(parent, folder) + "/"
         prefix = "" if prefix == "./" else prefix
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         names.extend(prefix + name for name in files)
         if len(names) > MAX_FILES:
             break
-    complete = len(names) <= MAX_FILES and not unread
     names = sorted(names)[:MAX_FILES]
     split = [name.rpartition("/") for name in names]
     return PackageFiles(
         folder=folder,
         roots=(*roots, folder.resolve()),
         names=tuple(names),
-        is_complete=complete,
         _by_name=_group_by_key(
             (last, name) for name, (_, _, last) in zip(names, split, strict=True)
         ),

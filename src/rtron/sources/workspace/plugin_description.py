@@ -12,9 +12,8 @@ from lxml import etree
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
-from rtron.sources.launch.common.xml_document import MAX_BYTES, Element, line_of, parse_xml
+from rtron.sources.launch.common.xml_document import MAX_BYTES, Element, parse_xml
 from rtron.sources.workspace.program import Program
-from rtron.vocabulary import Evidence
 
 _DECLARATION = re.compile(rb"\A\s*<\?xml[^>]*\?>")
 
@@ -32,7 +31,6 @@ class PluginClass:
     library: str
     package: str
     tag: str
-    evidence: Evidence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +53,6 @@ def read_plugin_description(path: Path, package: str, tag: str) -> Iterator[Plug
                 library=library.get("path", ""),
                 package=package,
                 tag=tag,
-                evidence=Evidence(file=str(path), line=line_of(element)),
             )
 
 

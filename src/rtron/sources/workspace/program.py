@@ -22,9 +22,8 @@ class Program:
     """An executable, a library or a script of a package.
 
     `sources` are its own files and those of the libraries of its package that it links, its own
-    first; `links` are the names that it links, directly or by a library of its package. `entry` is
-    the function of a Python module that is called, or the class of a component; empty where the
-    file itself is run.
+    first. `entry` is the function of a Python module that is called, or the class of a component;
+    empty where the file itself is run.
     """
 
     name: str
@@ -32,7 +31,6 @@ class Program:
     language: ProgramLanguage
     sources: tuple[Path, ...] = ()
     definitions: tuple[str, ...] = ()
-    links: tuple[str, ...] = ()
     entry: str = ""
 
 

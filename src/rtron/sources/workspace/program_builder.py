@@ -20,7 +20,6 @@ def target_program(target: BuildTarget, contents: PackageContents) -> Program:
         language=ProgramLanguage.CPP,
         sources=_without_duplicates(path for part in targets for path in part.sources),
         definitions=_without_duplicates(name for part in targets for name in part.definitions),
-        links=_without_duplicates(name for part in targets for name in part.links),
     )
 
 

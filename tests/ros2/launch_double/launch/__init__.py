@@ -5,13 +5,11 @@ from launch.core import (
     LaunchDescriptionEntity,
     Substitution,
 )
-from launch.service import LaunchService
 
 __all__ = [
     "Action",
     "LaunchContext",
     "LaunchDescription",
     "LaunchDescriptionEntity",
-    "LaunchService",
     "Substitution",
 ]

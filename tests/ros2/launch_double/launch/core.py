@@ -1,4 +1,3 @@
-import asyncio
 import collections
 import os
 import types
@@ -48,7 +47,6 @@ def perform(context, substitutions):
 
 class LaunchContext:
     def __init__(self):
-        self.asyncio_loop = asyncio.new_event_loop()
         self.launch_configurations = {}
         self.stack = []
         self.handlers = collections.deque()

@@ -19,7 +19,7 @@ class ExecutionComplete:
 
 
 class _RunningProcessEvent:
-    def __init__(self, *, action, name, cmd, env):
+    def __init__(self, *, action, name, cmd):
         self.action, self.process_name, self.cmd = action, name, cmd
 
 

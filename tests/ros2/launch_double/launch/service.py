@@ -1,7 +1,4 @@
-import asyncio
-import logging
-
-from launch.core import LaunchContext, LaunchDescriptionEntity
+from launch.core import LaunchDescriptionEntity
 from launch.events import IncludeLaunchDescription, Shutdown
 
 
@@ -28,36 +25,3 @@ def process(event, context):
                 if entity is not None:
                     visit_all(entity, context)
             context.pop_locals()
-
-
-class LaunchService:
-    """Starts what a launch starts; logs the exception that ends it."""
-
-    def __init__(self, *, noninteractive=False):
-        self.context = LaunchContext()
-        self.running = set()
-
-    def include_launch_description(self, description):
-        self.context.emit_event_sync(IncludeLaunchDescription(description))
-
-    def run(self):
-        return asyncio.get_event_loop().run_until_complete(self._run())
-
-    async def _run(self):
-        try:
-            while self.context.events or self.running:
-                await self._next()
-        except Exception:
-            logging.getLogger("launch").exception("caught exception in launch")
-            return 1
-        return 0
-
-    async def _next(self):
-        if not self.context.events:
-            _, self.running = await asyncio.wait(self.running, return_when="FIRST_COMPLETED")
-            return
-        event = self.context.events.popleft()
-        if hasattr(event, "run"):
-            self.running.add(asyncio.ensure_future(event.run(self.context)))
-        else:
-            process(event, self.context)

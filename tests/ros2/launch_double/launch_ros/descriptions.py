@@ -2,7 +2,7 @@ from launch.core import normalize
 
 
 class ComposableNode:
-    def __init__(  # noqa: PLR0913 - as launch_ros has it
+    def __init__(
         self,
         *,
         package,
@@ -11,11 +11,8 @@ class ComposableNode:
         namespace=None,
         remappings=None,
         condition=None,
-        parameters=None,
-        extra_arguments=None,
     ):
         self.package, self.node_plugin = normalize(package), normalize(plugin)
-        self.parameters, self.extra_arguments = parameters or (), extra_arguments or ()
         self.__name = None if name is None else normalize(name)
         self.__namespace = None if namespace is None else normalize(namespace)
         self.__remappings = None

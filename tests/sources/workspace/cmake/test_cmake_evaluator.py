@@ -133,7 +133,6 @@ def test_a_target_has_kind_links_definitions_and_place(tmp_path):
     assert (core.kind, core.output_name) == (TargetKind.LIBRARY, "other")
     assert core.links == ("base", "roscpp", "tf")
     assert core.definitions == ("ONE", "TWO", "ALL=1")
-    assert (core.evidence.file, core.evidence.line) == (str(tmp_path / "CMakeLists.txt"), 4)
     assert contents.target("other", TargetKind.LIBRARY) is core
     assert contents.target("other", TargetKind.EXECUTABLE) is None
 

@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query
+from pydantic import BaseModel, Field
 
 from rtron.errors import InputError
 from rtron.service.api.auth.authorization import Reader
@@ -23,43 +24,38 @@ _HOUR = 3_600_000_000_000
 Text = Annotated[str | None, Query(max_length=300)]
 Time = Annotated[int | None, Query(ge=0, le=_MAX_INT64, description="Wall clock, ns since 1970.")]
 Id = Annotated[int | None, Query(ge=1, le=_MAX_INT64)]
-Limit = Annotated[int, Query(ge=1, le=MAX_PAGE_EVENTS)]
+
+
+class EventQuery(BaseModel):
+    """Which events, as an EventFilter has it."""
+
+    robot: Text = None
+    kind: EventKind | None = None
+    level: GuardEventLevel | None = None
+    node: Text = None
+    topic: Text = None
+    text: Text = None
+    since: Time = None
+    until: Time = None
+    counts: bool = True
+
+
+class EventPageQuery(EventQuery):
+    """A page of them."""
+
+    before: Id = None
+    after: Id = None
+    limit: int = Field(default=100, ge=1, le=MAX_PAGE_EVENTS)
 
 
 @router.get("/events")
-def list_events(  # noqa: PLR0913 - the parameters of the query
-    _caller: Reader,
-    service: ServiceDependency,
-    *,
-    robot: Text = None,
-    kind: EventKind | None = None,
-    level: GuardEventLevel | None = None,
-    node: Text = None,
-    topic: Text = None,
-    text: Text = None,
-    since: Time = None,
-    until: Time = None,
-    before: Id = None,
-    after: Id = None,
-    counts: bool = True,
-    limit: Limit = 100,
+def list_events(
+    _caller: Reader, service: ServiceDependency, query: Annotated[EventPageQuery, Query()]
 ) -> EventPage:
     """Return events, newest first; `before` is the `next` of the page before."""
-    event_filter = EventFilter(
-        robot=robot,
-        kind=kind,
-        level=level,
-        node=node,
-        topic=topic,
-        text=text,
-        since=since,
-        until=until,
-        before=before,
-        after=after,
-        counts=counts,
-    )
+    event_filter = EventFilter(**query.model_dump(exclude={"limit"}))
     with service.database.session() as session:
-        return event_page(session, event_filter, limit)
+        return event_page(session, event_filter, query.limit)
 
 
 @router.get("/robots/{robot}/figures")

@@ -7,11 +7,12 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 from fastapi.responses import StreamingResponse
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from rtron.reports.csv_lines import Row, csv_lines
 from rtron.service.api.auth.authorization import Reader
 from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.routes.events import EventQuery
 from rtron.service.controller.robot_snapshot import load_current_app
 from rtron.service.controller.robot_summaries import list_robot_summaries
 from rtron.service.domain.alarms import Acknowledgement
@@ -22,7 +23,7 @@ from rtron.service.store.event_pages import EventFilter, event_page
 from rtron.service.store.handovers import list_handovers
 from rtron.service.store.robots import RobotFilter
 from rtron.service.store.settings import list_settings, settings_view
-from rtron.vocabulary import EventKind, GuardEventLevel, StringEnum
+from rtron.vocabulary import StringEnum
 
 
 def json_array(rows: Iterable[Row], _columns: Sequence[str]) -> Iterator[str]:
@@ -75,18 +76,11 @@ _ROBOT_COLUMNS = (
 Format = Annotated[ExportFormat, Query(description="csv or json")]
 
 
-class EventExportQuery(RequestModel):
-    """Which events, as for `/events`, and as what."""
+class EventExportQuery(EventQuery):
+    """Which events, and as what."""
 
-    robot: str | None = Field(default=None, max_length=300)
-    kind: EventKind | None = None
-    level: GuardEventLevel | None = None
-    node: str | None = Field(default=None, max_length=300)
-    topic: str | None = Field(default=None, max_length=300)
-    text: str | None = Field(default=None, max_length=300)
-    since: int | None = Field(default=None, ge=0, le=(1 << 63) - 1)
-    until: int | None = Field(default=None, ge=0, le=(1 << 63) - 1)
-    counts: bool = True
+    model_config = ConfigDict(extra="forbid")
+
     format: ExportFormat = ExportFormat.CSV
 
 

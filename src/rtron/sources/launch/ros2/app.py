@@ -5,7 +5,6 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
-from rtron.sources.launch.ros2.action_context import ActionContextTracker
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
 from rtron.sources.launch.ros2.python.front_end import PythonFrontEnd
@@ -34,10 +33,9 @@ def read_app_launch(
         locate_source=SourceLocator(files.workspace),
     )
     front_end = PythonFrontEnd(files, evaluator)
-    contexts = ActionContextTracker(evaluator)
-    collector = StartCollector(evaluator, contexts, front_end.read)
+    collector = StartCollector(evaluator, front_end.read)
     try:
-        LaunchReader(evaluator, collector, contexts).root(path)
+        LaunchReader(evaluator, collector).root(path)
     except InputError as error:
         evaluator.unresolved.append(_unresolved_file(path, str(error), error.path, error.line))
     except RecursionError:
@@ -46,7 +44,7 @@ def read_app_launch(
         file=absolute_path(path),
         starts=tuple(collector.starts),
         arguments=tuple(collector.arguments),
-        includes=contexts.includes,
+        has_includes=evaluator.limits.files > 1,
         declared=frozenset(choices.declared),
         unresolved=tuple(evaluator.unresolved),
         generated_files=evaluator.files.generated_files,

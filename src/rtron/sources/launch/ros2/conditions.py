@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.launch_context import LaunchVariable
-from rtron.sources.launch.ros2.substitutions.template import require_known
+from rtron.sources.launch.ros2.substitutions.template import first_placeholder, require_known
+from rtron.wording import join_names
 
 if TYPE_CHECKING:
     from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
@@ -39,3 +40,15 @@ def parse_condition(text: str) -> bool:
     if normalised not in TRUE | FALSE:
         raise ValueError(f"'{text[:80]}' is neither true nor false")
     return normalised in TRUE
+
+
+def note_unknown_condition(evaluator: "LaunchEvaluator", site: ElementSite) -> None:
+    """Note that an action is read though it is not known whether its condition holds."""
+    unknown, deciding = "refused", set[str]()
+    for key in ("if", "unless"):
+        text = evaluator.value(site, key) or ""
+        unknown = first_placeholder(text) or unknown
+        deciding |= {each.name for each in evaluator.dependencies} - {unknown}
+    why = f"whether it counts is not known ({unknown}), it is read as if it did"
+    hint = f"; what is given for {join_names(sorted(deciding))} may decide" if deciding else ""
+    evaluator.note(site, why + hint)

@@ -14,11 +14,10 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError
-from rtron.sources.launch.ros2.action_context import ActionContext, ActionContextTracker
 from rtron.sources.launch.ros2.bundled_files import GAZEBO_ACTIONS, as_include, bundled_launch_file
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.collector import LaunchCollector
-from rtron.sources.launch.ros2.conditions import evaluate_condition
+from rtron.sources.launch.ros2.conditions import evaluate_condition, note_unknown_condition
 from rtron.sources.launch.ros2.context_actions import CONTEXT_TAGS, IGNORED_TAGS, ContextActions
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
@@ -65,7 +64,7 @@ def read_ros2_launch(
     evaluator = LaunchEvaluator(environ=environ, packages=packages, choices=choices)
     collector = LaunchNodeCollector(evaluator)
     try:
-        file = LaunchReader(evaluator, collector, ActionContextTracker(evaluator)).root(path)
+        file = LaunchReader(evaluator, collector).root(path)
     except MissingArgumentError as error:
         help = f"add {error.name}:=…"
         raise InputError(str(error), path=str(path), help=help) from None
@@ -91,7 +90,6 @@ class _Timer:
     number: int
     site: ElementSite = field(compare=False)
     is_uncertain: bool = field(compare=False)
-    action_context: ActionContext = field(compare=False)
 
 
 @dataclass(slots=True)
@@ -100,7 +98,6 @@ class LaunchReader:
 
     _evaluator: LaunchEvaluator
     _collector: LaunchCollector
-    _contexts: ActionContextTracker
     _timers: list[_Timer] = field(default_factory=list)
     _elements_by_path: dict[str, Element] = field(default_factory=dict)
     _time: float = 0.0
@@ -114,8 +111,7 @@ class LaunchReader:
             # It runs when the groups and files around it are left: in what is then the one scope.
             timer = heappop(self._timers)
             self._time, context.is_uncertain = timer.due, timer.is_uncertain
-            with self._contexts.in_context(timer.action_context):
-                self._actions(timer.site.element.children, context, timer.site.file)
+            self._actions(timer.site.element.children, context, timer.site.file)
         return file
 
     def _file(self, path: str, context: LaunchContext, depth: int) -> FileInclusion:
@@ -165,8 +161,9 @@ class LaunchReader:
         is_undecided = holds is None and self._evaluator.symbolic
         previous = context.child() if is_undecided else context
         context.is_uncertain = outer_uncertain or (holds is None and not changes_context)
-        with self._contexts.record_condition(site, holds):
-            run(site)
+        if is_undecided:
+            note_unknown_condition(self._evaluator, site)
+        run(site)
         context.is_uncertain = outer_uncertain
         if is_undecided:
             context.forget_changes(previous, new=site.tag != "include")
@@ -233,9 +230,7 @@ class LaunchReader:
             period = 0.0
         due = inf if site.plain_text("event") == "OnShutdown" else self._time + period
         number = self._evaluator.limits.actions
-        action_context = self._contexts.event_context(site.element)
-        timer = _Timer(due, number, site, site.context.is_uncertain, action_context)
-        heappush(self._timers, timer)
+        heappush(self._timers, _Timer(due, number, site, site.context.is_uncertain))
 
     def _group(self, site: ElementSite) -> None:
         preserved = ContextActions(self._evaluator).preserved_configurations(site)
@@ -273,7 +268,7 @@ class LaunchReader:
             return
         source = self._evaluator.files.locate_source(absolute_path(path))
         level = self._evaluator.limits.level
-        with self._evaluator.collect_errors(site), self._contexts.within_include(site, source):
+        with self._evaluator.collect_errors(site):
             included = self._file(source, site.context, site.file.depth + 1)
             site.file.includes.append((site.element, path, included))
         self._evaluator.limits.level = level

@@ -33,10 +33,8 @@ class LaunchStart:
     is an executable, or a component's class, which the node `container` loads. `remaps` are in
     order: the first that fits a name counts. `arguments` are the words of a command line, for a
     process the whole of it. `parameters_complete` says that every parameter file is known,
-    `extra_arguments` are a component's extra arguments. `conditions` are those that it stands
-    under, `is_uncertain` says that one of them is not known. `awaited_event` is what it waits for.
-    `include_chain` has the includes around, outermost first. `executed` says that the launch file
-    was run to find it; conditions and chain are not known then.
+    `extra_arguments` are a component's extra arguments. `is_uncertain` says that a condition that
+    it stands under is not known.
     """
 
     kind: StartKind
@@ -52,12 +50,8 @@ class LaunchStart:
     environ: tuple[tuple[str, str], ...] = ()
     container: str = ""
     extra_arguments: Mapping[str, Parameter] = field(default_factory=dict)
-    conditions: tuple[Evidence, ...] = ()
     is_uncertain: bool = False
-    awaited_event: str = ""
     evidence: Evidence
-    include_chain: tuple[Evidence, ...] = ()
-    executed: bool = False
 
     @property
     def full_name(self) -> str:
@@ -80,18 +74,7 @@ class DeclaredArgument:
 
     name: str
     default: str | None
-    description: str
     evidence: Evidence
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class IncludedFile:
-    """A file that a launch file includes, with the arguments it is given there."""
-
-    file: str
-    arguments: tuple[tuple[str, str], ...]
-    evidence: Evidence
-    includes: tuple["IncludedFile", ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,7 +82,8 @@ class AppLaunch:
     """What a launch file starts, in the order of starting, with all that it includes.
 
     `arguments` are those that the file itself declares, `declared` the names of those that all
-    files declare or read; `unresolved` is what could not be read.
+    files declare or read; `has_includes` says that it includes files; `unresolved` is what could
+    not be read.
     `generated_files` are the files that exist only while the launch runs, by what they are called.
     """
 
@@ -107,6 +91,6 @@ class AppLaunch:
     generated_files: Mapping[str, YamlTree] = field(default_factory=dict)
     starts: tuple[LaunchStart, ...] = ()
     arguments: tuple[DeclaredArgument, ...] = ()
-    includes: tuple[IncludedFile, ...] = ()
+    has_includes: bool = False
     declared: frozenset[str] = frozenset()
     unresolved: tuple[UnresolvedItem, ...] = ()

@@ -3,12 +3,10 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 from rtron.errors import InputError
 from rtron.folders import path_exists
 from rtron.sources.code.frontends.python.lowering import MAX_BYTES
-from rtron.sources.launch.ros2.action_context import ActionContextTracker
 from rtron.sources.launch.ros2.collector import LaunchCollector
 from rtron.sources.launch.ros2.command_line import (
     argument_remaps,
@@ -47,7 +45,6 @@ class StartCollector(LaunchCollector):
     """Collects what a launch starts; `read_python_file` reads a Python launch file."""
 
     unknown_action = "is not known here: what it starts is not known"
-    contexts: ActionContextTracker
     read_python_file: Callable[[str], Element]
     starts: list[LaunchStart] = field(default_factory=list)
     arguments: list[DeclaredArgument] = field(default_factory=list)
@@ -106,7 +103,6 @@ class StartCollector(LaunchCollector):
             argument = DeclaredArgument(
                 name=site.plain_text("name"),
                 default=default if site.has("default") else None,
-                description=site.plain_text("description"),
                 evidence=site.location,
             )
             self.arguments.append(argument)
@@ -117,7 +113,8 @@ class StartCollector(LaunchCollector):
             kind=StartKind.PROCESS,
             arguments=tuple(map(display_text, words)),
             environ=configuration.environ(),
-            **self._context_fields(site),
+            is_uncertain=site.context.is_uncertain,
+            evidence=site.location,
         )
         if not is_ros2_run(words):
             return process
@@ -141,7 +138,8 @@ class StartCollector(LaunchCollector):
             remaps=tuple((display_text(source), display_text(to)) for source, to in remaps),
             arguments=tuple(map(display_text, words)),
             environ=configuration.environ(),
-            **self._context_fields(site),
+            is_uncertain=site.context.is_uncertain,
+            evidence=site.location,
         )
         is_named = name and namespace and kind is not StartKind.COMPONENT
         node_parameters = configuration.node_parameters(start.full_name if is_named else ALL_NODES)
@@ -149,17 +147,6 @@ class StartCollector(LaunchCollector):
         return _with_parameters(
             start, (*argument_parameters, *(site.context.parameters or ()), *node_parameters)
         )
-
-    def _context_fields(self, site: ElementSite) -> dict[str, Any]:
-        """Return the fields of a LaunchStart that say under what it starts."""
-        current = self.contexts.current
-        return {
-            "conditions": current.conditions,
-            "is_uncertain": site.context.is_uncertain,
-            "awaited_event": current.awaited_event,
-            "include_chain": current.include_chain,
-            "evidence": site.location,
-        }
 
     def _node_name(
         self, site: ElementSite, words: Sequence[str], remaps: Mapping[str, str]

@@ -21,8 +21,8 @@ class AppNode:
 
     In ROS 2 a component is loaded by `container`, `type` is its class then. `process_remap_rules`
     are the remap rules of its process as written, `is_uncertain` says that it starts on a condition
-    not known, `executed` that its launch file was run to find it. `parameter_places` says where a
-    parameter of a name is set for the nodes that fit a pattern.
+    not known. `parameter_places` says where a parameter of a name is set for the nodes that fit a
+    pattern.
     """
 
     site: NodeSite
@@ -33,7 +33,6 @@ class AppNode:
     container: str = ""
     process_remap_rules: tuple[RemapRule, ...] = ()
     is_uncertain: bool = False
-    executed: bool = False
     parameter_places: Mapping[tuple[str, str], Evidence] = field(
         default_factory=dict, compare=False, repr=False
     )
@@ -64,7 +63,6 @@ class AppNode:
         location = (
             f"{location} (on a condition that is not known)" if self.is_uncertain else location
         )
-        location = f"{location} (executed)" if self.executed else location
         return f"started by {self.started_by} ({location})" if self.started_by else location
 
 

@@ -11,7 +11,6 @@ from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.common.undeclared_arguments import undeclared_arguments
 from rtron.sources.launch.common.yaml_tree import YamlTree
 from rtron.sources.launch.ros2.app import read_app_launch
-from rtron.sources.launch.ros2.executed.execution import Execution, add_lines, is_incomplete
 from rtron.sources.launch.ros2.result import AppLaunch
 from rtron.sources.models import ROS2_LIBRARY, ModelCatalog, load_models
 from rtron.sources.static.common.cache import open_cache
@@ -56,17 +55,15 @@ def scan_ros2_app(
     launches: Sequence[LaunchRequest],
     environ: Mapping[str, str],
     options: ScanOptions | None = None,
-    execution: Execution | None = None,
 ) -> InteractionGraph:
     """Return the interaction graph of the app that launch files start; nothing of it is run.
 
     Raise InputError if a given launch file cannot be read, or an argument is missing that it needs;
-    what is wrong elsewhere stands in the graph's `unresolved`. With `execution`, a launch file that
-    reading does not explain whole is run with the launch library.
+    what is wrong elsewhere stands in the graph's `unresolved`.
     """
     scan_options, workspace = options or ScanOptions(), read_ros2_workspace(folders)
     files = WorkspaceSources(workspace)
-    app_launches = _read_launches(launches, environ, files, execution)
+    app_launches = _read_launches(launches, environ, files)
     node_builder = AppNodeBuilder(environ=environ)
     starts = [start for launch in app_launches for start in launch.starts]
     nodes = list(node_builder.build(starts))
@@ -117,33 +114,13 @@ def _read_launches(
     launches: Sequence[LaunchRequest],
     environ: Mapping[str, str],
     files: WorkspaceSources,
-    execution: Execution | None,
 ) -> list[AppLaunch]:
     with deep_recursion():
         app_launches = [read_app_launch(path, passed, environ, files) for path, passed in launches]
     for launch, (_, passed) in zip(app_launches, launches, strict=True):
         _check_arguments(launch, passed)
-    if execution:
-        app_launches = _execute_incomplete(execution, app_launches, launches, environ, files)
-    for launch in app_launches:
         _check_content(launch)
     return app_launches
-
-
-def _execute_incomplete(
-    execution: Execution,
-    app_launches: Sequence[AppLaunch],
-    launches: Sequence[LaunchRequest],
-    environ: Mapping[str, str],
-    files: WorkspaceSources,
-) -> list[AppLaunch]:
-    """Return the launches with those executed that reading leaves holes in."""
-    return [
-        add_lines(execution.launch(path, passed, environ, files), launch)
-        if is_incomplete(launch)
-        else launch
-        for launch, (path, passed) in zip(app_launches, launches, strict=True)
-    ]
 
 
 def _unique_generated_files(app_launches: Sequence[AppLaunch]) -> dict[str, YamlTree]:
@@ -157,7 +134,7 @@ def _unique_generated_files(app_launches: Sequence[AppLaunch]) -> dict[str, Yaml
 
 def _check_content(launch: AppLaunch) -> None:
     """Raise InputError for a launch file that tells nothing."""
-    if launch.unresolved and not (launch.starts or launch.includes or launch.arguments):
+    if launch.unresolved and not (launch.starts or launch.has_includes or launch.arguments):
         first = launch.unresolved[0]
         line = first.evidence[0].line if first.evidence else 0
         message = f"nothing that it starts can be read: {first.what}: {first.why}"

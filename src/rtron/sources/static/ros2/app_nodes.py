@@ -226,7 +226,6 @@ def _app_node(start: LaunchStart, site: NodeSite, process: LaunchStart | None) -
         container=start.container,
         process_remap_rules=process.remaps if process else (),
         is_uncertain=start.is_uncertain,
-        executed=start.executed,
         parameter_places=_parameter_places(start.parameter_sources),
     )
 

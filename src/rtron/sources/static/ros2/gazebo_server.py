@@ -78,7 +78,6 @@ def gazebo_server_node(start: LaunchStart, environ: Mapping[str, str]) -> AppNod
         type=Path(program).name,
         evidence=start.evidence,
         is_uncertain=start.is_uncertain,
-        executed=start.executed,
     )
 
 

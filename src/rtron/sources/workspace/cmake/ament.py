@@ -38,12 +38,7 @@ def _note_unknown_class(call: CommandCall) -> None:
 
 
 def _add_component(call: CommandCall, target: str, cls: str, executable: str) -> None:
-    made = ComponentClass(
-        class_name=cls.removeprefix("::"),
-        library=target,
-        executable=executable,
-        evidence=call.evidence,
-    )
+    made = ComponentClass(class_name=cls.removeprefix("::"), library=target, executable=executable)
     for name in filter(None, (made.class_name, executable)):
         call.build.note_left_out(name)
     call.build.components[made.class_name, executable] = made

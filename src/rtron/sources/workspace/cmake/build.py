@@ -27,7 +27,6 @@ class TargetBuilder:
     name: str
     kind: TargetKind
     folder: Path
-    evidence: Evidence
     sources: dict[Path, None] = field(default_factory=dict)
     links: dict[str, None] = field(default_factory=dict)
     definitions: dict[str, None] = field(default_factory=dict)
@@ -60,11 +59,9 @@ class PackageBuild:
         if len(self.unresolved) < MAX_NOTES:
             self.unresolved.append(UnresolvedItem(what=what, why=why, evidence=(evidence,)))
 
-    def add_target(
-        self, name: str, kind: TargetKind, folder: Path, evidence: Evidence
-    ) -> TargetBuilder:
+    def add_target(self, name: str, kind: TargetKind, folder: Path) -> TargetBuilder:
         """Return a target, a new one if there is none of that name."""
-        new = TargetBuilder(name=name, kind=kind, folder=folder, evidence=evidence)
+        new = TargetBuilder(name=name, kind=kind, folder=folder)
         if name not in self.targets:
             self.note_left_out(name)
         return self.targets.setdefault(name, new)
@@ -122,7 +119,6 @@ class PackageBuild:
             links=tuple(draft.links),
             definitions=tuple(dict.fromkeys((*draft.definitions, *shared))),
             output_name=draft.output_name or draft.name,
-            evidence=draft.evidence,
         )
 
     def _add_unsuffixed(self, draft: TargetBuilder, path: Path, evidence: Evidence) -> None:

@@ -55,7 +55,7 @@ def add_target(kind: TargetKind, call: CommandCall) -> None:
             f"{call.name}({name.text} …)", "the target's name is not set in the file"
         )
         return
-    draft = call.build.add_target(name.text, kind, call.scope.folder, call.evidence)
+    draft = call.build.add_target(name.text, kind, call.scope.folder)
     if words[1:2] == ["ALIAS"]:
         draft.links.update(dict.fromkeys(words[2:]))
         return

@@ -7,7 +7,6 @@ from launch.launch_description_sources import LaunchDescriptionSource
 
 __all__ = [
     "DeclareLaunchArgument",
-    "EmitEvent",
     "ExecuteLocal",
     "ExecuteProcess",
     "GroupAction",
@@ -23,9 +22,9 @@ __all__ = [
 
 
 class DeclareLaunchArgument(Action):
-    def __init__(self, name, *, default_value=None, description="", **kwargs):
+    def __init__(self, name, *, default_value=None, **kwargs):
         super().__init__(**kwargs)
-        self.name, self.description = name, description
+        self.name = name
         self.default_value = None if default_value is None else normalize(default_value)
         self.maybe = False
 
@@ -133,15 +132,6 @@ class UnregisterEventHandler(Action):
 
     def execute(self, context):
         context.unregister_event_handler(self.event_handler)
-
-
-class EmitEvent(Action):
-    def __init__(self, *, event, **kwargs):
-        super().__init__(**kwargs)
-        self.event = event
-
-    def execute(self, context):
-        context.emit_event_sync(self.event)
 
 
 class Shutdown(Action):

@@ -1,17 +1,11 @@
-import json
-import tempfile
-
 from launch.actions import ExecuteProcess
-from launch.core import Action, Substitution, normalize, perform
+from launch.core import Action, normalize, perform
 
 from launch_ros.actions.load_composable_nodes import LoadComposableNodes
 from launch_ros.actions.namespaces import space_of as _space
-from launch_ros.parameter_descriptions import ParameterFile
-from launch_ros.ros_adapters import get_ros_node
 
 __all__ = [
     "ComposableNodeContainer",
-    "LifecycleNode",
     "LoadComposableNodes",
     "Node",
     "PushROSNamespace",
@@ -52,7 +46,6 @@ class Node(ExecuteProcess):
         name=None,
         namespace=None,
         exec_name=None,
-        parameters=None,
         remappings=None,
         ros_arguments=(),
         arguments=(),
@@ -61,8 +54,6 @@ class Node(ExecuteProcess):
         ros = ["--ros-args", *ros_arguments] if ros_arguments else []
         program = executable if package is None else f"/opt/ros/lib/{package}/{executable}"
         super().__init__(cmd=[program, *arguments, *ros, "--ros-args"], name=exec_name, **kwargs)
-        self.node_package, self.node_executable = package, executable
-        self.__parameters = parameters or ()
         self.__name, self.__namespace = name, namespace
         self.__remappings = [(normalize(a), normalize(b)) for a, b in remappings or ()]
 
@@ -72,25 +63,10 @@ class Node(ExecuteProcess):
         space = _space(context, self.__namespace)
         if space is not None:
             self._add("-r", f"__ns:={space}")
-        for one in self.__parameters:
-            if isinstance(one, dict):
-                self._add("--params-file", self._file(one, context))
-            elif (path := ParameterFile(one).evaluate(context)).is_file():
-                self._add("--params-file", str(path))
         own = ((perform(context, a), perform(context, b)) for a, b in self.__remappings)
         for source, target in (*context.launch_configurations.get("ros_remaps", ()), *own):
             self._add("-r", f"{source}:={target}")
         return super().execute(context)
-
-    def _file(self, parameters, context):
-        """Write a file of parameters; the whole node is written there as the real one does."""
-        values = {
-            name: perform(context, normalize(value)) if isinstance(value, Substitution) else value
-            for name, value in parameters.items()
-        }
-        with tempfile.NamedTemporaryFile("w", prefix="launch_params_", delete=False) as file:
-            json.dump({"/**": {"ros__parameters": values}}, file)
-        return file.name
 
     def _add(self, *words):
         self.cmd.extend(normalize(word) for word in words)
@@ -111,9 +87,3 @@ class ComposableNodeContainer(Node):
         if not valid:
             return None
         return [LoadComposableNodes(composable_node_descriptions=valid, target_container=self)]
-
-
-class LifecycleNode(Node):
-    def execute(self, context):
-        get_ros_node(context)
-        return super().execute(context)

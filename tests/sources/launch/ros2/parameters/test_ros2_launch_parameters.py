@@ -177,7 +177,6 @@ def test_parameters_for_all_nodes_come_first(python, file):
         "nested": True,
     }
     assert values(outer) == {"b": 1}
-    assert [source.shared for source in inner.parameter_sources] == [True] * 3 + [False]
 
 
 def test_a_list_that_is_there_already_is_shared_with_a_group(python):

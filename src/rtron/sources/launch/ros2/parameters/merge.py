@@ -21,13 +21,11 @@ class ParameterSource:
     """A file, or what stands in the launch file itself (`file` is empty then).
 
     A file that launch writes on the way is named after the one it is made of, and a number: `a#1`.
-    `shared` says that it is of `set_parameter` or `set_parameters_from_file`, `is_malformed` that a
-    file has values, and none below `ros__parameters`.
+    `is_malformed` says that a file has values, and none below `ros__parameters`.
     """
 
     entries: Entries
     file: str = ""
-    shared: bool = False
     is_malformed: bool = False
 
 

@@ -1,7 +1,7 @@
 """What an element gives to the node that it starts: parameters, extra arguments, environment."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 from rtron.errors import InputError
@@ -48,11 +48,10 @@ class NodeConfiguration:
     def global_parameters(self) -> ParameterSource | None:
         """Return what an action gives to all nodes."""
         if self.site.tag == "set_parameters_from_file":
-            source = next(self._parameter_files(self.site, "filename"), None)
-            return source and replace(source, shared=True)
+            return next(self._parameter_files(self.site, "filename"), None)
         name = display_text(self._text(self.site, "name"))
         entries = ((ALL_NODES, {name: self._parameter(self.site)}),)
-        return ParameterSource(entries=entries, shared=True)
+        return ParameterSource(entries=entries)
 
     def extra_arguments(self) -> Mapping[str, Parameter]:
         """Return the extra arguments of a component."""

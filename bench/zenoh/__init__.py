@@ -1,1 +1,0 @@
-"""Measures Zenoh, as `rtron secure --zenoh` configures it."""
