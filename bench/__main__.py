@@ -54,7 +54,8 @@ ROS2_PARTS = {
     "ros2_cell": "cell.figures_ros2:figures",
 }
 """Need rclpy: these run where it is installed, the others where it is not."""
-AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS
+ZENOH_PARTS = {"zenoh": "zenoh.access:figures"} if find_spec("zenoh") else {}
+AVAILABLE_PARTS = ROS2_PARTS if find_spec("rclpy") else PARTS | ZENOH_PARTS
 OUTPUT = ROOT / "build" / "bench.json"
 
 

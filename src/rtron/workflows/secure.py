@@ -4,7 +4,7 @@ import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -18,6 +18,9 @@ from rtron.security.sros2.documents import Protection
 from rtron.security.sros2.layout import KEY, Keystore
 from rtron.security.sros2.state import read_state
 from rtron.security.sros2.writer import KeystoreWriter
+from rtron.security.zenoh.access_control import guard_doubts
+from rtron.security.zenoh.configuration import ZenohRouter
+from rtron.security.zenoh.files import ZenohChanges, ZenohFiles, ZenohSettings
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import InteractionGraph, Plan
 from rtron.wire.ros2.domain_id import domain_id
@@ -30,7 +33,8 @@ _PROGRAM = re.compile(r"[A-Za-z0-9][\w.+-]*/[\w.+-]+", re.ASCII)
 class SecureRequest:
     """A plan and its app's graph, and the keystore that is to say what they say.
 
-    `days` is how long what is signed now is valid. `now` is an aware time.
+    `days` is how long what is signed now is valid. `now` is an aware time. With `zenoh`, the
+    keystore gets the files of Zenoh's access control, too; `installed` is where it is on the robot.
     """
 
     plan: Path
@@ -42,14 +46,17 @@ class SecureRequest:
     days: int = 365
     operator: bool = False
     revoke: Sequence[str] = ()
+    zenoh: ZenohRouter | None = None
+    installed: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class SecureResult:
-    """Who may do what, and what was changed, or would be."""
+    """Who may do what, and what was changed, or would be; `zenoh` is None if it was not asked."""
 
     access: AppAccess
     changes: KeystoreChanges
+    zenoh: ZenohChanges | None = None
 
 
 def read_access(plan: Path, graph: Path, *, operator: bool = False) -> AppAccess:
@@ -65,13 +72,37 @@ def secure(request: SecureRequest, *, write: bool) -> SecureResult:
     InputError if it cannot be read or written, or leads out of its folder.
     """
     access = read_access(request.plan, request.graph, operator=request.operator)
+    if request.zenoh:
+        doubts = guard_doubts(read_plan(request.plan)) + access.doubts
+        access = replace(access, doubts=doubts)
     keystore, settings = Keystore(request.keystore), _settings(request)
+    zenoh = _zenoh_files(request, keystore, access, settings)
     with keystore.locked() if write else nullcontext():
         state = read_state(keystore, request.now)
         changes = plan_changes(state, access, settings)
+        of_zenoh = zenoh.changes(state.identity_ca) if zenoh else None
         if write:
-            KeystoreWriter(keystore, settings).apply(state, changes)
-    return SecureResult(access, changes)
+            writer = KeystoreWriter(keystore, settings)
+            writer.apply(state, changes)
+            if zenoh and of_zenoh:
+                zenoh.write(of_zenoh, writer.identity_authority)
+    return SecureResult(access, changes, of_zenoh)
+
+
+def _zenoh_files(
+    request: SecureRequest, keystore: Keystore, access: AppAccess, settings: KeystoreSettings
+) -> ZenohFiles | None:
+    if request.zenoh is None:
+        return None
+    zenoh = ZenohSettings(
+        router=request.zenoh,
+        domain=settings.domain,
+        installed=request.installed or keystore.root,
+        now=settings.now,
+        renewed_before=settings.renewed_before,
+        until=settings.until,
+    )
+    return ZenohFiles(keystore, access, zenoh)
 
 
 def _settings(request: SecureRequest) -> KeystoreSettings:

@@ -13,6 +13,7 @@ from rtron.errors import InputError
 
 if TYPE_CHECKING:
     from rtron.reports.plan.keystore import KeystoreReport
+    from rtron.reports.plan.zenoh_files import ZenohReport
     from rtron.workflows.secure import SecureResult
 
 _LONGEST_DAYS = 3600
@@ -87,6 +88,28 @@ def secure(  # noqa: PLR0913 - one for each option
             autocompletion=_complete_enclave,
         ),
     ] = None,
+    zenoh: Annotated[
+        bool, typer.Option("--zenoh", help="Add the files for Zenoh's access control (rmw_zenoh).")
+    ] = False,
+    router: Annotated[
+        str,
+        typer.Option(
+            metavar="HOST[:PORT]", help="Zenoh: where the router listens, and all connect to."
+        ),
+    ] = "localhost:7447",
+    interface: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME", help="Zenoh: processes come in by this alone; can be repeated."
+        ),
+    ] = None,
+    installed: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Zenoh: the keystore's folder on the robot, which its files name; else KEYSTORE.",
+        ),
+    ] = None,
     format: Annotated[TextOrJson, typer.Option(help="A report, or JSON.")] = TextOrJson.TEXT,
 ) -> Outcome:
     """Write the keystore with which SROS2 keeps strangers out of a guarded app.
@@ -106,6 +129,12 @@ def secure(  # noqa: PLR0913 - one for each option
     and compares a keystore that others have made, too. What its graph does not
     tell of a node is not allowed, and listed: look at it before you enforce.
 
+    With --zenoh it also gets the files for rmw_zenoh: zenoh/router.json5 for the
+    router (ZENOH_ROUTER_CONFIG_URI), which lets each process send and get what it
+    may, and a zenoh.json5 for each enclave (ZENOH_SESSION_CONFIG_URI).
+
+    $ rtron secure rtron.yaml --graph graph.json -o keystore --zenoh
+
     The keys in private/ sign everything. Keep that folder off the robot, and
     bring it back for the next change.
 
@@ -113,6 +142,7 @@ def secure(  # noqa: PLR0913 - one for each option
     """
     from rtron.reports.plan.keystore import keystore_text, keystore_to_json
     from rtron.security.sros2.documents import Protection
+    from rtron.security.zenoh.configuration import parse_router
     from rtron.workflows.secure import SecureRequest
     from rtron.workflows.secure import secure as run_secure
 
@@ -130,6 +160,8 @@ def secure(  # noqa: PLR0913 - one for each option
         days=days,
         operator=operator,
         revoke=revoke or (),
+        zenoh=parse_router(router, interface or ()) if zenoh else None,
+        installed=installed,
     )
     report = _report(str(output), run_secure(request, write=not diff), written=not diff)
     as_text = format is TextOrJson.TEXT
@@ -173,4 +205,29 @@ def _report(path: str, result: "SecureResult", *, written: bool) -> "KeystoreRep
         unused=changes.unused,
         problems=changes.problems,
         doubts=tuple((doubt.node, doubt.what, doubt.why) for doubt in result.access.doubts),
+        zenoh=_zenoh_report(result),
+    )
+
+
+def _is_key_lost(result: "SecureResult") -> bool:
+    """Tell whether a key is taken back that others may have, not only former permissions."""
+    enclaves = result.changes.enclaves
+    return bool(result.changes.revoked) or any(e.revokes and not e.too_wide for e in enclaves)
+
+
+def _zenoh_report(result: "SecureResult") -> "ZenohReport | None":
+    from rtron.reports.plan.zenoh_files import ZenohReport
+
+    changes = result.zenoh
+    if changes is None:
+        return None
+    return ZenohReport(
+        certificate=changes.certificate,
+        files=changes.files,
+        settings=changes.settings,
+        new=changes.new,
+        gone=changes.gone,
+        added=changes.added,
+        removed=changes.removed,
+        revokes=_is_key_lost(result),
     )

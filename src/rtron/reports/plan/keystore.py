@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from rich.text import Text
 
+from rtron.reports.plan.zenoh_files import ZenohReport, zenoh_lines, zenoh_to_json
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 
 SECURE_SCHEMA = "rtron.secure/1"
@@ -48,13 +49,14 @@ class KeystoreReport:
     unused: tuple[str, ...]
     problems: tuple[str, ...]
     doubts: tuple[tuple[str, str, str], ...]
+    zenoh: ZenohReport | None = None
 
     @property
     def differs(self) -> bool:
         """Whether the keystore does not say, or did not say, what graph and plan say."""
         changed = any(enclave.is_changed for enclave in self.enclaves)
         others = self.governance or self.revoked or self.unused or self.problems
-        return bool(changed or others)
+        return bool(changed or others or (self.zenoh and self.zenoh.differs))
 
 
 def keystore_to_json(report: KeystoreReport) -> Mapping[str, object]:
@@ -81,6 +83,7 @@ def keystore_to_json(report: KeystoreReport) -> Mapping[str, object]:
         "unused": list(report.unused),
         "problems": list(report.problems),
         "doubts": [{"node": node, "what": what, "why": why} for node, what, why in report.doubts],
+        **({"zenoh": zenoh_to_json(report.zenoh)} if report.zenoh else {}),
     }
 
 
@@ -105,6 +108,8 @@ def _lines(report: KeystoreReport, page: TextPage) -> Iterator[Text]:
     if report.unused:
         yield from heading("Unused")
         yield from paragraph(_unused_text(report.unused), page, indent=2, style="yellow")
+    if report.zenoh:
+        yield from zenoh_lines(report.zenoh, page)
     if report.doubts:
         yield from _doubts(report.doubts, page)
 

@@ -24,6 +24,13 @@ LAUNCH_PROCESS = "/"
 
 _GUARD_NODES = (GUARD_NODE, BULK_NODE, SUPERVISOR_NODE)
 _SCAN_NODES, _TOOL_NODES, _LAUNCH_NODES = "/_rtron_scan_*", "/_ros2cli_*", "/launch_ros_*"
+NODES_OF_OWN_PROCESSES = {
+    GUARD_NODE: (*_GUARD_NODES, f"{PRIVATE_ROOT}/*"),
+    VERIFY_NODE: (VERIFY_NODE, _SCAN_NODES),
+    OPERATOR_PROCESS: (_TOOL_NODES, "/rosbag2_recorder"),
+    LAUNCH_PROCESS: (_LAUNCH_NODES,),
+}
+"""The names and patterns of the nodes in processes that no node of the app has given its name."""
 _READING_SERVICES = (
     "describe_parameters",
     "get_parameter_types",

@@ -6,16 +6,19 @@ Keys are on the curve P-256, which DDS-Security 1.1 names (9.3.1). `now` is an a
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from ipaddress import ip_address
 
 from cryptography import x509
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec, rsa
-from cryptography.x509.oid import NameOID
+from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from rtron.errors import InputError
 
 _CA_LIFE = timedelta(days=3650)
+SERVER_NAME = "zenoh_router"
+"""The name of a server, which no enclave has: theirs begin with a slash."""
 CLOCK_SKEW = timedelta(hours=1)
 """How far a robot's clock may be behind: what is made is valid that long before."""
 
@@ -47,6 +50,34 @@ def create_identity(
     constraint = x509.BasicConstraints(ca=False, path_length=None)
     signed = builder.add_extension(constraint, critical=False).sign(authority.key, hashes.SHA256())
     return signed, key
+
+
+def create_server(
+    host: str, authority: Authority, now: datetime, until: datetime
+) -> tuple[x509.Certificate, ec.EllipticCurvePrivateKey]:
+    """Return the certificate of a TLS server with its new key; `host` is a name or an address.
+
+    No enclave's certificate names a host, so that none can be used in the server's place.
+    """
+    key = ec.generate_private_key(ec.SECP256R1())
+    extensions = (
+        x509.BasicConstraints(ca=False, path_length=None),
+        x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH]),
+        x509.SubjectAlternativeName([_general_name(host)]),
+    )
+    builder = _builder(_name(SERVER_NAME), authority.certificate.subject, key, now, until)
+    for extension in extensions:
+        builder = builder.add_extension(extension, critical=False)
+    return builder.sign(authority.key, hashes.SHA256()), key
+
+
+def is_for_host(certificate: x509.Certificate, host: str) -> bool:
+    """Tell whether a certificate is for a host, and for no other."""
+    try:
+        extension = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName)
+    except (x509.ExtensionNotFound, ValueError):
+        return False
+    return list(extension.value) == [_general_name(host)]
 
 
 def create_revocation_list(
@@ -130,6 +161,13 @@ def load_key(data: bytes, path: str) -> ec.EllipticCurvePrivateKey:
     if not isinstance(key, ec.EllipticCurvePrivateKey):
         raise InputError("is no key on an elliptic curve", path=path)
     return key
+
+
+def _general_name(host: str) -> x509.GeneralName:
+    try:
+        return x509.IPAddress(ip_address(host))
+    except ValueError:
+        return x509.DNSName(host)
 
 
 def _name(common: str) -> x509.Name:

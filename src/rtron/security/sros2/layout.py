@@ -23,6 +23,7 @@ CERTIFICATE, KEY, REVOKED = "cert.pem", "key.pem", "crl.pem"
 GOVERNANCE, GOVERNANCE_XML = "governance.p7s", "governance.xml"
 PERMISSIONS, PERMISSIONS_XML = "permissions.p7s", "permissions.xml"
 OWN_FILES = (CERTIFICATE, KEY, PERMISSIONS, PERMISSIONS_XML)
+ZENOH_SESSION = "zenoh.json5"
 _PRIVATE, _PUBLIC, _FOLDER = 0o600, 0o644, 0o700
 _MAX_FOLDERS = 10_000
 _MAX_DEPTH = 16
@@ -95,7 +96,7 @@ class Keystore:
     def remove(self, enclave: str) -> None:
         """Remove the files of an enclave, and its folder if nothing else is in it."""
         folder = self.folder(enclave)
-        for name in (*OWN_FILES, *self.links(enclave)):
+        for name in (*OWN_FILES, *self.links(enclave), ZENOH_SESSION):
             (folder / name).unlink(missing_ok=True)
         while folder != self.enclaves and not any(folder.iterdir()):
             folder.rmdir()

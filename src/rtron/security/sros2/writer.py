@@ -64,6 +64,10 @@ class KeystoreWriter:
         for name in set(changes.revoked) - used:
             self.keystore.remove(name)
 
+    def identity_authority(self) -> Authority:
+        """Return the authority of the certificates; InputError if its key is not there."""
+        return self._authority(*_AUTHORITIES[0])
+
     def _authority(self, name: str, certificate_file: str, key_file: str) -> Authority:
         """Return an authority of the keystore, a new one where there is none."""
         keystore = self.keystore

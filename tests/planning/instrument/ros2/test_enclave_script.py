@@ -246,3 +246,40 @@ def test_a_process_whose_keys_cannot_be_shown_does_not_start(start, keystore):
     process = start("sh", "-c", "echo here", "--ros-args", "-r", "__node:=nav")
     out, _ = process.communicate(timeout=20)
     assert (out, process.returncode) == ("", 1)
+
+
+@pytest.fixture
+def zenoh_keystore(keystore):
+    """Return a keystore that has the files for Zenoh, too."""
+    for enclave in ("nav", "base"):
+        (keystore / "enclaves" / enclave / "zenoh.json5").write_text(f"session of {enclave}")
+    (keystore / "zenoh").mkdir()
+    (keystore / "zenoh/key.pem").write_text("the router's key")
+    return keystore
+
+
+CONFIG = 'echo "$ZENOH_SESSION_CONFIG_URI|$ZENOH_CONFIG_OVERRIDE"; cat "$ZENOH_SESSION_CONFIG_URI"'
+OF_USER = {"ZENOH_SESSION_CONFIG_URI": "mine.json5", "ZENOH_CONFIG_OVERRIDE": "mode='peer'"}
+
+
+def ran(start, script, *words, **more):
+    process = start("sh", "-c", script, "sh", *words, env=os.environ | OF_USER, **more)
+    return process.communicate(timeout=20)[0]
+
+
+@needs_namespaces
+def test_a_process_has_its_own_session_of_zenoh_and_not_the_routers_key(zenoh_keystore, start):
+    script = f'{CONFIG}; cat "{zenoh_keystore}/zenoh/key.pem" || echo hidden'
+    own = zenoh_keystore / "enclaves/nav/zenoh.json5"
+    out = ran(start, script, "--ros-args", "-r", "__node:=nav")
+    assert out == f"{own}|\nsession of navhidden\n"
+
+
+def test_a_process_without_an_enclave_has_no_session_of_zenoh(zenoh_keystore, start):
+    out = ran(start, CONFIG, "--ros-args", "-r", "__node:=stranger")
+    assert out == "|\n"
+
+
+def test_without_zenoh_a_session_of_ones_own_stays(keystore, start):
+    out = ran(start, CONFIG, "--ros-args", "-r", "__node:=nav")
+    assert out == "mine.json5|mode='peer'\n"

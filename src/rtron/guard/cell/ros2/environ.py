@@ -51,7 +51,7 @@ def cell_environ(address: str, outside: Mapping[str, str]) -> dict[str, str]:
     """
     rmw = outside.get(_RMW, "")
     if rmw and not rmw.startswith(_DDS):
-        help = "use rmw_fastrtps_cpp or rmw_cyclonedds_cpp"
+        help = "use rmw_fastrtps_cpp or rmw_cyclonedds_cpp; for Zenoh see its access control"
         raise InputError(f"{rmw} does not work in a cell", help=help)
     if outside.get("ROS_SECURITY_ENABLE", "").lower() == "true":
         help = "a cell is for ROS 2 without it: unset ROS_SECURITY_ENABLE, or start no cell"

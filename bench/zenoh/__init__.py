@@ -1,0 +1,1 @@
+"""Measures Zenoh, as `rtron secure --zenoh` configures it."""
