@@ -20,6 +20,8 @@ class Format(str, Enum):
     TEXT = "text"
     JSON = "json"
     GRAPH = "graph"
+    NODL = "nodl"
+    ROSGRAPH = "rosgraph"
     DOT = "dot"
     SARIF = "sarif"
     HTML = "html"
@@ -48,7 +50,10 @@ def scan(  # noqa: PLR0913 - one for each option
     *,
     format: Annotated[
         Format,
-        typer.Option(help="Report, risks as JSON, graph as JSON, DOT, SARIF, or an HTML page."),
+        typer.Option(
+            help="Report, risks as JSON, graph as JSON, NoDL, rosgraph_msgs/Graph, DOT, SARIF, "
+            "or an HTML page."
+        ),
     ] = Format.TEXT,
     level: Annotated[
         Level,
@@ -97,6 +102,7 @@ def scan(  # noqa: PLR0913 - one for each option
     $ rtron scan --live --ros 2 --domain 7       the app in ROS 2 domain 7
     $ rtron scan graph.json --format json --fail-on high
     $ rtron scan run.bag                         the publishers in a recording
+    $ rtron scan graph.json --format nodl -o nodes   ROS 2: a file for each node
     $ rtron scan src --launch pkg/app.launch --format json -o last.json
     $ rtron scan src --launch pkg/app.launch --baseline last.json    what is new
 

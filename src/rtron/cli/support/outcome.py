@@ -66,6 +66,12 @@ def write_file(path: Path, text: str) -> None:
         raise _write_error(error, str(path)) from None
 
 
+def write_files(folder: Path, texts: Mapping[str, str]) -> None:
+    """Write files into a folder; raise InputError if that is not possible."""
+    for name, text in texts.items():
+        write_file(folder / name, text)
+
+
 def replace_file(path: Path, text: str) -> None:
     """Write a file that somebody may have edited; what was there stays beside it as `.bak`."""
     try:

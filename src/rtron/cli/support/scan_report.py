@@ -5,13 +5,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtron.cli.support.launch_list import launch_list_text, launch_list_to_json
-from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json
+from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
 from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
 from rtron.findings.triage import at_level
 from rtron.reports.app.dot import graph_to_dot
 from rtron.reports.app.html import graph_to_html
+from rtron.reports.app.nodl import graph_to_nodl, nodl_files
 from rtron.reports.app.risks_json import risks_to_json
+from rtron.reports.app.rosgraph import graph_to_rosgraph
 from rtron.reports.app.sarif import risks_to_sarif
 from rtron.reports.app.scan_text import Scan, scan_text
 from rtron.reports.text_layout import Report
@@ -56,6 +58,9 @@ def run_scan(selection: AppSelection, options: ScanReport) -> Outcome:
     shown = at_level(triage, options.level)
     is_failed = options.fail_on and (_is_severe(shown, options.fail_on) or _is_unread(graph))
     exit_code = FINDINGS if is_failed else OK
+    if options.format == "nodl" and options.output.is_dir():
+        write_files(options.output, nodl_files(graph))
+        return Outcome("", exit_code)
     text = _RENDERERS[options.format](app, result, triage, options.level)
     return Outcome(text, exit_code, options.output)
 
@@ -124,6 +129,8 @@ _RENDERERS: Mapping[str, _Renderer] = {
         risks_to_json(scan.report, triage, scan.inventory)
     ),
     "graph": lambda app, scan, triage, level: as_json(graph_to_json(scan.graph)),
+    "nodl": lambda app, scan, triage, level: graph_to_nodl(scan.graph),
+    "rosgraph": lambda app, scan, triage, level: as_json(graph_to_rosgraph(scan.graph)),
     "dot": lambda app, scan, triage, level: graph_to_dot(scan.graph, scan.report),
     "sarif": _sarif,
     "html": _html,
