@@ -4,6 +4,12 @@ import pytest
 import ros1_runs
 import ros2_runs
 
+from rtron.sources.code import last_message
+from rtron.sources.code.program_runner import run_cpp
+from rtron.sources.code.workspace_sources import WorkspaceSources
+from rtron.sources.declaration import NodeSite
+from rtron.sources.workspace import Workspace
+
 PYTHON = """import rospy
 import time
 from geometry_msgs.msg import Twist
@@ -327,3 +333,27 @@ def test_what_is_measured_is_no_command():
     text = PYTHON.format(callback=indented(KEEP), timer=indented("pass"))
     measured = text.replace("geometry_msgs.msg import Twist", "sensor_msgs.msg import Imu as Twist")
     assert ros1_runs.run_text(measured).last_messages == ()
+
+
+LIBRARY = "".join(f"int f{n}() {{ return {n}; }}\n" for n in range(9))
+RELAY = """#include "library.hpp"
+geometry_msgs::Twist kept;
+ros::Publisher out;
+void on_twist(const geometry_msgs::Twist::ConstPtr& message) { kept = *message; }
+int main(int argc, char **argv) {
+  ros::init(argc, argv, "n");
+  ros::NodeHandle nh;
+  out = nh.advertise<geometry_msgs::Twist>("out", 1);
+  ros::Subscriber in = nh.subscribe("in", 1, on_twist);
+  while (ros::ok()) { out.publish(kept); ros::spinOnce(); }
+}
+"""
+
+
+def test_a_library_in_headers_hides_no_function_of_the_program(tmp_path, monkeypatch):
+    monkeypatch.setattr(last_message, "_MAX_FUNCTIONS", 3)
+    (tmp_path / "library.hpp").write_text(LIBRARY)
+    (tmp_path / "n.cpp").write_text(RELAY)
+    files = WorkspaceSources(Workspace({"p": tmp_path}, [tmp_path]))
+    found = run_cpp((tmp_path / "n.cpp",), NodeSite(name="/n"), files)
+    assert told(found.last_messages) == ("repeated", None)

@@ -227,6 +227,7 @@ def test_headers_are_looked_for_near_then_in_the_package_then_everywhere(tmp_pat
     assert found.header("a.h", source) == p / "src" / "a.h"
     assert found.header("b.h", source) == p / "inc" / "b.h"
     assert found.header("q/c.h", source) == q / "include" / "q" / "c.h"
+    assert found.header("../src/a.h", source) == p / "src" / "a.h"
     for text in ("none.h", "/etc/passwd", "../../../secret.h", "a\0b", "x" * 5000):
         assert found.header(text, source) is None
 

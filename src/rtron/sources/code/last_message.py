@@ -49,6 +49,7 @@ _STATES = re.compile(
 _ORDERS = re.compile(r"cmd|command|target|desired|goal|set_?point|reference", re.IGNORECASE)
 """Words in the names of topics that command, also where their type tells what was measured."""
 _TIMER_MAKERS = frozenset({"Timer", "createTimer", "create_timer", "create_wall_timer"})
+_HEADERS = (".h", ".hh", ".hpp", ".hxx", ".inl")
 _MAX_FUNCTIONS = 1000
 _MAX_REACHED = 100
 
@@ -74,7 +75,7 @@ class _Program:
         """What all functions of the program do."""
         functions = {f.key: f for _, f in self.machine.runtime.program_functions()}
         functions |= {f.key: f for given in self.machine.callbacks_at.values() for f in given}
-        return [self._code(each) for each in islice(functions.values(), _MAX_FUNCTIONS)]
+        return [self._code(each) for each in _sources_first(functions.values(), _MAX_FUNCTIONS)]
 
     def fate(self, place: Evidence, callbacks: list[Function]) -> LastMessageUse:
         """Return what becomes of the last message that a subscription's callbacks got."""
@@ -179,13 +180,19 @@ class _Program:
     def _reached(self, functions: Iterable[Function]) -> list[FunctionSteps]:
         """Return what functions do, with those that they call by name."""
         found = reachable_functions(self.machine, list(functions), include_unrelated=True)
-        return [self._code(each) for each in islice(found, _MAX_REACHED)]
+        likely = _sources_first(islice(found, _MAX_FUNCTIONS), _MAX_REACHED)
+        return [self._code(each) for each in likely]
 
     def _code(self, function: Function) -> FunctionSteps:
         if id(function) not in self._known:
             is_cpp = self.machine.runtime.passes_by_reference
             self._known[id(function)] = FunctionSteps(function, is_cpp=is_cpp)
         return self._known[id(function)]
+
+
+def _sources_first(functions: Iterable[Function], limit: int) -> Iterator[Function]:
+    """Yield so many functions, those of headers last: these may be a whole library."""
+    return islice(sorted(functions, key=lambda each: each.file.endswith(_HEADERS)), limit)
 
 
 def _is_state(publisher: Declaration) -> bool:

@@ -189,7 +189,8 @@ def find_header(text: str, folders: Sequence[Path]) -> Path | None:
     """Return the first file of this name in folders; None for one that is no relative path."""
     if text.startswith("/"):
         return None
-    return next(filter(is_regular, (folder / text for folder in folders)), None)
+    paths = (Path(os.path.normpath(folder / text)) for folder in folders)
+    return next(filter(is_regular, paths), None)
 
 
 def _entry_names(folder: Path) -> list[str]:

@@ -129,6 +129,16 @@ def test_more_files_than_are_read(program, monkeypatch):
     assert (what, why.partition(":")[0]) == ("m.hpp", "not read")
 
 
+def test_no_header_takes_the_place_of_the_programs_own_files(tmp_path, monkeypatch):
+    monkeypatch.setattr(symbol_table, "MAX_FILES", 2)
+    (tmp_path / "m.hpp").write_text("int x;\n")
+    (tmp_path / "a.cpp").write_text('#include "m.hpp"\n')
+    (tmp_path / "n.cpp").write_text("int main() {}\n")
+    files = WorkspaceSources(Workspace({"p": tmp_path}, [tmp_path]))
+    found = run_cpp((tmp_path / "a.cpp", tmp_path / "n.cpp"), NodeSite(name="/n"), files)
+    assert found.unresolved == ()
+
+
 def test_a_number_that_is_thrown_is_caught_where_it_may_be():
     body = f"try {{ try {{ throw f(); }} catch (int) {{ }} }} catch (...) {{ throw; }} {ADVERTISE}"
     found = ros1_runs.cpp(body, "int f() { return 1; }")

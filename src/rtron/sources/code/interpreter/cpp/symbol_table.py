@@ -79,7 +79,7 @@ class SymbolTable:
         """Take in a file and the headers it includes, headers first."""
         if path in self.units:
             return
-        if len(self.units) >= MAX_FILES:
+        if len(self.units) >= MAX_FILES and path not in self.sources:
             self.unread.append(path)
             return
         unit = self.files.lowered_unit(path, SourceLanguage.CPP)
