@@ -292,6 +292,19 @@ def test_actions_that_start_nothing_are_no_matter(python):
     assert python(silent).unresolved == ()
 
 
+def test_who_an_event_is_for_starts_nothing(program):
+    app = program(f"""
+from launch.events import matches_action
+from launch_ros.events.lifecycle import ChangeState
+def generate_launch_description():
+    first = LifecycleNode(package="p", executable="e", name="first", namespace="")
+    change = ChangeState(lifecycle_node_matcher=matches_action(first), transition_id=1)
+    return LaunchDescription([first, EmitEvent(event=change)])
+""")
+    assert names(app) == ["/first"]
+    assert app.unresolved == ()
+
+
 def test_an_action_of_another_package_is_noted(python):
     app = python("Robot(), " + NODE.format("n"), before="from robot_launch import Robot")
     assert names(app) == ["/n"]

@@ -99,6 +99,13 @@ _EVENT_HANDLERS: Mapping[str, tuple[str, ...]] = {
     "OnProcessStart": (),
     "OnShutdown": (),
 }
+_MATCHERS: Mapping[str, tuple[str, ...]] = {
+    "matches_action": ("target_action",),
+    "matches_executable": ("target_executable",),
+    "matches_name": ("target_name",),
+    "matches_pid": ("target_pid",),
+}
+"""They choose the nodes that an event is for, and start none."""
 _ROS_EVENT_HANDLERS: Mapping[str, tuple[str, ...]] = {"OnStateTransition": ()}
 _DESCRIPTION_SOURCES: Mapping[str, tuple[str, ...]] = {
     f"{kind}LaunchDescriptionSource": ("location",)
@@ -138,6 +145,7 @@ POSITIONAL_PARAMETERS: Mapping[str, tuple[str, ...]] = {
     **_ROS_SUBSTITUTIONS,
     **_CONDITIONS,
     **_EVENT_HANDLERS,
+    **_MATCHERS,
     **_ROS_EVENT_HANDLERS,
     **_DESCRIPTION_SOURCES,
     **_DESCRIPTIONS,
@@ -155,6 +163,8 @@ CLASSES_BY_MODULE: Mapping[str, tuple[str, ...]] = {
     "launch.substitutions": tuple(_SUBSTITUTIONS),
     "launch.conditions": tuple(_CONDITIONS),
     "launch.event_handlers": tuple(_EVENT_HANDLERS),
+    "launch.events": tuple(_MATCHERS),
+    "launch.events.matchers": tuple(_MATCHERS),
     "launch.descriptions": ("Executable",),
     "launch.launch_description_sources": tuple(_DESCRIPTION_SOURCES),
     "launch_xml.launch_description_sources": ("XMLLaunchDescriptionSource",),
