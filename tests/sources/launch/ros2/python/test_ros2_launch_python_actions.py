@@ -293,7 +293,7 @@ def test_actions_that_start_nothing_are_no_matter(python):
 
 
 def test_who_an_event_is_for_starts_nothing(program):
-    app = program(f"""
+    app = program("""
 from launch.events import matches_action
 from launch_ros.events.lifecycle import ChangeState
 def generate_launch_description():
