@@ -46,7 +46,9 @@ def test_what_was_read_before_a_bound_stays(python, monkeypatch):
 
 
 def test_the_steps_of_all_python_files_are_bounded(python, package, monkeypatch):
-    busy = "def generate_launch_description():\n    for a in range(100):\n        b = a\n"
+    busy = (
+        "def generate_launch_description():\n    for a in range(100):\n        b = a\n    return []"
+    )
     (package / "launch" / "busy.launch.py").write_text(busy)
     include = "IncludeLaunchDescription([ThisLaunchFileDir(), '/busy.launch.py'])"
     assert whys(python(f"*[{include}] * 9")) == []

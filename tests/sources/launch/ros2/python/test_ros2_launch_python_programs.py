@@ -258,6 +258,7 @@ def generate_launch_description():
         ("def generate_launch_description():\n    while True: pass", ""),
         ("import sys\nsys.exit(1)\ndef generate_launch_description(): pass", "ends it before"),
         ("def generate_launch_description(:", "has no function"),
+        ("def generate_launch_description():\n    actions = [Node(", "returns nothing"),
         (
             "def generate_launch_description():\n    return LaunchDescription(["
             + "[" * 90

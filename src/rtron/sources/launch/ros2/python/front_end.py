@@ -177,12 +177,18 @@ class _PythonLaunchFile:
         module = ModuleValue("launch")
         with self._collect_errors():
             module = world.run_module(Path(self.path), "launch_file")
-        for function in (module.fields[name] for name in _ENTRY_FUNCTIONS if name in module.fields):
-            return _without_test_context(
-                self._call(function, Arguments(frame=StackFrame(file=self.path)))
-            )
-        self._note("it has no function generate_launch_description")
+        for name in _ENTRY_FUNCTIONS:
+            if name in module.fields:
+                return self._described_by(module.fields[name], name)
+        self._note(f"it has no function {_ENTRY_FUNCTIONS[0]}")
         return NONE
+
+    def _described_by(self, function: Value, name: str) -> Value:
+        notes = len(self.front_end.unresolved)
+        found = self._call(function, Arguments(frame=StackFrame(file=self.path)))
+        if found == NONE and len(self.front_end.unresolved) == notes:
+            self._note(f"its {name}() returns nothing")
+        return _without_test_context(found)
 
     def _call(self, function: Value, arguments: Arguments) -> Value:
         with self._collect_errors():
