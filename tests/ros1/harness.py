@@ -10,6 +10,8 @@ from contextlib import suppress
 from pathlib import Path
 from weakref import WeakSet
 
+from forked_nodes import fork_node
+
 from rtron.demos.runtime.isolation import free_port
 from rtron.errors import RTronError
 from rtron.wire.ros1.xmlrpc import ros_call
@@ -25,6 +27,11 @@ _PAUSE_S = 0.02
 _LAST_LINES = 8
 _STARTED = WeakSet()
 _HASTE_S = 0.2
+_LOADED = (
+    *("genpy", "rosgraph.roslogging", "roslib.packages", "rosmaster.main", "roscpp.srv"),
+    *("geometry_msgs.msg", "rosgraph_msgs.msg", "std_msgs.msg"),
+)
+"""What nodes in Python load, but rospy: it takes names from the command line as it is loaded."""
 _ORDERLY = (sys.executable, "roslaunch", "sh")
 """Programs that have others to end, or files to leave in order."""
 
@@ -82,20 +89,26 @@ def is_open(path):
 
 
 class Process:
-    """A process with a group of its own, and what it says in a file."""
+    """A process with a group of its own, and what it says in a file.
 
-    def __init__(self, command, environ, log):
+    A script of Python is forked where there are modules that it may find loaded.
+    """
+
+    def __init__(self, command, environ, log, loaded=()):
         self.program = str(command[0])
         self.log_path = log
         with log.open("wb") as output:
-            self._popen = subprocess.Popen(
-                [str(word) for word in command],
-                env=environ,
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-            )
+            if loaded:
+                self._popen = fork_node(self.program, loaded, command[1:], environ, log)
+            else:
+                self._popen = subprocess.Popen(
+                    [str(word) for word in command],
+                    env=environ,
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=subprocess.STDOUT,
+                    start_new_session=True,
+                )
         self.pid = self._popen.pid
         _STARTED.add(self)
 
@@ -197,7 +210,12 @@ class Ros1:
     def spawn(self, *command, **environ):
         """Start a command; what it says goes to a file that its `log` gives."""
         log = self.folder / f"{len(self._processes)}_{Path(command[0]).name}.log"
-        process = Process(command, self.environ | environ, log)
+        loaded = ()
+        if command[0] == "rosmaster":
+            command, loaded = (ROS_PYTHON, "/usr/bin/rosmaster", *command[1:]), _LOADED
+        elif command[0] == ROS_PYTHON and Path(command[1]).parent == NODES:
+            loaded = _LOADED
+        process = Process(command, self.environ | environ, log, loaded)
         self._processes.append(process)
         return process
 

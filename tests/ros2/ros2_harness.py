@@ -11,6 +11,8 @@ from tempfile import gettempdir
 
 from harness import Process, wait_for
 
+_LOADED = ("rclpy", "rclpy.executors", "rclpy.action", "geometry_msgs.msg", "std_msgs.msg")
+"""What nodes in Python load."""
 NODES2 = Path(__file__).parent / "nodes"
 _DOMAINS = range(1, 101)
 _OF_TESTS = ("ROS_", "FASTDDS_", "FASTRTPS_")
@@ -53,7 +55,8 @@ class Ros2:
     def spawn(self, *command, **environ):
         """Start a command; what it says goes to a file that its `log` gives."""
         log = self.folder / f"{len(self._processes)}_{Path(str(command[0])).name}.log"
-        process = Process(command, self.environ | environ, log)
+        is_node = command[0] == sys.executable and Path(command[1]).suffix == ".py"
+        process = Process(command, self.environ | environ, log, _LOADED if is_node else ())
         self._processes.append(process)
         return process
 

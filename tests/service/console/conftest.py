@@ -129,3 +129,12 @@ def page(console, chromium):
     messages = [line for line in chromium.get_log("browser") if not opened.is_expected_log(line)]
     chromium.get("about:blank")
     assert messages == []
+
+
+@pytest.fixture
+def cold(page):
+    """A browser with nothing in its cache, in which somebody is logged in."""
+    page.login()
+    page.browser.get("about:blank")
+    page.browser.execute_cdp_cmd("Network.clearBrowserCache", {})
+    return page

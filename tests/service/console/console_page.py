@@ -2,6 +2,7 @@
 
 from contextlib import contextmanager
 
+from incident_reports import NAME
 from selenium.common.exceptions import (
     ElementClickInterceptedException,
     ElementNotInteractableException,
@@ -37,6 +38,13 @@ window.WebSocket = class extends WebSocket {
     }
 };
 """
+_NODES = ("nodes", "nodes/grcn_cmd_vel", "nodes/rsrcn", "nodes/msrcn")
+_ROBOT = ("now", "command", "graph", "risks", *_NODES, "rules", "events", "incidents", "settings")
+_ROLLOUTS = ("rollouts", "rollouts/new", "rollouts/1")
+_ACCOUNTS = ("users", "tokens", "webhooks", "approvals", "account")
+ROBOT_VIEWS = tuple(f"robots/turtle1/{view}" for view in _ROBOT)
+_SERVICE_VIEWS = ("", "shift", "events", "audit", *_ACCOUNTS, *_ROLLOUTS, "incidents")
+VIEWS = (*_SERVICE_VIEWS, *ROBOT_VIEWS, f"robots/turtle1/incidents/{NAME}")
 PASSING = (
     NoSuchElementException,
     StaleElementReferenceException,

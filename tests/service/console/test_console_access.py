@@ -6,7 +6,8 @@ from importlib.util import find_spec
 import pytest
 from asked_guard import AskedGuard
 from console_fleet import alarm, stored_fleet
-from incident_reports import NAME, a_report
+from console_page import VIEWS
+from incident_reports import a_report
 from leased_base import AGENT, NAV
 from leased_guard import LeasedGuard
 
@@ -15,35 +16,6 @@ from rtron.wire.common.link_protocol import IncidentSaved
 pytestmark = pytest.mark.skipif(
     find_spec("axe_core_python") is None, reason="needs axe-core: pip install axe-core-python"
 )
-ROBOT = (
-    "now",
-    "command",
-    "graph",
-    "risks",
-    "nodes",
-    "nodes/grcn_cmd_vel",
-    "nodes/rsrcn",
-    "nodes/msrcn",
-)
-ROBOT_VIEWS = [
-    f"robots/turtle1/{view}" for view in (*ROBOT, "rules", "events", "incidents", "settings")
-]
-SERVICE_VIEWS = [
-    "",
-    "shift",
-    "events",
-    "audit",
-    "users",
-    "tokens",
-    "webhooks",
-    "approvals",
-    "account",
-    "rollouts",
-    "rollouts/new",
-    "rollouts/1",
-    "incidents",
-    f"robots/turtle1/incidents/{NAME}",
-]
 RUN = """
 const done = arguments[arguments.length - 1];
 const runOnly = arguments[0].length ? { runOnly: arguments[0] } : {};
@@ -104,7 +76,7 @@ def test_no_view_has_a_serious_finding(console, guard, page, axe):
     assert console.call("POST", "/rollouts", json=rollout).status_code == 201
     page.login()
     found = {}
-    for view in [*SERVICE_VIEWS, *ROBOT_VIEWS]:
+    for view in VIEWS:
         page.go(view)
         page.until(lambda: not page.all("[aria-busy]"), f"{view} is loaded")
         show_theme(page, "light")

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from console_page import ROBOT_VIEWS
 from console_robot import GRAPH, large_graph
 from selenium.webdriver.common.keys import Keys
 
@@ -420,14 +421,11 @@ def test_the_theme_is_kept(page):
     assert page.find("html").get_attribute("data-theme") is None
 
 
-VIEWS = ("now", "graph", "risks", "nodes", "nodes/grcn_cmd_vel", "nodes/rsrcn", "nodes/msrcn")
-
-
 def test_every_view_fits_a_phone(console, guard, page):
     page.show_on_phone()
     page.login()
-    for view in (*VIEWS, "rules", "events", "settings"):
-        page.go(f"robots/turtle1/{view}")
+    for view in ROBOT_VIEWS:
+        page.go(view)
         page.until(lambda: not page.all("[aria-busy]"))
         width, overflow = page.overflow()
         assert (width <= 360, overflow <= 0) == (True, True), view

@@ -223,3 +223,26 @@ def test_a_fleet_that_speaks_costs_a_console_little(fleet, page):
         frames, seconds = new_frames(), time.monotonic() - begin
     assert 1 <= len(frames) <= 2 * seconds + 2
     assert sum(map(len, frames)) < 5000
+
+
+MOST_REQUESTS = 8
+MOST_BYTES = 70_000
+
+
+def loaded(page):
+    """Return the requests since the navigation, and the bytes that came for them."""
+    return page.browser.execute_script("""
+        const all = [...performance.getEntriesByType("navigation"),
+                     ...performance.getEntriesByType("resource")];
+        const size = all.reduce((sum, each) => sum + each.transferSize, 0);
+        return [all.map((each) => each.name), size];
+    """)
+
+
+def test_all_robots_of_a_fleet_are_there_after_few_requests(console, fleet, cold):
+    cold.browser.get(console.base)
+    cold.wait_for_text("1,000 robots, 1,000 connected")
+    cold.until(lambda: not cold.all(".banner"))
+    requests, size = loaded(cold)
+    assert len(requests) <= MOST_REQUESTS, "\n".join(requests)
+    assert size <= MOST_BYTES

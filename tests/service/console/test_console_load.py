@@ -1,37 +1,4 @@
-"""What the console asks of a slow line: requests, each a round trip, and bytes."""
-
-import pytest
-
-MOST_REQUESTS = 8
-MOST_BYTES = 70_000
-
-
-def loaded(page):
-    """Return the requests since the navigation, and the bytes that came for them."""
-    return page.browser.execute_script("""
-        const all = [...performance.getEntriesByType("navigation"),
-                     ...performance.getEntriesByType("resource")];
-        const size = all.reduce((sum, each) => sum + each.transferSize, 0);
-        return [all.map((each) => each.name), size];
-    """)
-
-
-@pytest.fixture
-def cold(page):
-    """A browser with nothing in its cache, in which somebody is logged in."""
-    page.login()
-    page.browser.get("about:blank")
-    page.browser.execute_cdp_cmd("Network.clearBrowserCache", {})
-    return page
-
-
-def test_all_robots_of_a_fleet_are_there_after_few_requests(console, fleet, cold):
-    cold.browser.get(console.base)
-    cold.wait_for_text("1,000 robots, 1,000 connected")
-    cold.until(lambda: not cold.all(".banner"))
-    requests, size = loaded(cold)
-    assert len(requests) <= MOST_REQUESTS, "\n".join(requests)
-    assert size <= MOST_BYTES
+"""What the console asks of a slow line: what comes once, from the cache, or with its view."""
 
 
 def test_what_is_shown_first_is_asked_for_once_and_the_rest_comes_from_the_cache(console, cold):
