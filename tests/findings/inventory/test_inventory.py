@@ -323,14 +323,6 @@ def test_each_topic_of_a_driver_is_judged_by_itself(fates, stops, why):
     assert (mover.stops, mover.stop) == (stops, why)
 
 
-@pytest.mark.parametrize(
-    ("package", "stops"), [("rosserial_arduino", Stops.NO), ("relay", Stops.UNKNOWN)]
-)
-def test_firmware_whose_sketch_was_read_needs_no_device(package, stops):
-    mover = the_mover(TWO_DRIVERS + BASE.replace(" driver ", f" {package} "), wiring=(KEPT,))
-    assert mover.stops is stops
-
-
 def test_a_parameter_helps_no_topic_whose_age_nobody_looks_at():
     timeout = parameters("cmd_vel_timeout", base=0.5)
     app = with_two_topics(("unnoticed", "stopped"), AGED, parameters=timeout)
@@ -394,18 +386,39 @@ def test_what_is_documented_of_a_driver():
     assert the_mover(gazebo).stops is Stops.NO
 
 
+LIBRARY = "github.com/x/y@1.0"
+DIFF_DRIVE = f"{LIBRARY} diff_drive_controller/src/diff_drive_controller.cpp"
+VELOCITY = f"{LIBRARY} velocity_controllers/src/joint.cpp"
+
+
 @pytest.mark.parametrize(
-    ("file", "stops"),
+    ("package", "files", "stops"),
     [
-        ("github.com/x/y@1.0 diff_drive_controller/src/diff_drive_controller.cpp", Stops.YES),
-        ("github.com/x/y@1.0 velocity_controllers/src/joint.cpp", Stops.NO),
+        ("gazebo_ros", (DIFF_DRIVE,), Stops.YES),
+        ("gazebo_ros", (VELOCITY,), Stops.NO),
+        ("gazebo_ros", (DIFF_DRIVE, VELOCITY), Stops.NO),
+        ("gazebo_ros", (VELOCITY, DIFF_DRIVE), Stops.NO),
+        ("host", (DIFF_DRIVE, VELOCITY), Stops.UNKNOWN),
+        ("mydrv", ("kobuki_node/mydrv/drv.py",), Stops.UNKNOWN),
     ],
 )
-def test_a_controller_in_gazebo_stops_as_a_controller_does(file, stops):
-    graph = small_graph(f"/gazebo gazebo_ros third_party\n    sub /cmd_vel {TWIST}\n")
-    ends = tuple(replace(e, evidence=(Evidence(file=file, line=1),)) for e in graph.endpoints)
+def test_a_controller_stops_as_is_documented_of_it_wherever_it_runs(package, files, stops):
+    topics = [f"/cmd_vel{number}" for number in range(len(files))]
+    subscribed = "".join(f"    sub {topic} {TWIST}\n" for topic in topics)
+    graph = small_graph(f"/host {package} third_party\n{subscribed}")
+    places = dict(zip(topics, files, strict=True))
+    ends = tuple(
+        replace(e, evidence=(Evidence(file=places[e.topic], line=1),)) for e in graph.endpoints
+    )
     (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends)))
     assert mover.stops is stops
+
+
+@pytest.mark.parametrize("values", [(0.5, 0.0), (0.0, 0.5)])
+def test_of_several_timeouts_the_worst_counts(values):
+    given = dict(zip(("a.cmd_vel_timeout", "b.cmd_vel_timeout"), values, strict=True))
+    timeouts = tuple(NodeParameter(node="/base", name=n, value=v) for n, v in given.items())
+    assert the_mover(TWO_DRIVERS + BASE, parameters=timeouts).stops is Stops.NO
 
 
 def test_doors():

@@ -4,7 +4,6 @@ from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES
 from rtron.findings.motion.command_timeout import (
     CLEVER_DEVICES,
     STREAMS,
@@ -13,7 +12,7 @@ from rtron.findings.motion.command_timeout import (
     is_off,
     repeated_topics,
 )
-from rtron.vocabulary import LastMessageFate, WiringFact, WiringFactKind
+from rtron.vocabulary import Endpoint, LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
 from rtron.wording import conjugate, join_names
 
@@ -66,6 +65,10 @@ def stopping(
         if command.type in types or STREAMS.search(command.type)
         for stop in _of_forwarder(app, node, command.name, led)
     )
+    return _worst(found)
+
+
+def _worst(found: list[Stopping]) -> Stopping:
     order = (Stops.NO, Stops.UNKNOWN, Stops.YES)
     return min(found, key=lambda each: order.index(each.stops))
 
@@ -82,18 +85,22 @@ def _of_driver(
     read = _by_source(app, node, sorted(t for t in topics if node in app.readers(t)))
     if read and read.stops is Stops.NO:
         return read
-    known = (Stopping(*_KNOWN[each]) for each in _packages(app, node, topics) if each in _KNOWN)
-    found = _by_parameter(app, node, controllers) or read
-    return found or next(known, Stopping(Stops.UNKNOWN, f"{node} does not tell"))
+    return _by_parameter(app, node, controllers) or read or _documented(app, node, topics)
 
 
-def _packages(app: AppFacts, node: str, topics: Collection[str]) -> Iterator[str]:
-    """Yield the packages whose code hears the commands, as a controller's does, and the node's."""
-    for end in app.graph.subscribed_by(node):
-        if end.topic in topics:
-            yield from (at.file.rpartition(" ")[2].partition("/")[0] for at in end.evidence)
-    if node in app.nodes:
-        yield app.nodes[node].package
+def _documented(app: AppFacts, node: str, topics: Collection[str]) -> Stopping:
+    """Return the worst that is documented of the packages whose code hears the commands."""
+    own = app.nodes[node].package if node in app.nodes else ""
+    heard = [end for end in app.graph.subscribed_by(node) if end.topic in topics]
+    packages = [each for end in heard for each in _library_packages(end) or (own,)] or [own]
+    silent = Stopping(Stops.UNKNOWN, f"{node} does not tell")
+    return _worst([Stopping(*_KNOWN[each]) if each in _KNOWN else silent for each in packages])
+
+
+def _library_packages(end: Endpoint) -> list[str]:
+    """Return the known packages of models whose code hears a topic, as that of a controller."""
+    places = (at.file.partition(" ") for at in end.evidence if at.file.startswith("github.com/"))
+    return sorted({path.partition("/")[0] for _, _, path in places} & _KNOWN.keys())
 
 
 def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Stopping | None:
@@ -101,14 +108,15 @@ def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Sto
     kinds = {each.kind for each in app.graph.wiring if each.subject == node}
     if WiringFactKind.DEVICE in kinds and WiringFactKind.COMMAND_AGE not in kinds:
         return None
-    nodes = {node, *controllers}
+    nodes, found = {node, *controllers}, []
     for parameter in app.graph.parameters:
         is_timeout = parameter.name.rpartition(".")[2] in TIMEOUT_NAMES
         is_number = isinstance(parameter.value, (int, float))
         if parameter.node in nodes and is_timeout and is_number:
             stops = Stops.NO if is_off(parameter.value) else Stops.YES
-            return Stopping(stops, f"{parameter.node}: {parameter.name} is {parameter.value}")
-    return None
+            why = f"{parameter.node}: {parameter.name} is {parameter.value}"
+            found.append(Stopping(stops, why))
+    return _worst(found) if found else None
 
 
 def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | None:
@@ -144,10 +152,9 @@ def _stopped(node: str, stop: WiringFact) -> Stopping:
 def _of_unchecked(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
     """Return what becomes of the commands of a driver in whose source nothing tells of an age."""
     devices = {fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)}
-    is_firmware = node in app.nodes and app.nodes[node].package in FIRMWARE_PACKAGES
     if topics and not devices.isdisjoint(CLEVER_DEVICES):
         return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
-    if topics and (devices or is_firmware):
+    if topics and devices:
         why = "nothing in the source of"
         where = join_names(topics)
         return Stopping(Stops.NO, f"{why} {node} looks at the age of commands on {where}")

@@ -50,6 +50,12 @@ _ORDERS = re.compile(r"cmd|command|target|desired|goal|set_?point|reference", re
 """Words in the names of topics that command, also where their type tells what was measured."""
 _TIMER_MAKERS = frozenset({"Timer", "createTimer", "create_timer", "create_wall_timer"})
 _HEADERS = (".h", ".hh", ".hpp", ".hxx", ".inl")
+_TIMED_WAITS = frozenset({"wait_for", "wait_until"})
+_ALARMS = frozenset(
+    {"call_later", "call_at", "expires_after", "expires_from_now", "setitimer", "alarm"}
+)
+"""What a callback starts anew, and what comes where no more does."""
+_SELF = frozenset({"self", "this"})
 _MAX_FUNCTIONS = 1000
 _MAX_REACHED = 100
 
@@ -98,11 +104,9 @@ class _Program:
         repetition = find_repetition(stored - times, reached, beside)
         made = dict(self._publishers_made(repetition.publishers))
         fate = LastMessageFate.REPEATED
-        if not repetition.publishers:
-            fate = LastMessageFate.UNNOTICED
-        elif repetition.is_cleared or is_counted(reached, others):
+        if repetition.is_cleared or is_counted(reached, others) or _waits(reached, others):
             fate = LastMessageFate.CHECKED
-        elif made and all(map(_is_state, made.values())):
+        elif not repetition.publishers or (made and all(map(_is_state, made.values()))):
             fate = LastMessageFate.UNNOTICED
         further = made if fate is LastMessageFate.REPEATED else ()
         return LastMessageUse(fate=fate, evidence=(place, *further))
@@ -257,6 +261,23 @@ def _limit(condition: Expr, names: frozenset[str]) -> float | None:
     return None
 
 
+def _waits(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
+    """Return whether somebody waits for the message for so long, or asks to be told of silence."""
+    shared = set[str]().union(*(mentioned_names(each.function.body) for each in reached)) - _SELF
+    return any(
+        (last_name(call.function) in _TIMED_WAITS or _is_wait(call))
+        and mentioned_names(call) - {last_name(call.function)} & shared
+        for each in others
+        for call in each.calls
+    )
+
+
+def _is_wait(call: Call) -> bool:
+    name = last_name(call.function)
+    is_timed = any(key == "timeout" for key, _ in call.keywords)
+    return (name in {"get", "wait"} and is_timed) or (name == "wait" and bool(call.args))
+
+
 def _restarts_timer(reached: list[FunctionSteps]) -> bool:
     """Return whether a callback starts a timer anew, which stops where nothing comes."""
     return any(_starts_timer(call.function) for each in reached for call in each.calls)
@@ -265,4 +286,4 @@ def _restarts_timer(reached: list[FunctionSteps]) -> bool:
 def _starts_timer(function: Expr) -> bool:
     if isinstance(function, Attr) and function.name in _RESTARTS:
         return any(_TIMERS.search(name) for name in mentioned_names(function.owner))
-    return last_name(function) in _TIMER_MAKERS
+    return last_name(function) in _TIMER_MAKERS | _ALARMS

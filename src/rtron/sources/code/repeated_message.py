@@ -30,7 +30,7 @@ class Repetition(NamedTuple):
     publishers: frozenset[str]
     """The names of the publishers it goes to; nothing is repeated if there are none."""
     is_cleared: bool
-    """Whether who publishes also assigns it anew or takes it away."""
+    """Whether who publishes, or else uses it, also assigns it anew or takes it away."""
 
 
 def find_repetition(
@@ -48,10 +48,17 @@ def find_repetition(
     found = [(u, s, names) for u in users for s in senders if (names := _publishers(stored, u, s))]
     pairs = [pair for *pair, _ in found]
     called = [f for f in beside if any(_calls(each, f) for pair in pairs for each in pair)]
+    takers = chain(*pairs, called) if found else (u for u in users if _reads(u, stored))
     return Repetition(
         frozenset().union(*(names for *_, names in found)),
-        is_cleared=any(is_cleared_by(each, stored) for each in chain(*pairs, called)),
+        is_cleared=any(is_cleared_by(each, stored) for each in takers),
     )
+
+
+def _reads(code: FunctionSteps, stored: set[str]) -> bool:
+    """Return whether a function uses what was stored, and does not only set it."""
+    given = [value for node in ir_nodes(code.function.body) for _, value in assignments(node)]
+    return bool(mentioned_names((given, [(c.args, c.keywords) for c in code.calls])) & stored)
 
 
 def is_counted(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:

@@ -86,6 +86,8 @@ def test_what_stands_in_for_the_nodelet_loader_is_read(tmp_path):
         ("pub /go std_msgs/Bool true", ["/stop"]),
         ("pub -1 /go std_msgs/Bool true", ["/stop"]),
         ("pub -r 10 /go std_msgs/Bool true", []),
+        ("pub -r10 /go std_msgs/Bool true", []),
+        ("pub -sr10 /go std_msgs/Bool true", []),
         ("pub /go std_msgs/Bool true --rate=10", []),
     ],
 )

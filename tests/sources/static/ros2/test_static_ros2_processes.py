@@ -55,7 +55,11 @@ def test_a_publisher_may_be_named_and_remapped(started):
 
 
 @pytest.mark.parametrize(
-    ("options", "once"), [("", []), ("-r 5", []), ("--once", ["/x"]), ("-t 3", ["/x"])]
+    ("options", "once"),
+    [
+        *(("", []), ("-r 5", []), ("-t 0", []), ("-t x", []), ("-r 50 -t 100000", [])),
+        *(("--once", ["/x"]), ("-1", ["/x"]), ("-t 3", ["/x"])),
+    ],
 )
 def test_a_topic_pub_that_is_not_told_how_often_goes_on(started, options, once):
     graph = started(*f"ros2 topic pub {options} -n x /a std_msgs/msg/Bool".split())

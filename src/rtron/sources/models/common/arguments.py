@@ -1,6 +1,7 @@
 """A node's command line, as the tools of ROS 1 take it apart (ROS wiki: Remapping Arguments)."""
 
 from collections.abc import Iterator, Sequence
+from itertools import takewhile
 
 
 def user_arguments(args: Sequence[str]) -> list[str]:
@@ -40,7 +41,7 @@ def option(args: Sequence[str], names: str) -> str | None:
 
 
 def has_option(args: Sequence[str], names: str) -> bool:
-    """Tell whether one of the options `names` is given; `-ab` gives `-a` and `-b`."""
+    """Tell whether one of the options `names` is given; `-ab10` gives `-a` and `-b`."""
     arguments = user_arguments(args)
     options = names.split()
     return any(
@@ -49,8 +50,8 @@ def has_option(args: Sequence[str], names: str) -> bool:
 
 
 def _is_in_short_options(argument: str, options: Sequence[str]) -> bool:
-    short = argument.startswith("-") and argument[1:].isalpha()
-    return short and any(f"-{letter}" in options for letter in argument[1:])
+    letters = takewhile(str.isalpha, argument[1:]) if argument.startswith("-") else ()
+    return any(f"-{letter}" in options for letter in letters)
 
 
 def _with_option_flags(args: Sequence[str], valued: Sequence[str]) -> Iterator[tuple[str, bool]]:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from rtron.sources.models.common.arguments import has_option, positional
+from rtron.sources.models.common.arguments import has_option, option, positional
 from rtron.sources.static.common.node_part import NodePart
 from rtron.vocabulary import (
     Endpoint,
@@ -22,7 +22,9 @@ from rtron.vocabulary.parameters import pattern_matches
 
 _NODELET = "nodelet"
 _REPEATED = "-r --rate"
-_COUNTED = "-1 --once -t --times"
+_ONCE, _TIMES = "-1 --once", "-t --times"
+_FEW = 10
+"""A `topic pub` that sends more messages is a stream."""
 _NAME = re.compile(r"[~/]?\w+(?:/\w+)*", re.ASCII)
 _Remap: TypeAlias = tuple[str, str]
 _Program: TypeAlias = tuple[str, ...]
@@ -138,12 +140,14 @@ def _last(name: str) -> str:
 def sent_once(part: NodePart) -> Iterator[WiringFact]:
     """Yield a fact for a `topic pub` that ends or rests after its message.
 
-    That of ROS 1 does without a rate, that of ROS 2 if it is told how often.
+    That of ROS 1 does without a rate, that of ROS 2 if it is told to send a few messages.
     """
     node = part.node
+    times = option(node.site.args, _TIMES) or ""
+    is_counted = times.isascii() and times.isdigit() and 0 < int(times[:9]) <= _FEW
     is_once = {
         "rostopic": not has_option(node.site.args, _REPEATED),
-        "ros2topic": has_option(node.site.args, _COUNTED),
+        "ros2topic": is_counted or has_option(node.site.args, _ONCE),
     }
     names = {each.name for each in part.interface.nodes} or {part.owner}
     for name in names if is_once.get(node.package) else ():
