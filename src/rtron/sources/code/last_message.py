@@ -21,7 +21,18 @@ from rtron.sources.code.function_steps import (
     mentioned_names,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.ir import Assign, Attr, Call, Const, Expr, Function, New
+from rtron.sources.code.ir import (
+    Assign,
+    Attr,
+    Call,
+    Const,
+    Expr,
+    Function,
+    Index,
+    Name,
+    New,
+    SequenceExpr,
+)
 from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.reachability import reachable_functions
 from rtron.sources.code.repeated_message import (
@@ -36,7 +47,7 @@ from rtron.vocabulary import Evidence, LastMessageFate
 _CLOCKS = frozenset(
     [
         *("now", "time", "time_ns", "monotonic", "monotonic_ns", "perf_counter", "get_time"),
-        *("get_rostime", "millis", "micros", "clock_gettime", "gettimeofday", "stamp"),
+        *("get_rostime", "utcnow", "millis", "micros", "clock_gettime", "gettimeofday", "stamp"),
     ]
 )
 _TIMERS = re.compile(r"timer|watch_?dog", re.IGNORECASE)
@@ -50,12 +61,14 @@ _ORDERS = re.compile(r"cmd|command|target|desired|goal|set_?point|reference", re
 """Words in the names of topics that command, also where their type tells what was measured."""
 _TIMER_MAKERS = frozenset({"Timer", "createTimer", "create_timer", "create_wall_timer"})
 _HEADERS = (".h", ".hh", ".hpp", ".hxx", ".inl")
-_TIMED_WAITS = frozenset({"wait_for", "wait_until"})
+_TIMED_WAITS = frozenset({"wait_for", "wait_until", "get_nowait"})
 _ALARMS = frozenset(
     {"call_later", "call_at", "expires_after", "expires_from_now", "setitimer", "alarm"}
 )
 """What a callback starts anew, and what comes where no more does."""
 _SELF = frozenset({"self", "this"})
+_DEADLINES = frozenset({"deadline_callback", "SubscriptionEventCallbacks"})
+_KEEPING = frozenset({"update", "append", "put", "set", "store"})
 _MAX_FUNCTIONS = 1000
 _MAX_REACHED = 100
 
@@ -99,7 +112,11 @@ class _Program:
         if found := self._age_test(times, others):  # who calls them is not known
             evidence = (place, *found.evidence)
             return replace(found, fate=LastMessageFate.CHECKED, evidence=evidence)
-        if _restarts_timer(reached) or self._is_marked(reached, others):
+        if (
+            _restarts_timer(reached)
+            or self._is_marked(reached, others)
+            or _may_be_told(reached, others)
+        ):
             return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
         repetition = find_repetition(stored - times, reached, beside)
         made = dict(self._publishers_made(repetition.publishers))
@@ -259,6 +276,37 @@ def _limit(condition: Expr, names: frozenset[str]) -> float | None:
                 if is_limit and isinstance(found[0], (int, float)):
                     return float(found[0])
     return None
+
+
+def _may_be_told(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
+    """Return whether a callback keeps the time where no test is seen, or silence has a callback."""
+    is_asked = any(not _DEADLINES.isdisjoint(mentioned_names(o.function.body)) for o in others)
+    return is_asked or any(map(_keeps_time, reached))
+
+
+def _keeps_time(code: FunctionSteps) -> bool:
+    """Return whether a function puts the time where no test of a member would find it.
+
+    In an item, something else's member, a global or beside other values, but in no header.
+    """
+    for node in ir_nodes(code.function.body):
+        for target, value in assignments(node):
+            if _is_time(value, code) and _is_hidden(target, value, code):
+                return True
+        is_keeping = isinstance(node, Call) and last_name(node.function) in _KEEPING
+        given = (*node.args, *(v for _, v in node.keywords)) if is_keeping else ()
+        if any(_is_time(each, code) for each in given):
+            return True
+    return False
+
+
+def _is_hidden(target: Expr, value: Expr, code: FunctionSteps) -> bool:
+    if "stamp" in mentioned_names(target):
+        return False
+    is_item = isinstance(target, Index) and last_name(target) not in code.declared
+    is_others = isinstance(target, Attr) and not isinstance(target.owner, Name)
+    is_beside = isinstance(value, SequenceExpr) and bool(code.member(target))
+    return is_item or is_others or is_beside or last_name(target) in code.globals
 
 
 def _waits(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:

@@ -1,7 +1,7 @@
 """Where what a callback keeps is published again and again, and whether it is ever cleared."""
 
 from collections.abc import Iterator
-from itertools import chain
+from itertools import chain, repeat
 from typing import Any, NamedTuple
 
 from rtron.sources.code.function_steps import (
@@ -58,7 +58,8 @@ def find_repetition(
 def _reads(code: FunctionSteps, stored: set[str]) -> bool:
     """Return whether a function uses what was stored, and does not only set it."""
     given = [value for node in ir_nodes(code.function.body) for _, value in assignments(node)]
-    return bool(mentioned_names((given, [(c.args, c.keywords) for c in code.calls])) & stored)
+    passed = [part for call in code.calls for part in (call.args, call.keywords)]
+    return any(mentioned_names(part) & stored for part in (*given, *passed))
 
 
 def is_counted(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
@@ -164,7 +165,10 @@ def _is_anew(
 ) -> bool:
     """Return whether something is stored that is not `made` of what was."""
     if isinstance(target, SequenceExpr):
-        return any(_is_anew(item, value, code, stored, made) for item in target.items)
+        given = value.items if isinstance(value, SequenceExpr) else ()
+        is_each = len(given) == len(target.items)
+        pairs = zip(target.items, given if is_each else repeat(value), strict=False)
+        return any(_is_anew(*pair, code, stored, made) for pair in pairs)
     if code.member(target) not in stored:
         return False
     is_number = isinstance(value, Const) and not isinstance(value.value, (str, bytes))
