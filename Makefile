@@ -53,7 +53,7 @@ test: setup ## Run lint and all tests but the long ones, fast ones first (17 min
 test-all: setup ## Run all of that and the long tests: every scene on a real ROS, case studies, soak, load, faults (2 hours)
 	$(PYTHON) scripts/run_tests.py --long
 
-test-durations: ## Show the slowest files of the last run, which begin from now on, and its tests over 20 s
+test-durations: ## Show the slowest files of the last run, and its tests over 20 s
 	$(PYTHON) scripts/run_tests.py --durations
 
 coverage: setup ## Run the tests of policies, risks, plans and vocabulary, which must run every branch (1 minute)

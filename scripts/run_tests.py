@@ -212,7 +212,7 @@ def _clock(seconds: float) -> str:
 
 
 def print_durations() -> None:
-    """Print the slowest files of the last run, and the tests that take long; keep the order."""
+    """Print the slowest files of the last run, and the tests that take long."""
     cases = [case for path in RESULTS.glob("*.xml") for case in read_report(path)]
     files: dict[str, float] = {}
     for case in cases:
@@ -220,8 +220,8 @@ def print_durations() -> None:
     slowest = sorted(files.items(), key=lambda item: -item[1])
     for place, seconds in slowest[:SLOWEST]:
         print(f"{seconds:7.1f} s  {place}.py")
-    longest = [f"{place}.py\n" for place, seconds in slowest if seconds > LONG_FILE]
-    LONGEST_FIRST.write_text("".join(longest), "utf-8")
+    print(f"\nover {LONG_FILE} s, for {LONGEST_FIRST.name}:")
+    print("\n".join(f"{place}.py" for place, seconds in slowest if seconds > LONG_FILE))
     print(f"\nover {LONG_TEST} s:")
     for case in sorted(cases, key=lambda case: -case.seconds):
         if case.seconds > LONG_TEST:

@@ -54,8 +54,7 @@ def test_the_files_that_begin_exist():
     assert [path for path in begin if not (run_tests.ROOT / path).is_file()] == []
 
 
-def test_the_longest_files_of_the_last_run_begin(results, monkeypatch, capsys):
-    monkeypatch.setattr(run_tests, "LONGEST_FIRST", results / "longest_first.txt")
+def test_the_longest_files_of_the_last_run_are_named(results, capsys):
     run_all([group(results, name, PASSING, is_gate=True) for name in ("one", "two", "three")])
     for name, seconds in (("one", 21), ("two", 60), ("three", 19)):
         report = results / "results" / f"{name}.xml"
@@ -66,8 +65,9 @@ def test_the_longest_files_of_the_last_run_begin(results, monkeypatch, capsys):
         )
         report.write_text(text)
     run_tests.print_durations()
-    assert run_tests.LONGEST_FIRST.read_text("utf-8").split() == ["test_two.py", "test_one.py"]
-    assert "60.0 s  test_two::test_good" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "for longest_first.txt:\ntest_two.py\ntest_one.py\n\n" in told
+    assert "60.0 s  test_two::test_good" in told
 
 
 def test_only_all_groups_have_the_long_tests():

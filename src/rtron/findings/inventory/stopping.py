@@ -91,8 +91,8 @@ def _of_driver(
 def _documented(app: AppFacts, node: str, topics: Collection[str]) -> Stopping:
     """Return the worst that is documented of the packages whose code hears the commands."""
     own = app.nodes[node].package if node in app.nodes else ""
-    heard = [end for end in app.graph.subscribed_by(node) if end.topic in topics]
-    packages = [each for end in heard for each in _library_packages(end) or (own,)] or [own]
+    subscribed = [end for end in app.graph.subscribed_by(node) if end.topic in topics]
+    packages = [each for end in subscribed for each in _library_packages(end) or (own,)] or [own]
     silent = Stopping(Stops.UNKNOWN, f"{node} does not tell")
     return _worst([Stopping(*_KNOWN[each]) if each in _KNOWN else silent for each in packages])
 

@@ -115,7 +115,7 @@ class _Program:
         if (
             _restarts_timer(reached)
             or self._is_marked(reached, others)
-            or _may_be_told(reached, others)
+            or _may_notice_silence(reached, others)
         ):
             return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
         repetition = find_repetition(stored - times, reached, beside)
@@ -278,10 +278,10 @@ def _limit(condition: Expr, names: frozenset[str]) -> float | None:
     return None
 
 
-def _may_be_told(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
+def _may_notice_silence(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
     """Return whether a callback keeps the time where no test is seen, or silence has a callback."""
-    is_asked = any(not _DEADLINES.isdisjoint(mentioned_names(o.function.body)) for o in others)
-    return is_asked or any(map(_keeps_time, reached))
+    has_deadline = any(not _DEADLINES.isdisjoint(mentioned_names(o.function.body)) for o in others)
+    return has_deadline or any(map(_keeps_time, reached))
 
 
 def _keeps_time(code: FunctionSteps) -> bool:
