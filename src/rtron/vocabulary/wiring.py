@@ -73,8 +73,8 @@ class LastMessageFate(StringEnum):
     STOPPED = "stopped"
     """It compares the time of the message with now, and stops something."""
     CHECKED = "checked"
-    """It may notice: it compares that time, restarts a timer, sets a mark or a counter that is
-    tested, or clears what it kept."""
+    """It may notice: it compares that time or keeps it elsewhere, restarts a timer, waits with a
+    limit, sets a mark or a counter that is tested, or takes away what it kept."""
     REPEATED = "repeated"
     """It publishes what it kept of the message again and again."""
     UNNOTICED = "unnoticed"

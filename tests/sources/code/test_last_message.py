@@ -116,6 +116,26 @@ def told(found):
             1.0,
         ),
         (KEEP_WITH_TIME, "if now - self.last > 0.5:\n    return", "checked", 0.5),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.online = 0", "checked", 1.0),
+        (KEEP_WITH_TIME, "if now - self.last > 1: now = 0\nself.drive(self.speed)", "checked", 1.0),
+        (
+            KEEP_WITH_TIME,
+            "if now - self.last > 1: self.log.warn('late', throttle=0)",
+            "checked",
+            1.0,
+        ),
+        (
+            KEEP_WITH_TIME,
+            "on = 1\nif now - self.last > 1: on = 0\nself.log.info(on)",
+            "checked",
+            1.0,
+        ),
+        (
+            KEEP_WITH_TIME,
+            "power = self.limit\nif now - self.last > 1: power = 0\nself.drive(power)",
+            "stopped",
+            1.0,
+        ),
         (
             f"{KEEP}\nself.fresh = True",
             "if not self.fresh: pass\nself.fresh = False",

@@ -27,6 +27,12 @@ from rtron.sources.code.ir import (
 from rtron.sources.code.ir.references import cache_by_identity, ir_nodes
 
 _COMPARISONS = frozenset({"<", ">", "<=", ">="})
+RESULT = "result"
+"""What `a if late else b` is given to."""
+_LOGGING = re.compile(
+    r"(?:log)?_?(?:debug|info|warn|warning|error|fatal|critical)(?:_\w+)?|print|log"
+)
+SELF = frozenset({"self", "this"})
 _STOPPING = re.compile(r"stop|zero|halt|brake|neutral|idle|coast|disable|shut_?down", re.IGNORECASE)
 
 
@@ -99,7 +105,7 @@ def _test(node: object) -> Test | None:
 
 
 def _as_result(value: Expr) -> Assign:
-    return Assign((Name("result"),), value)
+    return Assign((Name(RESULT),), value)
 
 
 def assignments(node: object) -> Iterator[tuple[Expr, Expr]]:
@@ -148,10 +154,16 @@ def is_zero(value: object) -> bool:
     return isinstance(value, Call) and not value.args and last_name(value.function)[:1].isupper()
 
 
-def is_stop(node: object) -> bool:
-    """Return whether a step sets something to zero, or is called like a stop."""
+def is_stop(node: object, sent: frozenset[str]) -> bool:
+    """Return whether a step sets what is sent to zero, sends a zero, or is called like a stop."""
     if isinstance(node, Call):
-        return bool(_STOPPING.search(last_name(node.function))) or any(
-            is_zero(each) for each in (*node.args, *(value for _, value in node.keywords))
+        return not is_log(node) and (
+            bool(_STOPPING.search(last_name(node.function)))
+            or any(is_zero(each) for each in (*node.args, *(value for _, value in node.keywords)))
         )
-    return any(is_zero(value) for _, value in assignments(node))
+    return any(is_zero(v) and mentioned_names(t) & sent for t, v in assignments(node))
+
+
+def is_log(call: Call) -> bool:
+    """Return whether a call only tells people something."""
+    return bool(_LOGGING.fullmatch(last_name(call.function)))

@@ -11,10 +11,13 @@ from functools import cached_property
 from itertools import islice
 
 from rtron.sources.code.function_steps import (
+    RESULT,
+    SELF,
     FunctionSteps,
     Test,
     assignments,
     is_comparison,
+    is_log,
     is_stop,
     is_zero,
     last_name,
@@ -23,15 +26,11 @@ from rtron.sources.code.function_steps import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.ir import (
     Assign,
-    Attr,
     Call,
     Const,
     Expr,
     Function,
-    Index,
-    Name,
     New,
-    SequenceExpr,
 )
 from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.reachability import reachable_functions
@@ -40,18 +39,12 @@ from rtron.sources.code.repeated_message import (
     find_repetition,
     is_cleared_by,
     is_counted,
+    made_of,
 )
+from rtron.sources.code.watchdogs import CLOCKS, has_timed_wait, is_time, may_be_watched
 from rtron.sources.declaration import Declaration, DeclarationKind, LastMessageUse
 from rtron.vocabulary import Evidence, LastMessageFate
 
-_CLOCKS = frozenset(
-    [
-        *("now", "time", "time_ns", "monotonic", "monotonic_ns", "perf_counter", "get_time"),
-        *("get_rostime", "utcnow", "millis", "micros", "clock_gettime", "gettimeofday", "stamp"),
-    ]
-)
-_TIMERS = re.compile(r"timer|watch_?dog", re.IGNORECASE)
-_RESTARTS = frozenset({"reset", "start", "restart", "cancel", "stop", "feed", "kick", "setPeriod"})
 _STATES = re.compile(
     r"sensor_msgs/(?:msg/)?(?!Joy)|nav_msgs/|tf2?_msgs/|visualization_msgs/|diagnostic_msgs/"
     r"|rosgraph_msgs/|rcl_interfaces/"
@@ -59,16 +52,7 @@ _STATES = re.compile(
 """Types of what is measured or shown: no command."""
 _ORDERS = re.compile(r"cmd|command|target|desired|goal|set_?point|reference", re.IGNORECASE)
 """Words in the names of topics that command, also where their type tells what was measured."""
-_TIMER_MAKERS = frozenset({"Timer", "createTimer", "create_timer", "create_wall_timer"})
 _HEADERS = (".h", ".hh", ".hpp", ".hxx", ".inl")
-_TIMED_WAITS = frozenset({"wait_for", "wait_until", "get_nowait"})
-_ALARMS = frozenset(
-    {"call_later", "call_at", "expires_after", "expires_from_now", "setitimer", "alarm"}
-)
-"""What a callback starts anew, and what comes where no more does."""
-_SELF = frozenset({"self", "this"})
-_DEADLINES = frozenset({"deadline_callback", "SubscriptionEventCallbacks"})
-_KEEPING = frozenset({"update", "append", "put", "set", "store"})
 _MAX_FUNCTIONS = 1000
 _MAX_REACHED = 100
 
@@ -105,23 +89,20 @@ class _Program:
         stored = {
             name for each in reached for name, value in each.members if _is_given(value, each)
         }
-        times = {name for each in reached for name, value in each.members if _is_time(value, each)}
+        times = {name for each in reached for name, value in each.members if is_time(value, each)}
         times |= {name for each in beside for name in _times_of_taking(each, stored)}
-        if found := self._age_test(times, beside):
+        stored -= times
+        if found := self._age_test(times, beside, stored):
             return replace(found, evidence=(place, *found.evidence))
-        if found := self._age_test(times, others):  # who calls them is not known
+        if found := self._age_test(times, others, stored):  # who calls them is not known
             evidence = (place, *found.evidence)
             return replace(found, fate=LastMessageFate.CHECKED, evidence=evidence)
-        if (
-            _restarts_timer(reached)
-            or self._is_marked(reached, others)
-            or _may_notice_silence(reached, others)
-        ):
+        if may_be_watched(reached, others) or self._is_marked(reached, others):
             return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
-        repetition = find_repetition(stored - times, reached, beside)
+        repetition = find_repetition(stored, reached, beside)
         made = dict(self._publishers_made(repetition.publishers))
         fate = LastMessageFate.REPEATED
-        if repetition.is_cleared or is_counted(reached, others) or _waits(reached, others):
+        if repetition.is_cleared or is_counted(reached, others) or has_timed_wait(reached, others):
             fate = LastMessageFate.CHECKED
         elif not repetition.publishers or (made and all(map(_is_state, made.values()))):
             fate = LastMessageFate.UNNOTICED
@@ -150,7 +131,9 @@ class _Program:
         roots += [f for name in called for f in self.machine.runtime.functions_named(name)]
         return [*looping, *self._reached(each for each in roots if each.key not in own)]
 
-    def _age_test(self, times: set[str], codes: list[FunctionSteps]) -> LastMessageUse | None:
+    def _age_test(
+        self, times: set[str], codes: list[FunctionSteps], stored: set[str]
+    ) -> LastMessageUse | None:
         """Return the first test of a time that was stored, rather one that stops something."""
         found: LastMessageUse | None = None
         verdicts = {
@@ -164,7 +147,7 @@ class _Program:
                 if not _is_about(test.condition, names, flags | verdicts):
                     continue
                 at = Evidence(file=code.function.file, line=test.line or code.function.line)
-                stops = self._stops(code, test)
+                stops = self._stops(code, test, stored)
                 fate = LastMessageFate.STOPPED if stops else LastMessageFate.CHECKED
                 seconds = _limit(test.condition, names)
                 if found is None or stops:
@@ -173,19 +156,21 @@ class _Program:
                     return found
         return found
 
-    def _stops(self, code: FunctionSteps, test: Test) -> bool:
+    def _stops(self, code: FunctionSteps, test: Test, stored: set[str]) -> bool:
         """Return whether what depends on a test, or what it leaves at zero, stops something."""
-        zeros = {name for name, value in (*code.locals, *code.members) if is_zero(value)}
+        sent = _sent_names(code, stored)
+        zeros = {name for name, value in (*code.locals, *code.members) if is_zero(value)} & sent
         in_branches = [n for n in ir_nodes(test.branches) if isinstance(n, (Assign, Call, New))]
         for node in in_branches:
-            if is_stop(node) or any(last_name(t) in zeros for t, _ in assignments(node)):
+            if is_stop(node, sent) or any(last_name(t) in zeros for t, _ in assignments(node)):
                 return True
         called = {last_name(n.function) for n in in_branches if isinstance(n, Call)}
         helpers = (f for name in called for f in self.machine.runtime.functions_named(name))
+        codes = [self._code(helper) for helper in islice(helpers, _MAX_REACHED)]
         return any(
-            is_stop(node)
-            for helper in islice(helpers, _MAX_REACHED)
-            for node in ir_nodes(helper.body)
+            is_stop(node, _sent_names(each, stored))
+            for each in codes
+            for node in ir_nodes(each.function.body)
         )
 
     @staticmethod
@@ -225,7 +210,7 @@ def _times_of_taking(code: FunctionSteps, stored: set[str]) -> Iterator[str]:
     """Yield where a function keeps the time at which it took away what a callback had stored."""
     for node in dependent_nodes(code, stored) if is_cleared_by(code, stored) else ():
         for target, value in assignments(node):
-            if _is_time(value, code) and (name := code.member(target)):
+            if is_time(value, code) and (name := code.member(target)):
                 yield name
 
 
@@ -236,14 +221,6 @@ def _is_given(value: Expr, code: FunctionSteps) -> bool:
     return not given.isdisjoint(mentioned_names(value))
 
 
-def _is_time(value: Expr, code: FunctionSteps) -> bool:
-    """Return whether a value is now, or a message's stamp; a local may hold it."""
-    names = mentioned_names(value)
-    return bool(names & _CLOCKS) or any(
-        name in names and mentioned_names(given) & _CLOCKS for name, given in code.locals
-    )
-
-
 def _aliases(code: FunctionSteps, times: set[str]) -> tuple[frozenset[str], frozenset[str]]:
     """Return the names in a function that hold a time or an age, and those that hold a verdict."""
     names, flags = set(times), set[str]()
@@ -252,6 +229,13 @@ def _aliases(code: FunctionSteps, times: set[str]) -> tuple[frozenset[str], froz
             is_verdict = any(is_comparison(node) for node in ir_nodes(value))
             (flags if is_verdict else names).add(name)
     return frozenset(names), frozenset(flags)
+
+
+def _sent_names(code: FunctionSteps, stored: set[str]) -> frozenset[str]:
+    """Return the names that a function makes of what was stored, or gives to others."""
+    calls = [call for call in code.calls if not is_log(call)]
+    given = [mentioned_names(part) for call in calls for part in (call.args, call.keywords)]
+    return frozenset({RESULT, *made_of(code, stored)}).union(*given) - SELF
 
 
 def _returns_verdict(code: FunctionSteps, times: set[str]) -> bool:
@@ -272,66 +256,7 @@ def _limit(condition: Expr, names: frozenset[str]) -> float | None:
         if is_comparison(node) and mentioned_names(node) & names:
             for side in (node.left, node.right):
                 found = [n.value for n in ir_nodes(side) if isinstance(n, Const)]
-                is_limit = len(found) == 1 and not mentioned_names(side) & (names | _CLOCKS)
+                is_limit = len(found) == 1 and not mentioned_names(side) & (names | CLOCKS)
                 if is_limit and isinstance(found[0], (int, float)):
                     return float(found[0])
     return None
-
-
-def _may_notice_silence(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
-    """Return whether a callback keeps the time where no test is seen, or silence has a callback."""
-    has_deadline = any(not _DEADLINES.isdisjoint(mentioned_names(o.function.body)) for o in others)
-    return has_deadline or any(map(_keeps_time, reached))
-
-
-def _keeps_time(code: FunctionSteps) -> bool:
-    """Return whether a function puts the time where no test of a member would find it.
-
-    In an item, something else's member, a global or beside other values, but in no header.
-    """
-    for node in ir_nodes(code.function.body):
-        for target, value in assignments(node):
-            if _is_time(value, code) and _is_hidden(target, value, code):
-                return True
-        is_keeping = isinstance(node, Call) and last_name(node.function) in _KEEPING
-        given = (*node.args, *(v for _, v in node.keywords)) if is_keeping else ()
-        if any(_is_time(each, code) for each in given):
-            return True
-    return False
-
-
-def _is_hidden(target: Expr, value: Expr, code: FunctionSteps) -> bool:
-    if "stamp" in mentioned_names(target):
-        return False
-    is_item = isinstance(target, Index) and last_name(target) not in code.declared
-    is_others = isinstance(target, Attr) and not isinstance(target.owner, Name)
-    is_beside = isinstance(value, SequenceExpr) and bool(code.member(target))
-    return is_item or is_others or is_beside or last_name(target) in code.globals
-
-
-def _waits(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
-    """Return whether somebody waits for the message for so long, or asks to be told of silence."""
-    shared = set[str]().union(*(mentioned_names(each.function.body) for each in reached)) - _SELF
-    return any(
-        (last_name(call.function) in _TIMED_WAITS or _is_wait(call))
-        and mentioned_names(call) - {last_name(call.function)} & shared
-        for each in others
-        for call in each.calls
-    )
-
-
-def _is_wait(call: Call) -> bool:
-    name = last_name(call.function)
-    is_timed = any(key == "timeout" for key, _ in call.keywords)
-    return (name in {"get", "wait"} and is_timed) or (name == "wait" and bool(call.args))
-
-
-def _restarts_timer(reached: list[FunctionSteps]) -> bool:
-    """Return whether a callback starts a timer anew, which stops where nothing comes."""
-    return any(_starts_timer(call.function) for each in reached for call in each.calls)
-
-
-def _starts_timer(function: Expr) -> bool:
-    if isinstance(function, Attr) and function.name in _RESTARTS:
-        return any(_TIMERS.search(name) for name in mentioned_names(function.owner))
-    return last_name(function) in _TIMER_MAKERS | _ALARMS

@@ -96,7 +96,7 @@ def _publishers(stored: set[str], user: FunctionSteps, sender: FunctionSteps) ->
     """Return the publishers in a function that get what another, or itself, makes of a value."""
     if user is sender:
         return _fed_publishers(user, stored)
-    made = _made_of(user, stored)
+    made = made_of(user, stored)
     names = stored | (made & {name for name, _ in user.members})
     if _calls(sender, user):
         return _fed_publishers(sender, names | {_name(user)})
@@ -113,7 +113,7 @@ def _publishers(stored: set[str], user: FunctionSteps, sender: FunctionSteps) ->
 
 def _fed_publishers(code: FunctionSteps, names: set[str]) -> set[str]:
     """Return the names of the publishers in a function that get what it makes of names."""
-    made = _made_of(code, names)
+    made = made_of(code, names)
     chosen = {id(node) for node in dependent_nodes(code, made)}
     return {
         _publisher(call)
@@ -122,7 +122,7 @@ def _fed_publishers(code: FunctionSteps, names: set[str]) -> set[str]:
     }
 
 
-def _made_of(code: FunctionSteps, names: set[str]) -> set[str]:
+def made_of(code: FunctionSteps, names: set[str]) -> set[str]:
     """Return names, and those of what a function makes of them."""
     made, before = set(names), 0
     while len(made) > before:
@@ -150,7 +150,7 @@ def dependent_nodes(code: FunctionSteps, names: set[str]) -> list[Any]:
 
 def is_cleared_by(code: FunctionSteps, stored: set[str]) -> bool:
     """Return whether a function assigns what was stored anew, or takes it away."""
-    made = _made_of(code, stored)
+    made = made_of(code, stored)
     for node in ir_nodes(code.function.body):
         if isinstance(node, Call) and last_name(node.function) in _TAKING:
             if mentioned_names(node) & stored:
