@@ -3,60 +3,50 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    ListValue,
-    Scalar,
-    Unknown,
-    Value,
-    concat,
-    is_tainted,
-    map_options,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments, LibraryCall
 
 
 def _result(
     function: Callable[..., object], _: AbstractMachine, __: object, arguments: Arguments
-) -> Value:
+) -> av.Value:
     """Return what a function makes of a text and the texts behind it, unknown unless all are."""
-    words = [value.value for value in arguments.values[1:] if isinstance(value, Scalar)]
+    words = [value.value for value in arguments.values[1:] if isinstance(value, av.Scalar)]
     all_known = len(words) == len(arguments.values) - 1
 
-    def changed(value: Value) -> Value:
-        if all_known and isinstance(value, Scalar) and isinstance(value.value, str):
-            return Scalar(function(value.value, *map(str, words)), value.tainted)
-        return Unknown("text", is_tainted(value))
+    def changed(value: av.Value) -> av.Value:
+        if all_known and isinstance(value, av.Scalar) and isinstance(value.value, str):
+            return av.Scalar(function(value.value, *map(str, words)), value.tainted)
+        return av.Unknown("text", av.is_tainted(value))
 
-    return map_options(arguments.value(0), changed)
+    return av.map_options(arguments.value(0), changed)
 
 
 def _in_place(
     change: Callable[..., str], machine: AbstractMachine, owner: object, arguments: Arguments
-) -> Value:
+) -> av.Value:
     """`boost::to_upper(text)`: the text itself changes."""
     slot = arguments.slot(0)
     if slot is not None:
         machine.undo_log.set(*slot, _result(change, machine, owner, arguments))
-    return NONE
+    return av.NONE
 
 
-def _join(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _join(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`boost::algorithm::join(words, separator)`."""
-    items, certain = items_of(arguments.get(0) or NONE)
-    separator = arguments.get(1) or Scalar("")
+    items, certain = av.items_of(arguments.get(0) or av.NONE)
+    separator = arguments.get(1) or av.Scalar("")
     spread = [part for item in items for part in (separator, item)]
-    return concat(spread[1:]) if certain else Unknown("join")
+    return av.concat(spread[1:]) if certain else av.Unknown("join")
 
 
-def _split(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _split(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`boost::split(words, text, boost::is_any_of(" "))`."""
     words, text, separators = arguments.get(0), arguments.get(1), arguments.get(2)
-    if not isinstance(words, ListValue):
-        return NONE
-    if not (isinstance(text, Scalar) and isinstance(separators, Scalar)):
+    if not isinstance(words, av.ListValue):
+        return av.NONE
+    if not (isinstance(text, av.Scalar) and isinstance(separators, av.Scalar)):
         machine.undo_log.mark_open(words.fields)
         return words
     pieces = str(text.value)
@@ -64,7 +54,7 @@ def _split(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
         pieces = pieces.replace(letter, str(separators.value)[0])
     found = pieces.split(str(separators.value)[:1] or None)
     machine.undo_log.set(
-        words.fields, "items", tuple(Scalar(piece, text.tainted) for piece in found)
+        words.fields, "items", tuple(av.Scalar(piece, text.tainted) for piece in found)
     )
     return words
 

@@ -5,74 +5,63 @@ Only files of packages are read. What a program reads of a file line by line sta
 
 from pathlib import Path
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    TRUE,
-    Instance,
-    LibraryClass,
-    Scalar,
-    Unknown,
-    Value,
-    is_text,
-    map_options,
-    options,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 
 _TEXT, _STATE = "file.text", "truth"
-_NOT_READ = Unknown("file")
+_NOT_READ = av.Unknown("file")
 
 
-def _open_file(machine: AbstractMachine, arguments: Arguments) -> Value:
+def _open_file(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`std::ifstream file(path)`."""
-    made = Instance(FILE, {_TEXT: _NOT_READ, _STATE: _NOT_READ})
+    made = av.Instance(FILE, {_TEXT: _NOT_READ, _STATE: _NOT_READ})
     if arguments.values:
         _read_file(machine, made, arguments)
     return made
 
 
-def _read_file(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _read_file(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`file.open(path)`."""
 
-    def text_of(path: Value) -> Value:
-        if not (isinstance(path, Scalar) and is_text(path)):
+    def text_of(path: av.Value) -> av.Value:
+        if not (isinstance(path, av.Scalar) and av.is_text(path)):
             return _NOT_READ
         found = machine.runtime.files.read_text(Path(str(path.value)))
-        return _NOT_READ if found is None else Scalar(found)
+        return _NOT_READ if found is None else av.Scalar(found)
 
-    text = map_options(arguments.value(0), text_of)
+    text = av.map_options(arguments.value(0), text_of)
     machine.undo_log.set(owner.fields, _TEXT, text)
-    machine.undo_log.set(owner.fields, _STATE, TRUE if _is_known(text) else _NOT_READ)
-    return NONE
+    machine.undo_log.set(owner.fields, _STATE, av.TRUE if _is_known(text) else _NOT_READ)
+    return av.NONE
 
 
-def _is_known(text: Value) -> bool:
-    return all(isinstance(option, Scalar) for option in options(text))
+def _is_known(text: av.Value) -> bool:
+    return all(isinstance(option, av.Scalar) for option in av.options(text))
 
 
-def _state(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+def _state(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
     """`file.good()`, `file.is_open()`."""
     return owner.fields[_STATE]
 
 
-def _failed(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+def _failed(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
     """`file.fail()`."""
-    return Scalar(value=False) if owner.fields[_STATE] == TRUE else _NOT_READ
+    return av.Scalar(value=False) if owner.fields[_STATE] == av.TRUE else _NOT_READ
 
 
-def _buffer(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+def _buffer(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
     """`text << file.rdbuf()`."""
     return owner.fields[_TEXT]
 
 
-def make_buffer_iterator(_: AbstractMachine, arguments: Arguments) -> Value:
+def make_buffer_iterator(_: AbstractMachine, arguments: Arguments) -> av.Value:
     """`std::istreambuf_iterator<char>(file)`, of which with an end a text is made."""
     file = arguments.get(0)
-    return file.fields[_TEXT] if isinstance(file, Instance) and file.type is FILE else NONE
+    return file.fields[_TEXT] if isinstance(file, av.Instance) and file.type is FILE else av.NONE
 
 
-FILE = LibraryClass(
+FILE = av.LibraryClass(
     "std::ifstream",
     _open_file,
     {

@@ -3,18 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    BindPlaceholder,
-    LibraryClass,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
@@ -76,30 +65,30 @@ _OPTION = 2
 
 def _words_from_option(arguments: Arguments) -> list[str] | None:
     """Return the command line from the option on; None where one of the two is not known."""
-    words, certain = items_of(arguments.get(0) or NONE)
+    words, certain = av.items_of(arguments.get(0) or av.NONE)
     option = arguments.get(_OPTION)
-    texts = [str(word.value) for word in words if isinstance(word, Scalar)]
-    if not certain or len(texts) < len(words) or not isinstance(option, Scalar):
+    texts = [str(word.value) for word in words if isinstance(word, av.Scalar)]
+    if not certain or len(texts) < len(words) or not isinstance(option, av.Scalar):
         return None
     name = str(option.value)
     return texts[texts.index(name) :] if name in texts else []
 
 
-def _option_exists(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _option_exists(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`rcutils_cli_option_exist(argv, argv + argc, option)`."""
     words = _words_from_option(arguments)
-    return Unknown("rcutils_cli_option_exist()") if words is None else Scalar(bool(words))
+    return av.Unknown("rcutils_cli_option_exist()") if words is None else av.Scalar(bool(words))
 
 
-def _option_value(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _option_value(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`rcutils_cli_get_option(argv, argv + argc, option)`: the word behind it, or a null."""
     words = _words_from_option(arguments)
     if words is None:
-        return Unknown("rcutils_cli_get_option()")
-    return Scalar(words[1]) if words[1:] else NONE
+        return av.Unknown("rcutils_cli_get_option()")
+    return av.Scalar(words[1]) if words[1:] else av.NONE
 
 
-COMMAND_LINE: Mapping[str, Callable[..., Value]] = {
+COMMAND_LINE: Mapping[str, Callable[..., av.Value]] = {
     "rcutils_cli_option_exist": _option_exists,
     "rcutils_cli_get_option": _option_value,
 }
@@ -115,36 +104,36 @@ _NUMBER_DEFAULTS: Mapping[str, object] = {
 PARAMETER_TYPE_PREFIX = "XmlRpc::XmlRpcValue::Type"
 
 
-def parameter_type_of(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
+def parameter_type_of(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.Value:
     """`XmlRpcValue::getType()`: the part behind `Type` of its name (XmlRpcValue.h)."""
-    if isinstance(owner, ListValue):
-        return Scalar("Array")
-    if isinstance(owner, MapValue):
-        return Scalar("Struct")
-    if not isinstance(owner, Scalar):
-        return Unknown("getType")
+    if isinstance(owner, av.ListValue):
+        return av.Scalar("Array")
+    if isinstance(owner, av.MapValue):
+        return av.Scalar("Struct")
+    if not isinstance(owner, av.Scalar):
+        return av.Unknown("getType")
     kinds = {bool: "Boolean", int: "Int", float: "Double", str: "String"}
-    return Scalar(kinds.get(type(owner.value), "Invalid"))
+    return av.Scalar(kinds.get(type(owner.value), "Invalid"))
 
 
-def _classes() -> dict[str, LibraryClass]:
+def _classes() -> dict[str, av.LibraryClass]:
     classes = {
-        name: LibraryClass(name, partial(make_number_value, name)) for name in _NUMBER_DEFAULTS
+        name: av.LibraryClass(name, partial(make_number_value, name)) for name in _NUMBER_DEFAULTS
     }
     for name, make in _CONSTRUCTORS.items():
         for space in ("", "std::", "boost::", "boost::unordered::"):
             takes_list = make in _LIST_MAKERS
-            classes[space + name] = LibraryClass(space + name, make, takes_list=takes_list)
+            classes[space + name] = av.LibraryClass(space + name, make, takes_list=takes_list)
     for name in ("stringstream", "ostringstream", "istringstream"):
         classes["std::" + name] = classes[name] = STREAM
     classes["std::ifstream"] = classes["ifstream"] = FILE
     for name in ("boost::format", "format"):
         classes[name] = FORMAT
-    classes["QString"] = classes["char"] = LibraryClass("QString", make_string)
+    classes["QString"] = classes["char"] = av.LibraryClass("QString", make_string)
     return classes
 
 
-_CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
+_CONSTRUCTORS: Mapping[str, Callable[..., av.Value]] = {
     "string": make_string,
     **dict.fromkeys(
         (
@@ -171,7 +160,7 @@ _CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
 
 _LIST_MAKERS = {make_vector, make_map, make_multimap, make_array, make_queue}
 
-_STD_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+_STD_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     **dict.fromkeys(("make_shared", "make_unique"), make_shared),
     **dict.fromkeys(
         (
@@ -215,7 +204,7 @@ _HIDDEN_CODE_FUNCTIONS = (
     *("dlopen", "execl", "execlp", "execle", "execv", "execvp", "execve", "posix_spawn"),
     *("ros::master::execute", "ros::TopicManager::instance", "ros::ServiceManager::instance"),
 )
-_GLOBAL_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+_GLOBAL_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     "bind": bind,
     "sprintf": partial(sprintf, 1),
     "snprintf": partial(sprintf, 2),
@@ -239,25 +228,25 @@ _GLOBAL_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
 }
 
 
-def _functions() -> dict[str, LibraryFunction]:
+def _functions() -> dict[str, av.LibraryFunction]:
     functions = {
-        f"{space}{name}": LibraryFunction(name, call)
+        f"{space}{name}": av.LibraryFunction(name, call)
         for name, call in _STD_FUNCTIONS.items()
         for space in ("std::", "boost::", "boost::algorithm::", "boost::this_thread::")
     }
     return functions | {
-        name: LibraryFunction(name, call) for name, call in _GLOBAL_FUNCTIONS.items()
+        name: av.LibraryFunction(name, call) for name, call in _GLOBAL_FUNCTIONS.items()
     }
 
 
-CONSTANTS: Mapping[str, Value] = {
-    "std::string::npos": Scalar(-1),
-    "string::npos": Scalar(-1),
-    "std::nullopt": NONE,
+CONSTANTS: Mapping[str, av.Value] = {
+    "std::string::npos": av.Scalar(-1),
+    "string::npos": av.Scalar(-1),
+    "std::nullopt": av.NONE,
 }
 
 PLACEHOLDERS = {
-    f"{space}_{n}": BindPlaceholder(n)
+    f"{space}_{n}": av.BindPlaceholder(n)
     for space in ("", "boost::placeholders::", "std::placeholders::", "placeholders::")
     for n in range(1, 10)
 }

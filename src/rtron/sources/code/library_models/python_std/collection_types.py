@@ -6,25 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.operators import ARRAY
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    OPEN,
-    UNKNOWN,
-    FunctionValue,
-    Instance,
-    LibraryClass,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-    map_key,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import PARTIAL, AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
@@ -38,87 +20,87 @@ from rtron.sources.code.library_models.python_std.iteration import call_on_rows,
 
 MAX_ROWS = 256
 _MAX_DEPTH = 8
-_Combinator = Callable[[tuple[Value, ...], int], Iterable[tuple[Value, ...]]]
+_Combinator = Callable[[tuple[av.Value, ...], int], Iterable[tuple[av.Value, ...]]]
 
 
-def _default_dict(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _default_dict(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`defaultdict(factory, …)`; a key that is not known makes an entry too."""
-    factory = arguments.get(0) or NONE
+    factory = arguments.get(0) or av.NONE
     made = dispatch(machine, BUILTINS["dict"], arguments.without_first(1))
-    if isinstance(made, MapValue) and factory != NONE:
+    if isinstance(made, av.MapValue) and factory != av.NONE:
         made.default_factory = lambda: dispatch(machine, factory, arguments.with_values())
     return made
 
 
-def _named_tuple(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _named_tuple(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`namedtuple("Name", ["a", "b"])` or `namedtuple("Name", "a b")`."""
     given = arguments.value(1, "field_names")
-    items = given.items if isinstance(given, ListValue) else (given,)
-    names = " ".join(map(text_with_holes, items)).replace(",", " ").split()
+    items = given.items if isinstance(given, av.ListValue) else (given,)
+    names = " ".join(map(av.text_with_holes, items)).replace(",", " ").split()
 
-    def fields(passed: Arguments) -> dict[str, Value]:
-        return {name: passed.get(at, name) or Unknown(name) for at, name in enumerate(names)}
+    def fields(passed: Arguments) -> dict[str, av.Value]:
+        return {name: passed.get(at, name) or av.Unknown(name) for at, name in enumerate(names)}
 
-    def init(machine: AbstractMachine, owner: Instance, passed: Arguments) -> Value:
+    def init(machine: AbstractMachine, owner: av.Instance, passed: Arguments) -> av.Value:
         for name, value in fields(passed).items():
             machine.undo_log.set(owner.fields, name, value)
-        return NONE
+        return av.NONE
 
-    def make(_: AbstractMachine, passed: Arguments) -> Value:
-        return Instance(made, dict(fields(passed)))
+    def make(_: AbstractMachine, passed: Arguments) -> av.Value:
+        return av.Instance(made, dict(fields(passed)))
 
     methods = {"__init__": init, "_asdict": _as_dict, "_replace": _replace_fields}
-    made = LibraryClass(text_with_holes(arguments.value(0)), make, methods)
+    made = av.LibraryClass(av.text_with_holes(arguments.value(0)), make, methods)
     return made
 
 
-def _as_dict(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return MapValue(dict(owner.fields))
+def _as_dict(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
+    return av.MapValue(dict(owner.fields))
 
 
-def _replace_fields(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    return Instance(owner.type, {**owner.fields, **arguments.keywords})
+def _replace_fields(_: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
+    return av.Instance(owner.type, {**owner.fields, **arguments.keywords})
 
 
-def _chain(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _chain(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     found = [machine.runtime.iterate(value) for value in arguments.values]
     items = tuple(item for items, _ in found for item in items)
-    return list_of(items, certain=all(certain for _, certain in found))
+    return av.list_of(items, certain=all(certain for _, certain in found))
 
 
-def _chain_from_iterable(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    values, certain = items_of(arguments.value(0))
-    passed = (*values, *(() if certain else (UNKNOWN,)))
+def _chain_from_iterable(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    values, certain = av.items_of(arguments.value(0))
+    passed = (*values, *(() if certain else (av.UNKNOWN,)))
     return _chain(machine, None, arguments.with_values(*passed))
 
 
-def _product(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    times = arguments.keywords.get("repeat", Scalar(1))
-    found = [items_of(value) for value in arguments.values]
-    count = times.value if isinstance(times, Scalar) and times.value in range(1, 5) else 1
+def _product(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
+    times = arguments.keywords.get("repeat", av.Scalar(1))
+    found = [av.items_of(value) for value in arguments.values]
+    count = times.value if isinstance(times, av.Scalar) and times.value in range(1, 5) else 1
     rows = itertools.product(*(items for items, _ in found * count))
     return _tuples(rows, certain=all(certain for _, certain in found))
 
 
-def _combine(choose: _Combinator, _: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _combine(choose: _Combinator, _: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`combinations(items, count)`, `permutations(items, count)`."""
-    items, certain = items_of(arguments.value(0))
+    items, certain = av.items_of(arguments.value(0))
     count = arguments.get(1, "r")
-    size = count.value if isinstance(count, Scalar) else len(items)
+    size = count.value if isinstance(count, av.Scalar) else len(items)
     if not isinstance(size, int) or size < 0:
-        return Unknown("combinations")
+        return av.Unknown("combinations")
     return _tuples(choose(items, size), certain=certain)
 
 
-def _tuples(rows: Iterable[tuple[Value, ...]], *, certain: bool) -> Value:
-    found = [list_of(row, "tuple") for row in itertools.islice(rows, MAX_ROWS + 1)]
+def _tuples(rows: Iterable[tuple[av.Value, ...]], *, certain: bool) -> av.Value:
+    found = [av.list_of(row, "tuple") for row in itertools.islice(rows, MAX_ROWS + 1)]
     unsure = not certain or len(found) > MAX_ROWS
-    return list_of(found[:MAX_ROWS], certain=not unsure)
+    return av.list_of(found[:MAX_ROWS], certain=not unsure)
 
 
-def _partial(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _partial(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     function, given = arguments.value(0), arguments.without_first(1)
-    if isinstance(function, FunctionValue):
+    if isinstance(function, av.FunctionValue):
         named = {**function.bound_keywords, **given.keywords}
         return replace(
             function,
@@ -126,89 +108,91 @@ def _partial(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
             bound_keywords=named,
         )
 
-    def call(machine: AbstractMachine, _: object, later: Arguments) -> Value:
+    def call(machine: AbstractMachine, _: object, later: Arguments) -> av.Value:
         values, keywords = (*given.values, *later.values), {**given.keywords, **later.keywords}
         at = later if later.line else given
         passed = Arguments(values=values, keywords=keywords, line=at.line, frame=at.frame)
         return dispatch(machine, function, passed)
 
-    return LibraryFunction(PARTIAL, call)
+    return av.LibraryFunction(PARTIAL, call)
 
 
-def _slice_items(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _slice_items(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`islice(items, stop)`, `islice(items, start, stop, step)`."""
     items, certain = machine.runtime.iterate(arguments.value(0))
-    bounds = [value.value for value in arguments.values[1:] if isinstance(value, Scalar)]
+    bounds = [value.value for value in arguments.values[1:] if isinstance(value, av.Scalar)]
     if len(bounds) + 1 != len(arguments.values):
-        return list_of(items, "iterator", certain=False)
+        return av.list_of(items, "iterator", certain=False)
     try:
-        return list_of(itertools.islice(items, *bounds), "iterator", certain=certain)
+        return av.list_of(itertools.islice(items, *bounds), "iterator", certain=certain)
     except (TypeError, ValueError):
-        return Unknown("islice")
+        return av.Unknown("islice")
 
 
-def _starmap(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _starmap(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     return call_on_rows(machine, arguments.value(0), arguments.value(1), arguments)
 
 
-def _repeat(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _repeat(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     times = arguments.get(1, "times")
-    count = times.value if isinstance(times, Scalar) and times.value in range(MAX_ROWS) else None
-    return list_of([arguments.value(0)] * (count or 1), "iterator", certain=count is not None)
+    count = times.value if isinstance(times, av.Scalar) and times.value in range(MAX_ROWS) else None
+    return av.list_of([arguments.value(0)] * (count or 1), "iterator", certain=count is not None)
 
 
-def _copy(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return copied(arguments.get(0) or NONE, 1)
+def _copy(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
+    return copied(arguments.get(0) or av.NONE, 1)
 
 
-def _deep_copy(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return copied(arguments.get(0) or NONE, _MAX_DEPTH)
+def _deep_copy(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
+    return copied(arguments.get(0) or av.NONE, _MAX_DEPTH)
 
 
-def copied(value: Value, depth: int) -> Value:
+def copied(value: av.Value, depth: int) -> av.Value:
     """Return a list, dict or object as a new one, and what it holds, down to a depth."""
     if depth <= 0:
         return value
-    if isinstance(value, ListValue):
+    if isinstance(value, av.ListValue):
         items = tuple(copied(item, depth - 1) for item in value.items)
-        return list_of(items, value.kind, certain=not value.open)
-    if isinstance(value, (MapValue, Instance)):
+        return av.list_of(items, value.kind, certain=not value.open)
+    if isinstance(value, (av.MapValue, av.Instance)):
         fields = {key: copied(entry, depth - 1) for key, entry in value.fields.items()}
         return replace(value, fields=fields)
     return value
 
 
-def _item_getter(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _item_getter(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`operator.itemgetter(key, …)`."""
 
-    def get(_: AbstractMachine, __: object, later: Arguments) -> Value:
-        found = [element(later.value(0), key) for key in arguments.values]
-        return found[0] if len(found) == 1 else list_of(found, "tuple")
+    def get(_: AbstractMachine, __: object, later: Arguments) -> av.Value:
+        found = [av.element(later.value(0), key) for key in arguments.values]
+        return found[0] if len(found) == 1 else av.list_of(found, "tuple")
 
-    return LibraryFunction("itemgetter", get)
-
-
-def _namespace(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return Instance(_NAMESPACE, keyword_fields(arguments))
+    return av.LibraryFunction("itemgetter", get)
 
 
-def _suppress(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return Instance(SUPPRESS, {"names": list_of(arguments.values)})
+def _namespace(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
+    return av.Instance(_NAMESPACE, keyword_fields(arguments))
 
 
-def _dict_from_keys(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _suppress(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
+    return av.Instance(SUPPRESS, {"names": av.list_of(arguments.values)})
+
+
+def _dict_from_keys(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`dict.fromkeys(keys, value)`."""
     items, certain = machine.runtime.iterate(arguments.value(0))
-    value = arguments.get(1) or NONE
-    made: dict[Any, Value] = {map_key(item): value for item in items}
-    return MapValue(made if certain else {**made, OPEN: value})
+    value = arguments.get(1) or av.NONE
+    made: dict[Any, av.Value] = {av.map_key(item): value for item in items}
+    return av.MapValue(made if certain else {**made, av.OPEN: value})
 
 
-def _chain_map(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _chain_map(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`ChainMap(first, second, …)`: the first that has a key counts."""
-    made = MapValue()
+    made = av.MapValue()
     for value in reversed(arguments.values):
-        made.fields.update(value.fields if isinstance(value, MapValue) else {OPEN: UNKNOWN})
+        made.fields.update(
+            value.fields if isinstance(value, av.MapValue) else {av.OPEN: av.UNKNOWN}
+        )
     return made
 
 
@@ -216,23 +200,25 @@ _QUEUES = (
     *("queue.Queue", "queue.SimpleQueue", "Queue.Queue"),
     *("multiprocessing.Queue", "asyncio.Queue"),
 )
-_NAMESPACE = LibraryClass("types.SimpleNamespace")
+_NAMESPACE = av.LibraryClass("types.SimpleNamespace")
 
 
-def _wraps(_: AbstractMachine, __: object, ___: Arguments) -> Value:
+def _wraps(_: AbstractMachine, __: object, ___: Arguments) -> av.Value:
     """`@wraps(function)` leaves what it decorates as it is."""
-    return LibraryFunction("wraps", lambda machine, owner, arguments: arguments.get(0) or NONE)
+    return av.LibraryFunction(
+        "wraps", lambda machine, owner, arguments: arguments.get(0) or av.NONE
+    )
 
 
-def _array(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _array(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`numpy.array(values)`."""
-    given = arguments.get(0, "object") or NONE
-    if not isinstance(given, ListValue):
-        return Unknown("array")
-    return list_of(given.items, ARRAY, certain=not given.open)
+    given = arguments.get(0, "object") or av.NONE
+    if not isinstance(given, av.ListValue):
+        return av.Unknown("array")
+    return av.list_of(given.items, av.ARRAY, certain=not given.open)
 
 
-_CALLS: Mapping[str, Callable[..., Value]] = {
+_CALLS: Mapping[str, Callable[..., av.Value]] = {
     **dict.fromkeys(("numpy.array", "numpy.asarray"), _array),
     "collections.defaultdict": _default_dict,
     "collections.namedtuple": _named_tuple,
@@ -242,7 +228,7 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "collections.ChainMap": _chain_map,
     "functools.wraps": _wraps,
     "functools.reduce": lambda machine, _, arguments: fold(machine, arguments),
-    **dict.fromkeys(_QUEUES, lambda *_: list_of((), "queue")),
+    **dict.fromkeys(_QUEUES, lambda *_: av.list_of((), "queue")),
     "itertools.islice": _slice_items,
     "itertools.starmap": _starmap,
     "itertools.repeat": _repeat,
@@ -258,8 +244,8 @@ _CALLS: Mapping[str, Callable[..., Value]] = {
     "itertools.combinations": partial(_combine, itertools.combinations),
     "itertools.permutations": partial(_combine, itertools.permutations),
 }
-PYTHON_COLLECTIONS: Mapping[str, Value] = {
-    **{name: LibraryFunction(name, call) for name, call in _CALLS.items()},
+PYTHON_COLLECTIONS: Mapping[str, av.Value] = {
+    **{name: av.LibraryFunction(name, call) for name, call in _CALLS.items()},
     "collections.OrderedDict": BUILTINS["dict"],
     "collections.deque": BUILTINS["list"],
     **{

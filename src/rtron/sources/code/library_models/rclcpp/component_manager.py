@@ -2,11 +2,7 @@
 
 from collections.abc import Mapping
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Instance,
-    LibraryClass,
-    Scalar,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.rclcpp.node import NODE, container_options, make_node
@@ -22,9 +18,9 @@ CONTAINER_SERVICES: Mapping[str, str] = {
 """docs.ros.org: "Composing multiple nodes in a single process"."""
 
 
-def _make_component_manager(machine: AbstractMachine, arguments: Arguments) -> Instance:
+def _make_component_manager(machine: AbstractMachine, arguments: Arguments) -> av.Instance:
     """`ComponentManager(executor[, name][, options])`."""
-    name = arguments.get(1) or Scalar(DEFAULT_CONTAINER_NAME)
+    name = arguments.get(1) or av.Scalar(DEFAULT_CONTAINER_NAME)
     options = arguments.get(2) or container_options(machine, arguments)
     given = arguments.with_values(name, options)
     made = make_node(machine, given)
@@ -32,8 +28,8 @@ def _make_component_manager(machine: AbstractMachine, arguments: Arguments) -> I
     return made
 
 
-COMPONENT_CLASSES: Mapping[str, LibraryClass] = {
-    name: LibraryClass(name, _make_component_manager, dict(NODE.methods))
+COMPONENT_CLASSES: Mapping[str, av.LibraryClass] = {
+    name: av.LibraryClass(name, _make_component_manager, dict(NODE.methods))
     for name in (
         f"rclcpp_components::{DEFAULT_CONTAINER_NAME}",
         f"rclcpp_components::{DEFAULT_CONTAINER_NAME}Isolated",

@@ -3,21 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import list_of
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
-    NONE,
-    TRUE,
-    UNKNOWN,
-    Instance,
-    LibraryClass,
-    Scalar,
-    Unknown,
-    Value,
-    is_text,
-    options,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
@@ -68,9 +54,9 @@ _FLAG_FIELDS = {
     "start_parameter_event_publisher": _EVENTS,
     "enable_logger_service": _LOGGERS,
 }
-_DEFAULTS: Mapping[object, Value] = {
-    **dict.fromkeys((_USES_GLOBAL_ARGUMENTS, _SERVICES, _ROSOUT, _EVENTS), TRUE),
-    **dict.fromkeys((_AUTOMATIC, _LOGGERS), FALSE),
+_DEFAULTS: Mapping[object, av.Value] = {
+    **dict.fromkeys((_USES_GLOBAL_ARGUMENTS, _SERVICES, _ROSOUT, _EVENTS), av.TRUE),
+    **dict.fromkeys((_AUTOMATIC, _LOGGERS), av.FALSE),
 }
 _EXTRA_ARGUMENT_FIELDS = {"forward_global_arguments": _USES_GLOBAL_ARGUMENTS, **_FLAG_FIELDS}
 _OPTION_FIELDS = {
@@ -81,58 +67,58 @@ _OPTION_FIELDS = {
 }
 
 
-def make_options(_: AbstractMachine, arguments: Arguments) -> Instance:
+def make_options(_: AbstractMachine, arguments: Arguments) -> av.Instance:
     """`rclcpp::NodeOptions()`, or a copy of others."""
     given = arguments.get(0)
     before = (
         given.fields
-        if isinstance(given, Instance) and _USES_GLOBAL_ARGUMENTS in given.fields
+        if isinstance(given, av.Instance) and _USES_GLOBAL_ARGUMENTS in given.fields
         else {}
     )
-    fields: dict[object, Value] = {_ARGUMENTS: list_of(()), _OVERRIDES: list_of(())}
-    return Instance(OPTIONS, {**fields, **_DEFAULTS, **before})
+    fields: dict[object, av.Value] = {_ARGUMENTS: av.list_of(()), _OVERRIDES: av.list_of(())}
+    return av.Instance(OPTIONS, {**fields, **_DEFAULTS, **before})
 
 
-def container_options(machine: AbstractMachine, at: Arguments) -> Instance:
+def container_options(machine: AbstractMachine, at: Arguments) -> av.Instance:
     """Return options without parameter services and parameter events, as a container has them."""
     made = make_options(machine, at.with_values())
-    made.fields |= {_SERVICES: FALSE, _EVENTS: FALSE}
+    made.fields |= {_SERVICES: av.FALSE, _EVENTS: av.FALSE}
     return made
 
 
-def controller_options(machine: AbstractMachine, at: Arguments) -> Instance:
+def controller_options(machine: AbstractMachine, at: Arguments) -> av.Instance:
     """Return options by which all that is set is declared, as a controller's node has them."""
     made = make_options(machine, at.with_values())
-    made.fields |= {_AUTOMATIC: TRUE}
+    made.fields |= {_AUTOMATIC: av.TRUE}
     return made
 
 
-def component_options(site: NodeSite) -> Instance:
+def component_options(site: NodeSite) -> av.Instance:
     """Return the options that a component is made with (rclcpp_components).
 
     What a container loads takes no arguments of the process, unless its extra arguments say so; an
     executable that is registered for one component makes it with the process's.
     """
     own = (
-        parameter_object(Scalar(name), abstract_value(value, f"~{name}"))
+        parameter_object(av.Scalar(name), abstract_value(value, f"~{name}"))
         for name, value in site.overrides
     )
-    fields: dict[object, Value] = {_ARGUMENTS: list_of(tuple(map(Scalar, site.args)))}
-    fields |= {_OVERRIDES: list_of(tuple(own)), **_DEFAULTS}
+    fields: dict[object, av.Value] = {_ARGUMENTS: av.list_of(tuple(map(av.Scalar, site.args)))}
+    fields |= {_OVERRIDES: av.list_of(tuple(own)), **_DEFAULTS}
     if site.loading is not None:
         extra = dict(site.loading.options)
-        fields[_USES_GLOBAL_ARGUMENTS] = FALSE
+        fields[_USES_GLOBAL_ARGUMENTS] = av.FALSE
         fields |= {
-            _EXTRA_ARGUMENT_FIELDS[name]: Scalar(value)
+            _EXTRA_ARGUMENT_FIELDS[name]: av.Scalar(value)
             for name, value in extra.items()
             if name in _EXTRA_ARGUMENT_FIELDS
         }
-    return Instance(OPTIONS, fields)
+    return av.Instance(OPTIONS, fields)
 
 
 def _get_or_set_option(
-    field: str, machine: AbstractMachine, owner: Instance, arguments: Arguments
-) -> Value:
+    field: str, machine: AbstractMachine, owner: av.Instance, arguments: Arguments
+) -> av.Value:
     """Set an option and return all; without an argument, return the option."""
     if not arguments.values:
         return owner.fields[field]
@@ -140,103 +126,119 @@ def _get_or_set_option(
     return owner
 
 
-def _append_override(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _append_override(
+    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
+) -> av.Value:
     """`append_parameter_override(name, value)`."""
     before = getattr(owner.fields[_OVERRIDES], "items", ())
-    added = parameter_object(arguments.value(0), arguments.get(1) or NONE)
-    machine.undo_log.set(owner.fields, _OVERRIDES, list_of((*before, added)))
+    added = parameter_object(arguments.value(0), arguments.get(1) or av.NONE)
+    machine.undo_log.set(owner.fields, _OVERRIDES, av.list_of((*before, added)))
     return owner
 
 
 def make_node(
     machine: AbstractMachine, arguments: Arguments, *, lifecycle: bool = False
-) -> Instance:
+) -> av.Instance:
     """`Node(name[, namespace][, options])`."""
     given = [
         v
         for v in arguments.values
-        if isinstance(v, Instance) and _USES_GLOBAL_ARGUMENTS in v.fields
+        if isinstance(v, av.Instance) and _USES_GLOBAL_ARGUMENTS in v.fields
     ]
     chosen = given[0] if given else make_options(machine, arguments.with_values())
     words = _node_arguments(arguments, chosen)
-    fields = {NAME_FIELD: full_name(machine, words), SUB_NAMESPACE_FIELD: Scalar("")}
-    fields |= {_OPTIONS: chosen, GLOBAL_ARGUMENTS_FIELD: Scalar(words.uses_global_arguments)}
+    fields = {NAME_FIELD: full_name(machine, words), SUB_NAMESPACE_FIELD: av.Scalar("")}
+    fields |= {_OPTIONS: chosen, GLOBAL_ARGUMENTS_FIELD: av.Scalar(words.uses_global_arguments)}
     fields |= {
         OVERRIDES_FIELD: _parameter_overrides(chosen),
         AUTOMATIC_FIELD: chosen.fields[_AUTOMATIC],
     }
-    made = Instance(LIFECYCLE_NODE if lifecycle else NODE, fields)
+    made = av.Instance(LIFECYCLE_NODE if lifecycle else NODE, fields)
     _declare_node(machine, made, words, chosen, arguments)
     return made
 
 
 def _declare_node(
-    machine: AbstractMachine, made: Instance, words: NodeArguments, chosen: Instance, at: Arguments
+    machine: AbstractMachine,
+    made: av.Instance,
+    words: NodeArguments,
+    chosen: av.Instance,
+    at: Arguments,
 ) -> None:
     def is_enabled(option: str) -> bool:
         field = _OPTION_FIELDS.get(option)
-        return field is None or truth(chosen.fields[field]) is not False
+        return field is None or av.truth(chosen.fields[field]) is not False
 
     endpoints.declare_node(machine, made, words, at, is_enabled)
-    if made.type is LIFECYCLE_NODE and not (at.values and at.values[-1] == FALSE):
+    if made.type is LIFECYCLE_NODE and not (at.values and at.values[-1] == av.FALSE):
         endpoints.declare_lifecycle(machine, made, at)
 
 
-def _node_arguments(arguments: Arguments, chosen: Instance) -> NodeArguments:
+def _node_arguments(arguments: Arguments, chosen: av.Instance) -> NodeArguments:
     return NodeArguments(
-        name=arguments.get(0) or Unknown("node"),
-        namespace=_namespace_argument(arguments) or Scalar(""),
+        name=arguments.get(0) or av.Unknown("node"),
+        namespace=_namespace_argument(arguments) or av.Scalar(""),
         arguments=chosen.fields[_ARGUMENTS],
-        uses_global_arguments=truth(chosen.fields[_USES_GLOBAL_ARGUMENTS]) is not False,
+        uses_global_arguments=av.truth(chosen.fields[_USES_GLOBAL_ARGUMENTS]) is not False,
     )
 
 
-def _namespace_argument(arguments: Arguments) -> Value | None:
+def _namespace_argument(arguments: Arguments) -> av.Value | None:
     """Return a namespace among the arguments; what is unknown there may be the options."""
     second, third = arguments.get(1), arguments.get(2)
-    may_be = any(map(is_text, options(second))) or (
-        isinstance(second, Unknown) and third is not None
+    may_be = any(map(av.is_text, av.options(second))) or (
+        isinstance(second, av.Unknown) and third is not None
     )
     return second if may_be else None
 
 
-def _parameter_overrides(chosen: Instance) -> Value:
+def _parameter_overrides(chosen: av.Instance) -> av.Value:
     """Return the parameters that the options set: their overrides count over their arguments."""
     given = getattr(chosen.fields[_OVERRIDES], "items", ())
     pairs = own_parameters(chosen.fields[_ARGUMENTS])
-    return list_of((*(parameter_object(Scalar(name), value) for name, value in pairs), *given))
+    return av.list_of(
+        (*(parameter_object(av.Scalar(name), value) for name, value in pairs), *given)
+    )
 
 
-def _sub_node(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _sub_node(_: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     return sub_node(owner, arguments.value(0))
 
 
-def _effective_namespace(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    sub = owner.fields.get(SUB_NAMESPACE_FIELD, Scalar(""))
-    return node_namespace(owner) if sub == Scalar("") else resolve_at_node(owner, Scalar("")) or sub
+def _effective_namespace(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
+    sub = owner.fields.get(SUB_NAMESPACE_FIELD, av.Scalar(""))
+    return (
+        node_namespace(owner)
+        if sub == av.Scalar("")
+        else resolve_at_node(owner, av.Scalar("")) or sub
+    )
 
 
-def _copy_node_options(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _copy_node_options(
+    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
+) -> av.Value:
     given = owner.fields.get(_OPTIONS)
     values = (given,) if given is not None else ()
     return make_options(machine, arguments.with_values(*values))
 
 
-def _get_field(field: str, _: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _get_field(
+    field: str, _: AbstractMachine, owner: av.Instance, arguments: Arguments
+) -> av.Value:
     del arguments
-    return owner.fields.get(field, UNKNOWN)
+    return owner.fields.get(field, av.UNKNOWN)
 
 
 def _run_transition(
-    callback: str, machine: AbstractMachine, owner: Instance, arguments: Arguments
-) -> Value:
+    callback: str, machine: AbstractMachine, owner: av.Instance, arguments: Arguments
+) -> av.Value:
     """`configure()` and the like call the class's method for it."""
     method = machine.runtime.attribute(owner, callback, ())
     if method is not None and (id(owner), callback) not in machine.started_callbacks:
-        state = arguments.with_values(Unknown("state"))
+        state = arguments.with_values(av.Unknown("state"))
         machine.started_callbacks.add((id(owner), callback))
         dispatch(machine, method, state)
-    return Unknown("state")
+    return av.Unknown("state")
 
 
 _TRANSITIONS = ("configure", "activate", "deactivate", "cleanup", "shutdown")
@@ -244,7 +246,7 @@ _INTERFACES = (
     *("base", "clock", "graph", "logging", "parameters", "services", "time_source", "timers"),
     *("topics", "type_descriptions", "waitables"),
 )
-NODE_METHODS: Mapping[str, Callable[..., Value]] = {
+NODE_METHODS: Mapping[str, Callable[..., av.Value]] = {
     **ENDPOINT_METHODS,
     **PARAMETER_METHODS,
     **GRAPH_METHODS,
@@ -258,8 +260,8 @@ NODE_METHODS: Mapping[str, Callable[..., Value]] = {
     "create_sub_node": _sub_node,
     "get_node_options": _copy_node_options,
 }
-NODE = LibraryClass("rclcpp::Node", make_node, dict(NODE_METHODS))
-LIFECYCLE_NODE = LibraryClass(
+NODE = av.LibraryClass("rclcpp::Node", make_node, dict(NODE_METHODS))
+LIFECYCLE_NODE = av.LibraryClass(
     "rclcpp_lifecycle::LifecycleNode",
     partial(make_node, lifecycle=True),
     {
@@ -270,7 +272,7 @@ LIFECYCLE_NODE = LibraryClass(
     },
     virtual_callbacks=("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown"),
 )
-OPTIONS = LibraryClass(
+OPTIONS = av.LibraryClass(
     "rclcpp::NodeOptions",
     make_options,
     {
@@ -288,6 +290,6 @@ OPTIONS = LibraryClass(
         ),
     },
 )
-NODE_CLASSES: Mapping[str, LibraryClass] = {
+NODE_CLASSES: Mapping[str, av.LibraryClass] = {
     cls.name: cls for cls in (NODE, LIFECYCLE_NODE, OPTIONS)
 }

@@ -2,22 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
-    NONE,
-    OPEN,
-    TRUE,
-    UNKNOWN,
-    Instance,
-    LibraryClass,
-    ListValue,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-    options,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.ir import TypeRef
@@ -48,27 +33,27 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
 )
 
 
-def parameter_object(name: Value, value: Value) -> Instance:
+def parameter_object(name: av.Value, value: av.Value) -> av.Instance:
     """Return an rclcpp::Parameter."""
-    return Instance(PARAMETER, {"name": name, "value": value})
+    return av.Instance(PARAMETER, {"name": name, "value": value})
 
 
-def _unwrap_parameter(value: Value | None) -> Value | None:
+def _unwrap_parameter(value: av.Value | None) -> av.Value | None:
     """Return what a parameter or a ParameterValue holds."""
-    is_parameter = isinstance(value, Instance) and value.type is PARAMETER
+    is_parameter = isinstance(value, av.Instance) and value.type is PARAMETER
     return value.fields["value"] if is_parameter else value  # type: ignore[union-attr]
 
 
-def declare_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def declare_parameter(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`declare_parameter<T>(name[, default])`, `declare_parameter(name, type)`."""
     default = _unwrap_parameter(arguments.get(1))
-    if isinstance(default, Instance) and not is_parameter_type(default):
+    if isinstance(default, av.Instance) and not is_parameter_type(default):
         default = None
     record_mistyped(machine, owner, arguments, _declared_type(arguments, default))
     return declare_node_parameter(machine, owner, arguments.value(0), default)
 
 
-def _declared_type(arguments: Arguments, default: Value | None) -> str:
+def _declared_type(arguments: Arguments, default: av.Value | None) -> str:
     """Return a parameter's type; a variable of C++ that holds an int may be a double."""
     if arguments.types:
         return _type_name(arguments.types[0])
@@ -82,17 +67,17 @@ def _type_name(type: TypeRef) -> str:
     return _TYPE_NAMES.get(type.name, "")
 
 
-def declare_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def declare_parameters(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`declare_parameters(namespace, {{name, default}, …})`."""
-    found: list[Value] = []
-    for item in items_of(arguments.get(1) or NONE)[0]:
-        name, default = (*items_of(item)[0], UNKNOWN, None)[:2]
-        full = prefixed_name(arguments.get(0), name or UNKNOWN)
+    found: list[av.Value] = []
+    for item in av.items_of(arguments.get(1) or av.NONE)[0]:
+        name, default = (*av.items_of(item)[0], av.UNKNOWN, None)[:2]
+        full = prefixed_name(arguments.get(0), name or av.UNKNOWN)
         found.append(declare_node_parameter(machine, owner, full, _unwrap_parameter(default)))
-    return list_of(found)
+    return av.list_of(found)
 
 
-def get_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def get_parameter(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`get_parameter(name)`, or `get_parameter(name, variable)`, which tells whether it is set."""
     name = arguments.value(0)
     if len(arguments.values) < 2:  # noqa: PLR2004 - a name and a variable
@@ -100,17 +85,19 @@ def get_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) 
     return _write_variable(machine, arguments, node_parameter_value(machine, owner, name))
 
 
-def _write_variable(machine: AbstractMachine, arguments: Arguments, found: Value | None) -> Value:
-    slot, is_parameter = arguments.slot(1), isinstance(arguments.get(1), Instance)
+def _write_variable(
+    machine: AbstractMachine, arguments: Arguments, found: av.Value | None
+) -> av.Value:
+    slot, is_parameter = arguments.slot(1), isinstance(arguments.get(1), av.Instance)
     if found is None or is_unset(found):
-        return FALSE
+        return av.FALSE
     if slot is not None:
         name = arguments.value(0)
         machine.undo_log.set(*slot, parameter_object(name, found) if is_parameter else found)
-    return Unknown("get_parameter") if isinstance(found, Unknown) else TRUE
+    return av.Unknown("get_parameter") if isinstance(found, av.Unknown) else av.TRUE
 
 
-def get_parameter_or(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def get_parameter_or(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`get_parameter_or(name, variable, default)`, `get_parameter_or(name, default)`."""
     default = arguments.value(len(arguments.values) - 1)
     found = node_parameter_value(machine, owner, arguments.value(0))
@@ -120,84 +107,84 @@ def get_parameter_or(machine: AbstractMachine, owner: Value, arguments: Argument
         return value
     if slot is not None:
         machine.undo_log.set(*slot, value)
-    return FALSE if found is None or is_unset(found) else TRUE
+    return av.FALSE if found is None or is_unset(found) else av.TRUE
 
 
-def get_parameters(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def get_parameters(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`get_parameters({name, …})`, `get_parameters(prefix, map)`."""
-    if isinstance(arguments.get(1), MapValue):
+    if isinstance(arguments.get(1), av.MapValue):
         return _fill_map(machine, owner, arguments)
-    names, certain = items_of(arguments.get(0) or NONE)
+    names, certain = av.items_of(arguments.get(0) or av.NONE)
     found = [(name, node_parameter_value(machine, owner, name)) for name in names]
     items = [
-        parameter_object(n, Unknown("parameter", tainted=True) if v is None else v)
+        parameter_object(n, av.Unknown("parameter", tainted=True) if v is None else v)
         for n, v in found
     ]
-    return list_of(items, certain=certain)
+    return av.list_of(items, certain=certain)
 
 
-def _fill_map(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def _fill_map(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """Put the parameters below a prefix into a map, by what stands behind it."""
     prefix, filled = arguments.value(0), arguments.get(1)
     names, certain = parameter_names(machine, owner)
-    below = names_below(names, str(prefix.value)) if isinstance(prefix, Scalar) else {}
-    if isinstance(filled, MapValue):
+    below = names_below(names, str(prefix.value)) if isinstance(prefix, av.Scalar) else {}
+    if isinstance(filled, av.MapValue):
         for name, rest in below.items():
-            value = node_parameter_value(machine, owner, Scalar(name)) or UNKNOWN
+            value = node_parameter_value(machine, owner, av.Scalar(name)) or av.UNKNOWN
             machine.undo_log.set(filled.fields, rest, value)
-        if not (certain and isinstance(prefix, Scalar)):
-            machine.undo_log.set(filled.fields, OPEN, UNKNOWN)
-    return Scalar(bool(below)) if certain else Unknown("get_parameters")
+        if not (certain and isinstance(prefix, av.Scalar)):
+            machine.undo_log.set(filled.fields, av.OPEN, av.UNKNOWN)
+    return av.Scalar(bool(below)) if certain else av.Unknown("get_parameters")
 
 
-def has_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def has_parameter(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`has_parameter(name)`: whether it is declared."""
     return has_node_parameter(machine, owner, arguments.value(0))
 
 
-def set_parameter(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def set_parameter(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`set_parameter(Parameter(name, value))`, `set_parameters({…})`."""
-    given = arguments.get(0) or NONE
-    for item in items_of(given)[0] if isinstance(given, ListValue) else options(given):
-        if isinstance(item, Instance) and item.type is PARAMETER:
+    given = arguments.get(0) or av.NONE
+    for item in av.items_of(given)[0] if isinstance(given, av.ListValue) else av.options(given):
+        if isinstance(item, av.Instance) and item.type is PARAMETER:
             set_node_parameter(machine, owner, item.fields["name"], item.fields["value"])
-    return Unknown("set_parameter")
+    return av.Unknown("set_parameter")
 
 
-def register_callbacks(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def register_callbacks(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`register_on_configure(…)` and the like."""
     del owner
     escape_functions(machine, arguments)
-    return Unknown("handle")
+    return av.Unknown("handle")
 
 
 def _register_parameter_callbacks(
-    machine: AbstractMachine, owner: Value, arguments: Arguments
-) -> Value:
+    machine: AbstractMachine, owner: av.Value, arguments: Arguments
+) -> av.Value:
     """`add_on_set_parameters_callback(…)` and the like."""
     note_parameter_callbacks(machine, arguments)
     return register_callbacks(machine, owner, arguments)
 
 
-def _make_parameter(_: AbstractMachine, arguments: Arguments) -> Value:
+def _make_parameter(_: AbstractMachine, arguments: Arguments) -> av.Value:
     """`rclcpp::Parameter(name, value)`."""
-    return parameter_object(arguments.value(0), _unwrap_parameter(arguments.get(1)) or NONE)
+    return parameter_object(arguments.value(0), _unwrap_parameter(arguments.get(1)) or av.NONE)
 
 
-def _make_parameter_value(_: AbstractMachine, arguments: Arguments) -> Value:
+def _make_parameter_value(_: AbstractMachine, arguments: Arguments) -> av.Value:
     """`rclcpp::ParameterValue(x)` is x."""
-    return _unwrap_parameter(arguments.get(0)) or UNKNOWN
+    return _unwrap_parameter(arguments.get(0)) or av.UNKNOWN
 
 
-def _get(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+def _get(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
     return owner.fields["value"]
 
 
-def _get_name(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+def _get_name(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
     return owner.fields["name"]
 
 
-def _parameter_type(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+def _parameter_type(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
     return parameter_type(owner.fields["value"])
 
 
@@ -209,7 +196,7 @@ _TYPE_NAMES = {
     "std::string": "string",
 }
 _AS = ("string", "int", "double", "bool")
-PARAMETER = LibraryClass(
+PARAMETER = av.LibraryClass(
     "rclcpp::Parameter",
     _make_parameter,
     {
@@ -221,11 +208,11 @@ PARAMETER = LibraryClass(
         "get_type": _parameter_type,
     },
 )
-PARAMETER_CLASSES: Mapping[str, LibraryClass] = {
+PARAMETER_CLASSES: Mapping[str, av.LibraryClass] = {
     "rclcpp::Parameter": PARAMETER,
-    "rclcpp::ParameterValue": LibraryClass("rclcpp::ParameterValue", _make_parameter_value),
+    "rclcpp::ParameterValue": av.LibraryClass("rclcpp::ParameterValue", _make_parameter_value),
 }
-PARAMETER_METHODS: Mapping[str, Callable[..., Value]] = {
+PARAMETER_METHODS: Mapping[str, Callable[..., av.Value]] = {
     "declare_parameter": declare_parameter,
     "declare_parameters": declare_parameters,
     "get_parameter": get_parameter,

@@ -3,12 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    UNKNOWN,
-    Instance,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.transforms import BROADCASTERS
@@ -25,37 +20,37 @@ def _construct(
     machine: AbstractMachine,
     _: object,
     arguments: Arguments,
-) -> Value:
+) -> av.Value:
     declare(machine, arguments)
-    return Instance(BROADCASTERS.get(name.rpartition(".")[2], ENDPOINT))
+    return av.Instance(BROADCASTERS.get(name.rpartition(".")[2], ENDPOINT))
 
 
 def _declare_with_node(
     kind: DeclarationKind, machine: AbstractMachine, _: object, arguments: Arguments
-) -> Value:
+) -> av.Value:
     """`ActionServer(node, type, name, …)`, `message_filters.Subscriber(node, type, topic)`."""
     return declare_endpoint(
-        kind, machine, arguments.get(0, "node") or Unknown("node"), arguments, 1
+        kind, machine, arguments.get(0, "node") or av.Unknown("node"), arguments, 1
     )
 
 
-def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`wait_for_message(type, node, topic)`."""
     values = (arguments.get(0, "msg_type"), arguments.get(2, "topic"))
-    given = arguments.with_values(*tuple(value or UNKNOWN for value in values))
-    declare_endpoint(_SUBSCRIBE, machine, arguments.get(1, "node") or Unknown("node"), given, 0)
-    return Unknown("message")
+    given = arguments.with_values(*tuple(value or av.UNKNOWN for value in values))
+    declare_endpoint(_SUBSCRIBE, machine, arguments.get(1, "node") or av.Unknown("node"), given, 0)
+    return av.Unknown("message")
 
 
 def _declare_parameters_client(machine: AbstractMachine, arguments: Arguments) -> None:
     """`AsyncParameterClient(node, remote)` calls the parameter services of another node."""
-    remote = arguments.get(1, "remote_node_name") or Unknown("remote")
+    remote = arguments.get(1, "remote_node_name") or av.Unknown("remote")
     libraries.declare_below(libraries.PARAMETER_CLIENTS, machine, remote, arguments)
 
 
 def _declare_marker_server(machine: AbstractMachine, arguments: Arguments) -> None:
     """`InteractiveMarkerServer(node, namespace)`."""
-    space = arguments.get(1, "namespace") or Unknown("namespace")
+    space = arguments.get(1, "namespace") or av.Unknown("namespace")
     libraries.declare_below(libraries.MARKER_ENDPOINTS, machine, space, arguments)
 
 
@@ -85,7 +80,7 @@ _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
         AbstractMachine.escape_arguments,
     ),
 }
-LIBRARY_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+LIBRARY_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     **dict.fromkeys(
         ("rclpy.action.ActionServer", "rclpy.action.server.ActionServer"),
         partial(_declare_with_node, DeclarationKind.ACTION_SERVER),

@@ -3,21 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
-    NONE,
-    TRUE,
-    ExternalSymbol,
-    Instance,
-    LibraryClass,
-    MessageType,
-    Scalar,
-    Unknown,
-    Value,
-    options,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.rclpy.parameters import PARAMETER_METHODS, parameter_object
@@ -45,22 +31,22 @@ from rtron.sources.declaration import DeclarationKind
 
 _MODULE_PARTS = 3
 _OPTION_KEYWORDS = {
-    "parameter_services": ("start_parameter_services", TRUE),
-    "rosout": ("enable_rosout", TRUE),
-    "parameter_events": ("parameter_events", TRUE),
-    "logger_service": ("enable_logger_service", FALSE),
+    "parameter_services": ("start_parameter_services", av.TRUE),
+    "rosout": ("enable_rosout", av.TRUE),
+    "parameter_events": ("parameter_events", av.TRUE),
+    "logger_service": ("enable_logger_service", av.FALSE),
 }
 """The arguments that tell whether a node has these, and their defaults; events it always has."""
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
-def interface_name(value: Value | None) -> str:
+def interface_name(value: av.Value | None) -> str:
     """Return a message, service or action class as the graph has it; empty where not known."""
-    for option in options(value):
-        if isinstance(option, MessageType):
+    for option in av.options(value):
+        if isinstance(option, av.MessageType):
             return option.name
-        dotted = option.name.split(".") if isinstance(option, ExternalSymbol) else []
+        dotted = option.name.split(".") if isinstance(option, av.ExternalSymbol) else []
         parts = [part for part in dotted if not part.startswith("_")]
         if len(parts) == _MODULE_PARTS and parts[1] in {"msg", "srv", "action"}:
             return "/".join(parts)
@@ -68,57 +54,57 @@ def interface_name(value: Value | None) -> str:
 
 
 def initialise_node(
-    machine: AbstractMachine, owner: Instance, arguments: Arguments, *, lifecycle: bool = False
-) -> Value:
+    machine: AbstractMachine, owner: av.Instance, arguments: Arguments, *, lifecycle: bool = False
+) -> av.Value:
     """`Node.__init__(name, *, namespace, cli_args, use_global_arguments, …)`."""
     given = arguments.keywords
     words = NodeArguments(
-        name=arguments.get(0, "node_name") or Unknown("node_name"),
+        name=arguments.get(0, "node_name") or av.Unknown("node_name"),
         namespace=_text_or_empty(given.get("namespace")),
-        arguments=given.get("cli_args", NONE),
-        uses_global_arguments=truth(given.get("use_global_arguments", Scalar(value=True)))
+        arguments=given.get("cli_args", av.NONE),
+        uses_global_arguments=av.truth(given.get("use_global_arguments", av.Scalar(value=True)))
         is not False,
     )
-    automatic = given.get("automatically_declare_parameters_from_overrides", FALSE)
+    automatic = given.get("automatically_declare_parameters_from_overrides", av.FALSE)
     for field, value in (
         (NAME_FIELD, full_name(machine, words)),
-        (SUB_NAMESPACE_FIELD, Scalar("")),
-        (GLOBAL_ARGUMENTS_FIELD, Scalar(words.uses_global_arguments)),
-        (OVERRIDES_FIELD, _parameter_overrides(words, given.get("parameter_overrides", NONE))),
+        (SUB_NAMESPACE_FIELD, av.Scalar("")),
+        (GLOBAL_ARGUMENTS_FIELD, av.Scalar(words.uses_global_arguments)),
+        (OVERRIDES_FIELD, _parameter_overrides(words, given.get("parameter_overrides", av.NONE))),
         (AUTOMATIC_FIELD, automatic),
     ):
         machine.undo_log.set(owner.fields, field, value)
 
     def is_enabled(option: str) -> bool:
-        name, default = _OPTION_KEYWORDS.get(option, ("", FALSE))
-        return truth(given.get(name, default)) is not False
+        name, default = _OPTION_KEYWORDS.get(option, ("", av.FALSE))
+        return av.truth(given.get(name, default)) is not False
 
     endpoints.declare_node(machine, owner, words, arguments, is_enabled)
     if lifecycle:
         endpoints.declare_lifecycle(machine, owner, arguments)
-    return NONE
+    return av.NONE
 
 
-def _parameter_overrides(words: NodeArguments, given: Value) -> Value:
+def _parameter_overrides(words: NodeArguments, given: av.Value) -> av.Value:
     """Return the parameters that a node is made with: those given count over its arguments'."""
     pairs = own_parameters(words.arguments)
-    own = tuple(parameter_object(Scalar(name), value) for name, value in pairs)
-    return list_of((*own, *items_of(given)[0])) if own else given
+    own = tuple(parameter_object(av.Scalar(name), value) for name, value in pairs)
+    return av.list_of((*own, *av.items_of(given)[0])) if own else given
 
 
-def _text_or_empty(value: Value | None) -> Value:
-    return Scalar("") if value is None or value == NONE else value
+def _text_or_empty(value: av.Value | None) -> av.Value:
+    return av.Scalar("") if value is None or value == av.NONE else value
 
 
-def make_node(machine: AbstractMachine, arguments: Arguments) -> Instance:
+def make_node(machine: AbstractMachine, arguments: Arguments) -> av.Instance:
     """`Node("name")`, `rclpy.create_node("name")`."""
-    made = Instance(NODE)
+    made = av.Instance(NODE)
     initialise_node(machine, made, arguments)
     return made
 
 
-def _make_lifecycle_node(machine: AbstractMachine, arguments: Arguments) -> Instance:
-    made = Instance(LIFECYCLE_NODE)
+def _make_lifecycle_node(machine: AbstractMachine, arguments: Arguments) -> av.Instance:
+    made = av.Instance(LIFECYCLE_NODE)
     initialise_node(machine, made, arguments, lifecycle=True)
     return made
 
@@ -126,10 +112,10 @@ def _make_lifecycle_node(machine: AbstractMachine, arguments: Arguments) -> Inst
 def declare_endpoint(
     kind: DeclarationKind,
     machine: AbstractMachine,
-    node: Value | None,
+    node: av.Value | None,
     arguments: Arguments,
     at: int,
-) -> Value:
+) -> av.Value:
     """Record what is made of a type and a name, which are the arguments from `at` on."""
     machine.escape_arguments(arguments)
     type = interface_name(arguments.get(at, _TYPE_KEYWORDS[kind]) or arguments.keywords.get("type"))
@@ -137,14 +123,14 @@ def declare_endpoint(
     owner = first_node((node,)) if node is not None else None
     if owner is None:
         endpoints.note_unknown_node(machine, kind.value, name, arguments)
-        return Unknown(kind.value)
+        return av.Unknown(kind.value)
     given = arguments.keywords.get("qos_overriding_options")
     overridable = QosOverrides(machine, kind, owner, arguments)
     qos = overridable.effective_qos(
         resolve_at_node(owner, name), endpoint_qos(kind, arguments, at), given
     )
     full = endpoints.declare_endpoint(machine, kind, owner, name, type, arguments, qos=qos)
-    return Instance(ENDPOINT, dict.fromkeys(("topic_name", "topic", "srv_name"), full))
+    return av.Instance(ENDPOINT, dict.fromkeys(("topic_name", "topic", "srv_name"), full))
 
 
 _TYPE_KEYWORDS = {
@@ -166,22 +152,22 @@ _NAME_KEYWORDS = {
 
 
 def _create_endpoint(
-    kind: DeclarationKind, machine: AbstractMachine, owner: Value, arguments: Arguments
-) -> Value:
+    kind: DeclarationKind, machine: AbstractMachine, owner: av.Value, arguments: Arguments
+) -> av.Value:
     return declare_endpoint(kind, machine, owner, arguments, 0)
 
 
-def _register_callback(machine: AbstractMachine, _: Value, arguments: Arguments) -> Value:
+def _register_callback(machine: AbstractMachine, _: av.Value, arguments: Arguments) -> av.Value:
     machine.escape_arguments(arguments)
-    return Instance(ENDPOINT)
+    return av.Instance(ENDPOINT)
 
 
-def _resolve_name(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def _resolve_name(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     del machine
     return resolve_at_node(owner, arguments.get(0, "topic") or arguments.get(0, "service"))
 
 
-_METHODS: Mapping[str, Callable[..., Value]] = {
+_METHODS: Mapping[str, Callable[..., av.Value]] = {
     **PARAMETER_METHODS,
     "__init__": initialise_node,
     **dict.fromkeys(
@@ -196,7 +182,7 @@ _METHODS: Mapping[str, Callable[..., Value]] = {
     "get_namespace": lambda machine, owner, arguments: node_namespace(owner),
     "get_fully_qualified_name": lambda machine, owner, arguments: node_name(owner),
 }
-ENDPOINT = LibraryClass(
+ENDPOINT = av.LibraryClass(
     "rclpy.endpoint",
     methods=dict.fromkeys(
         (
@@ -207,8 +193,8 @@ ENDPOINT = LibraryClass(
         _register_callback,
     ),
 )
-NODE = LibraryClass("rclpy.node.Node", make_node, dict(_METHODS))
-LIFECYCLE_NODE = LibraryClass(
+NODE = av.LibraryClass("rclpy.node.Node", make_node, dict(_METHODS))
+LIFECYCLE_NODE = av.LibraryClass(
     "rclpy.lifecycle.LifecycleNode",
     _make_lifecycle_node,
     {**_METHODS, "__init__": partial(initialise_node, lifecycle=True)},

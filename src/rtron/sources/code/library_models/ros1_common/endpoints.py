@@ -1,6 +1,6 @@
 """What the client libraries declare: the same calls in both languages end here."""
 
-from rtron.sources.code.interpreter.abstract_values.value_types import Scalar, Value, concat
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.move_group import move_group_endpoints
@@ -26,7 +26,7 @@ _RECONFIGURE_TOPICS = {
 def declare_endpoint(
     machine: AbstractMachine,
     kind: DeclarationKind,
-    name: Value,
+    name: av.Value,
     type: str,
     at: Arguments | Evidence,
     *,
@@ -38,13 +38,13 @@ def declare_endpoint(
     machine.recorder.declare(kind, name, type, evidence, implicit=implicit, latched=latched)
 
 
-def name_below(namespace: Value, *names: str) -> Value:
+def name_below(namespace: av.Value, *names: str) -> av.Value:
     """Return a name below an absolute namespace."""
-    return concat((namespace, Scalar("/" + "/".join(names))))
+    return av.concat((namespace, av.Scalar("/" + "/".join(names))))
 
 
 def declare_dynamic_reconfigure(
-    machine: AbstractMachine, namespace: Value, at: Arguments, *, client: bool = False
+    machine: AbstractMachine, namespace: av.Value, at: Arguments, *, client: bool = False
 ) -> None:
     """Record what a dynamic_reconfigure server or client declares (ROS wiki)."""
     kind = _SUBSCRIBE if client else _PUBLISH
@@ -56,10 +56,10 @@ def declare_dynamic_reconfigure(
     declare_endpoint(machine, kind, service, type, at, implicit=True)
 
 
-def declare_move_group_client(machine: AbstractMachine, namespace: Value, at: Arguments) -> None:
+def declare_move_group_client(machine: AbstractMachine, namespace: av.Value, at: Arguments) -> None:
     """Record a client of the move_group in a namespace (MoveIt: move_group_interface)."""
     for kind, name, type, implicit in move_group_endpoints(1):
-        full = resolve_name(machine, Scalar(name), namespace)
+        full = resolve_name(machine, av.Scalar(name), namespace)
         declare_endpoint(machine, kind, full, type, at, implicit=implicit)
 
 
@@ -69,22 +69,22 @@ def declare_transforms(
     """Record that a node publishes or subscribes to transforms (ROS wiki: tf2)."""
     sent = ("/tf_static",) if static else ("/tf",)
     for name in ("/tf", "/tf_static") if kind is _SUBSCRIBE else sent:
-        declare_endpoint(machine, kind, Scalar(name), "tf2_msgs/TFMessage", at, implicit=True)
+        declare_endpoint(machine, kind, av.Scalar(name), "tf2_msgs/TFMessage", at, implicit=True)
 
 
 def declare_diagnostics(machine: AbstractMachine, at: Arguments) -> None:
     """Record a diagnostic_updater (ROS wiki: diagnostic_updater)."""
     type = "diagnostic_msgs/DiagnosticArray"
-    declare_endpoint(machine, _PUBLISH, Scalar("/diagnostics"), type, at, implicit=True)
+    declare_endpoint(machine, _PUBLISH, av.Scalar("/diagnostics"), type, at, implicit=True)
 
 
-def declare_bond(machine: AbstractMachine, name: Value, at: Arguments) -> None:
+def declare_bond(machine: AbstractMachine, name: av.Value, at: Arguments) -> None:
     """Record a bond, which publishes and subscribes (ROS wiki: bond)."""
     for kind in (_PUBLISH, _SUBSCRIBE):
         declare_endpoint(machine, kind, name, "bond/Status", at, implicit=True)
 
 
-def declare_image_publisher(machine: AbstractMachine, name: Value, at: Arguments) -> None:
+def declare_image_publisher(machine: AbstractMachine, name: av.Value, at: Arguments) -> None:
     """Record what image_transport advertises: the image, and what its plugins add to it."""
     declare_endpoint(machine, _PUBLISH, name, "sensor_msgs/Image", at)
     base = remap_name(machine, name)
@@ -95,10 +95,10 @@ def declare_image_publisher(machine: AbstractMachine, name: Value, at: Arguments
 
 
 def declare_image_subscriber(
-    machine: AbstractMachine, name: Value, transport: Value | None, at: Arguments
+    machine: AbstractMachine, name: av.Value, transport: av.Value | None, at: Arguments
 ) -> None:
     """Record what image_transport subscribes: the image itself, or one transport of it."""
-    chosen = transport.value if isinstance(transport, Scalar) else "raw"
+    chosen = transport.value if isinstance(transport, av.Scalar) else "raw"
     if chosen in TRANSPORTS:
         topic = name_below(remap_name(machine, name), str(chosen))
         declare_endpoint(machine, _SUBSCRIBE, topic, TRANSPORTS[str(chosen)], at)
@@ -106,14 +106,14 @@ def declare_image_subscriber(
         declare_endpoint(machine, _SUBSCRIBE, name, "sensor_msgs/Image", at)
 
 
-def camera_info_topic(machine: AbstractMachine, image: Value) -> Value:
+def camera_info_topic(machine: AbstractMachine, image: av.Value) -> av.Value:
     """Return where the camera info of an image topic is (image_transport: getCameraInfoTopic)."""
     name = remap_name(machine, image)
-    if isinstance(name, Scalar):
-        return Scalar(str(name.value).rpartition("/")[0] + "/camera_info", name.tainted)
+    if isinstance(name, av.Scalar):
+        return av.Scalar(str(name.value).rpartition("/")[0] + "/camera_info", name.tainted)
     return name_below(name, "..", "camera_info")
 
 
-def resolve_private(machine: AbstractMachine) -> Value:
+def resolve_private(machine: AbstractMachine) -> av.Value:
     """Return the namespace of the node itself."""
-    return resolve_name(machine, Scalar("~"))
+    return resolve_name(machine, av.Scalar("~"))

@@ -8,16 +8,7 @@ github.com/ros2/rclpy@9.1.2, qos_overriding_options.py).
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    Instance,
-    LibraryClass,
-    Scalar,
-    Unknown,
-    Value,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.ros2_common.nodes import node_name, uses_global_arguments
@@ -40,19 +31,21 @@ POLICY_KINDS = (
 )
 """QosPolicyKind of both client libraries, as the parameters are called."""
 
-_DEFAULT_POLICIES = list_of(tuple(map(Scalar, ("history", "depth", "reliability"))))
+_DEFAULT_POLICIES = av.list_of(tuple(map(av.Scalar, ("history", "depth", "reliability"))))
 _ENDPOINT_WORDS = {DeclarationKind.PUBLISH: "publisher", DeclarationKind.SUBSCRIBE: "subscription"}
 _FIELDS = {"depth": DEPTH_FIELD, "reliability": RELIABILITY_FIELD, "durability": DURABILITY_FIELD}
 _FOREVER, _MANUAL = 2**63 - 1, Liveliness.MANUAL_BY_TOPIC
-_PREFIX, _NO_ID = "qos_overrides.", Scalar("")
+_PREFIX, _NO_ID = "qos_overrides.", av.Scalar("")
 
 
-def overriding_options(cls: LibraryClass, policies: Value, identity: Value | None) -> Instance:
+def overriding_options(
+    cls: av.LibraryClass, policies: av.Value, identity: av.Value | None
+) -> av.Instance:
     """Return the options that let these policies be overridden."""
-    return Instance(cls, {POLICIES_FIELD: policies, ID_FIELD: identity or _NO_ID})
+    return av.Instance(cls, {POLICIES_FIELD: policies, ID_FIELD: identity or _NO_ID})
 
 
-def with_default_policies(cls: LibraryClass, identity: Value | None) -> Instance:
+def with_default_policies(cls: av.LibraryClass, identity: av.Value | None) -> av.Instance:
     """Return the options of `QosOverridingOptions::with_default_policies(callback, id)`."""
     return overriding_options(cls, _DEFAULT_POLICIES, identity)
 
@@ -63,47 +56,49 @@ class QosOverrides:
 
     machine: AbstractMachine
     kind: DeclarationKind
-    node: Value
+    node: av.Value
     call: Arguments
 
-    def effective_qos(self, name: Value, qos: QoS | None, options: Value | None) -> QoS | None:
+    def effective_qos(
+        self, name: av.Value, qos: QoS | None, options: av.Value | None
+    ) -> QoS | None:
         """Return what it has by its node's parameters; None where that is open, which is noted."""
-        if options is None or options == NONE or self.kind not in _ENDPOINT_WORDS or qos is None:
+        if options is None or options == av.NONE or self.kind not in _ENDPOINT_WORDS or qos is None:
             return qos
-        fields = options.fields if isinstance(options, Instance) else {}
+        fields = options.fields if isinstance(options, av.Instance) else {}
         identity, policies = fields.get(ID_FIELD), fields.get(POLICIES_FIELD)
         topic = self._remapped_topic(name)
-        if topic is None or not (isinstance(identity, Scalar) and _are_known_policies(policies)):
+        if topic is None or not (isinstance(identity, av.Scalar) and _are_known_policies(policies)):
             return self._note_unknown(name) if self._is_set(topic or "") else qos
         ending = f"_{identity.value}" if identity.value else ""
         return self._from_parameters(
             f"{_PREFIX}{topic}.{_ENDPOINT_WORDS[self.kind]}{ending}", policies, qos
         )
 
-    def _from_parameters(self, prefix: str, policies: Value | None, qos: QoS) -> QoS | None:
+    def _from_parameters(self, prefix: str, policies: av.Value | None, qos: QoS) -> QoS | None:
         written = _policy_values(qos)
-        for policy in items_of(policies or _NO_ID)[0]:
-            word = text_with_holes(policy)
+        for policy in av.items_of(policies or _NO_ID)[0]:
+            word = av.text_with_holes(policy)
             if not (word == "lifespan" and self.kind is DeclarationKind.SUBSCRIBE):
-                name = Scalar(f"{prefix}.{word}")
+                name = av.Scalar(f"{prefix}.{word}")
                 found = declare_node_parameter(
-                    self.machine, self.node, name, written.get(word, Unknown(word))
+                    self.machine, self.node, name, written.get(word, av.Unknown(word))
                 )
                 likely = self.machine.recorder.reported_options(found)
-                written[word] = likely[0] if len(likely) == 1 else Unknown(word)
+                written[word] = likely[0] if len(likely) == 1 else av.Unknown(word)
         read = _qos_of_policies(written)
         if read is None:
-            return self._note_unknown(Scalar(prefix))
+            return self._note_unknown(av.Scalar(prefix))
         return _with_durations(read, written)
 
-    def _remapped_topic(self, name: Value) -> str | None:
+    def _remapped_topic(self, name: av.Value) -> str | None:
         """Return the topic that the parameters are named by: as it is remapped."""
-        full = text_with_holes(node_name(self.node))
+        full = av.text_with_holes(node_name(self.node))
         rules = self.machine.recorder.site.remap_rules if uses_global_arguments(self.node) else ()
         fitting = (
-            r.target for r in remaps_for_node(rules, full) if r.source == text_with_holes(name)
+            r.target for r in remaps_for_node(rules, full) if r.source == av.text_with_holes(name)
         )
-        return next(fitting, text_with_holes(name)) if isinstance(name, Scalar) else None
+        return next(fitting, av.text_with_holes(name)) if isinstance(name, av.Scalar) else None
 
     def _is_set(self, topic: str) -> bool:
         """Tell whether the launch sets such a parameter, of this topic or of any."""
@@ -111,41 +106,41 @@ class QosOverrides:
         names = (*(one.name for one in self.machine.recorder.site.settings), *own)
         return any(name.startswith(f"{_PREFIX}{topic}") for name in names)
 
-    def _note_unknown(self, name: Value) -> QoS | None:
-        what = f"quality of service of {self.kind.value} {text_with_holes(name)}"
+    def _note_unknown(self, name: av.Value) -> QoS | None:
+        what = f"quality of service of {self.kind.value} {av.text_with_holes(name)}"
         why = "parameters override it, and what they make of it is not known"
         self.machine.recorder.add_unresolved(what, why, self.call.evidence)
         return None
 
 
-def _are_known_policies(policies: Value | None) -> bool:
-    items, certain = items_of(policies) if policies is not None else ((), False)
+def _are_known_policies(policies: av.Value | None) -> bool:
+    items, certain = av.items_of(policies) if policies is not None else ((), False)
     return certain and all(
-        isinstance(item, Scalar) and item.value in POLICY_KINDS for item in items
+        isinstance(item, av.Scalar) and item.value in POLICY_KINDS for item in items
     )
 
 
-def _policy_values(qos: QoS) -> dict[str, Value]:
+def _policy_values(qos: QoS) -> dict[str, av.Value]:
     """Return the policies as their parameters spell them; what they are declared with."""
     fields = qos_fields(qos)
     written = {word: fields[field] for word, field in _FIELDS.items()}
-    return {**written, "history": Scalar("keep_last" if qos.depth else "keep_all")}
+    return {**written, "history": av.Scalar("keep_last" if qos.depth else "keep_all")}
 
 
-def _qos_of_policies(policies: Mapping[str, Value]) -> QoS | None:
+def _qos_of_policies(policies: Mapping[str, av.Value]) -> QoS | None:
     """Return what policies say; None where one of them is not known, or is none."""
-    fields: dict[object, Value] = {field: policies[word] for word, field in _FIELDS.items()}
+    fields: dict[object, av.Value] = {field: policies[word] for word, field in _FIELDS.items()}
     depth, history = fields[DEPTH_FIELD], policies["history"]
-    if not (isinstance(depth, Scalar) and isinstance(history, Scalar)):
+    if not (isinstance(depth, av.Scalar) and isinstance(history, av.Scalar)):
         return None
     if history.value == "keep_all":
-        fields[DEPTH_FIELD] = Scalar(0)
-    return read_qos(Instance(_PROFILE, fields))
+        fields[DEPTH_FIELD] = av.Scalar(0)
+    return read_qos(av.Instance(_PROFILE, fields))
 
 
-def _with_durations(qos: QoS, policies: Mapping[str, Value]) -> QoS:
+def _with_durations(qos: QoS, policies: Mapping[str, av.Value]) -> QoS:
     """Return a profile with what parameters give besides: times in ns, and liveliness."""
-    given = {w: p.value for w, p in policies.items() if isinstance(p, Scalar)}
+    given = {w: p.value for w, p in policies.items() if isinstance(p, av.Scalar)}
     manual = given.get("liveliness") == _MANUAL.value
     return replace(
         qos,
@@ -160,4 +155,4 @@ def _duration(given: object) -> int:
     return given if isinstance(given, int) and given < _FOREVER else 0
 
 
-_PROFILE = LibraryClass("rmw_qos_profile_t")
+_PROFILE = av.LibraryClass("rmw_qos_profile_t")

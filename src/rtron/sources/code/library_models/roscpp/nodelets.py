@@ -1,14 +1,6 @@
 """nodelet: nodelets, and the loader that a program has of them (ROS wiki: nodelet)."""
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
-    Instance,
-    LibraryClass,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
@@ -34,63 +26,63 @@ _SERVICES = {
 }
 
 
-def start_nodelet(machine: AbstractMachine, nodelet: Value, at: Arguments) -> None:
+def start_nodelet(machine: AbstractMachine, nodelet: av.Value, at: Arguments) -> None:
     """Run what the loader runs of a nodelet that is made: its `onInit`."""
     method = cpp_runtime(machine).attribute(nodelet, "onInit", ())
-    dispatch(machine, method or Unknown("onInit"), at.with_values())
+    dispatch(machine, method or av.Unknown("onInit"), at.with_values())
 
 
-def _name(machine: AbstractMachine, nodelet: Value) -> Value:
+def _name(machine: AbstractMachine, nodelet: av.Value) -> av.Value:
     """Return a nodelet's name: the node's, if a launch has started it as one.
 
     Handles that it makes itself, `ros::NodeHandle("~")`, are those of its manager.
     """
-    loaded = nodelet.fields.get(_NAME) if isinstance(nodelet, Instance) else None
-    return loaded or Scalar(machine.recorder.site.name)
+    loaded = nodelet.fields.get(_NAME) if isinstance(nodelet, av.Instance) else None
+    return loaded or av.Scalar(machine.recorder.site.name)
 
 
-def _handle(machine: AbstractMachine, nodelet: Value, _: Arguments) -> Value:
+def _handle(machine: AbstractMachine, nodelet: av.Value, _: Arguments) -> av.Value:
     name = _name(machine, nodelet)
-    if not isinstance(name, Scalar):
-        return handle(Scalar(node_namespace(machine)))
-    return handle(Scalar(str(name.value).rpartition("/")[0] or "/"))
+    if not isinstance(name, av.Scalar):
+        return handle(av.Scalar(node_namespace(machine)))
+    return handle(av.Scalar(str(name.value).rpartition("/")[0] or "/"))
 
 
-def _private_handle(machine: AbstractMachine, nodelet: Value, _: Arguments) -> Value:
+def _private_handle(machine: AbstractMachine, nodelet: av.Value, _: Arguments) -> av.Value:
     return handle(_name(machine, nodelet))
 
 
-def _get_name(machine: AbstractMachine, nodelet: Value, _: Arguments) -> Value:
+def _get_name(machine: AbstractMachine, nodelet: av.Value, _: Arguments) -> av.Value:
     return _name(machine, nodelet)
 
 
-def _make_loader(machine: AbstractMachine, arguments: Arguments) -> Value:
+def _make_loader(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`Loader(bool provide_ros_api = true)`, `Loader(server_handle)`: it serves what loads more."""
     server = handle_argument(arguments) or private_handle(machine)
-    for name, type in _SERVICES.items() if arguments.get(0) != FALSE else ():
-        full = resolve_name(machine, Scalar(name), server.fields["namespace"])
+    for name, type in _SERVICES.items() if arguments.get(0) != av.FALSE else ():
+        full = resolve_name(machine, av.Scalar(name), server.fields["namespace"])
         kind = DeclarationKind.SERVICE
         endpoints.declare_endpoint(machine, kind, full, type, arguments, implicit=True)
-    return Instance(_LOADER)
+    return av.Instance(_LOADER)
 
 
-def _load(machine: AbstractMachine, _: Value, arguments: Arguments) -> Value:
+def _load(machine: AbstractMachine, _: av.Value, arguments: Arguments) -> av.Value:
     """`loader.load(name, type, remappings, argv)`: the nodelet runs in this process."""
     name, type, remaps = arguments.value(0), arguments.value(1), arguments.get(2)
-    if isinstance(remaps, MapValue) and remaps.fields:
+    if isinstance(remaps, av.MapValue) and remaps.fields:
         note_program_remaps(machine, arguments)
     made = None
-    if isinstance(type, Scalar):
+    if isinstance(type, av.Scalar):
         made = cpp_runtime(machine).create_plugin(str(type.value), _BASE, arguments)
-    if not isinstance(made, Instance):
+    if not isinstance(made, av.Instance):
         note_missing_plugin(machine, type, arguments)
-        return Unknown("load")
+        return av.Unknown("load")
     made.fields[_NAME] = resolve_name(machine, name)
     start_nodelet(machine, made, arguments)
-    return Unknown("load")
+    return av.Unknown("load")
 
 
-_NODELET = LibraryClass(
+_NODELET = av.LibraryClass(
     _BASE,
     methods={
         **dict.fromkeys(("getNodeHandle", "getMTNodeHandle"), _handle),
@@ -98,7 +90,7 @@ _NODELET = LibraryClass(
         "getName": _get_name,
     },
 )
-_LOADER = LibraryClass("nodelet::Loader", _make_loader, {"load": _load})
+_LOADER = av.LibraryClass("nodelet::Loader", _make_loader, {"load": _load})
 
 NODELET_CLASSES = {
     _NODELET.name: _NODELET,

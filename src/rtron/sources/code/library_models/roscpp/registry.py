@@ -2,17 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    LibraryClass,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-    concat,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import message_type_of
@@ -53,57 +43,57 @@ from rtron.sources.code.library_models.roscpp.pluginlib import PLUGIN_CLASSES
 from rtron.sources.declaration import DeclarationKind
 
 
-def _with_node_handle(method: Callable[..., Value]) -> Callable[..., Value]:
+def _with_node_handle(method: Callable[..., av.Value]) -> Callable[..., av.Value]:
     """`ros::param::get` and the like resolve in the node's own namespace."""
 
-    def called(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-        return method(machine, handle(Scalar(node_namespace(machine))), arguments)
+    def called(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+        return method(machine, handle(av.Scalar(node_namespace(machine))), arguments)
 
     return called
 
 
-def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`ros::topic::waitForMessage<T>(topic, handle)`."""
-    owner = handle_argument(arguments) or handle(Scalar(node_namespace(machine)))
+    owner = handle_argument(arguments) or handle(av.Scalar(node_namespace(machine)))
     subscribe(machine, owner, arguments)
-    return Unknown("message")
+    return av.Unknown("message")
 
 
-def _node_name(machine: AbstractMachine, _: object, __: Arguments) -> Value:
-    return Scalar(machine.recorder.site.process_name)
+def _node_name(machine: AbstractMachine, _: object, __: Arguments) -> av.Value:
+    return av.Scalar(machine.recorder.site.process_name)
 
 
-def _node_namespace(machine: AbstractMachine, _: object, __: Arguments) -> Value:
-    return Scalar(node_namespace(machine))
+def _node_namespace(machine: AbstractMachine, _: object, __: Arguments) -> av.Value:
+    return av.Scalar(node_namespace(machine))
 
 
-def _resolve(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _resolve(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     return remap_name(machine, resolve_name(machine, arguments.value(len(arguments.values) - 1)))
 
 
-def _append(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _append(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     left, right = arguments.value(0), arguments.value(1)
-    return concat((left, Scalar("/"), right))
+    return av.concat((left, av.Scalar("/"), right))
 
 
-def _call_service(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _call_service(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`ros::service::call("name", service)`."""
     name = resolve_name(machine, arguments.value(0))
     service = arguments.get(1)
-    made = service.type if isinstance(service, Unknown) else None
+    made = service.type if isinstance(service, av.Unknown) else None
     type = message_type_of(machine, made, arguments)
     endpoints.declare_endpoint(machine, DeclarationKind.SERVICE_CLIENT, name, type, arguments)
-    return Unknown("call")
+    return av.Unknown("call")
 
 
-def _init(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _init(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`ros::init(argc, argv, name)`, or with remaps instead of the command line."""
-    if isinstance(arguments.get(0), (MapValue, ListValue)):
+    if isinstance(arguments.get(0), (av.MapValue, av.ListValue)):
         note_program_remaps(machine, arguments)
-    return NONE
+    return av.NONE
 
 
-ROSCPP_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+ROSCPP_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     "ros::param::get": _with_node_handle(get_param),
     "ros::param::getCached": _with_node_handle(get_param),
     "ros::param::param": _with_node_handle(param),
@@ -126,7 +116,7 @@ ROSCPP_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
     "ros::ok": returning_unknown("ok"),
 }
 
-ROSCPP_CLASSES: dict[str, LibraryClass] = {
+ROSCPP_CLASSES: dict[str, av.LibraryClass] = {
     **HANDLE_CLASSES,
     **OPTIONS_CLASSES,
     **IMAGE_CLASSES,
@@ -138,6 +128,6 @@ ROSCPP_CLASSES: dict[str, LibraryClass] = {
     **MESSAGE_CLASSES,
 }
 ROSCPP_FUNCTION_VALUES = {
-    name: LibraryFunction(name, call)
+    name: av.LibraryFunction(name, call)
     for name, call in {**ROSCPP_FUNCTIONS, **EMBEDDED_PYTHON}.items()
 }

@@ -4,24 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
-    NONE,
-    TRUE,
-    UNKNOWN,
-    FunctionValue,
-    Instance,
-    LibraryClass,
-    LibraryFunction,
-    MessageType,
-    Scalar,
-    Unknown,
-    Value,
-    map_options,
-    options,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.exceptions import is_caught
@@ -41,40 +24,40 @@ from rtron.sources.code.library_models.ros1_common.names import (
 from rtron.sources.declaration import DeclarationKind
 
 
-def message_type_name(value: Value | None) -> str:
+def message_type_name(value: av.Value | None) -> str:
     """Return a message class as `package/Name`; empty where it is not known."""
-    for option in options(value):
-        if isinstance(option, MessageType):
+    for option in av.options(value):
+        if isinstance(option, av.MessageType):
             return option.name
     return ""
 
 
 def _declare_endpoint(
     kind: DeclarationKind, machine: AbstractMachine, _: object, arguments: Arguments
-) -> Instance:
+) -> av.Instance:
     """`Publisher(name, data_class, …)`, `Subscriber(name, data_class, callback, …)` and so on."""
     name = resolve_name(machine, arguments.value(0, "name"))
     type = message_type_name(arguments.get(1, "data_class") or arguments.get(1, "service_class"))
-    latched = truth(arguments.keywords.get("latch", FALSE)) is True
+    latched = av.truth(arguments.keywords.get("latch", av.FALSE)) is True
     endpoints.declare_endpoint(machine, kind, name, type, arguments, latched=latched)
     if arguments.get(3, "callback_args") is None:
         machine.escape_arguments(arguments)
     final = remap_name(machine, name)
-    return Instance(_ENDPOINT, {"name": final, "resolved_name": final})
+    return av.Instance(_ENDPOINT, {"name": final, "resolved_name": final})
 
 
-def _declare_subscriber(machine: AbstractMachine, _: object, arguments: Arguments) -> Instance:
+def _declare_subscriber(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Instance:
     """`Subscriber(name, data_class, callback, callback_args)`: its callback gets both."""
     made = _declare_endpoint(DeclarationKind.SUBSCRIBE, machine, None, arguments)
     given = arguments.get(3, "callback_args")
     if given is not None:
-        for callback in options(arguments.get(2, "callback")):
+        for callback in av.options(arguments.get(2, "callback")):
             machine.escape(_with_callback_args(callback, given), arguments.evidence)
     return made
 
 
-def _with_callback_args(callback: Value, given: Value) -> Value:
-    if not isinstance(callback, FunctionValue):
+def _with_callback_args(callback: av.Value, given: av.Value) -> av.Value:
+    if not isinstance(callback, av.FunctionValue):
         return callback
     before = len(callback.bound_arguments) + (callback.owner is not None)
     second = callback.function.params[before + 1 : before + 2]
@@ -83,162 +66,180 @@ def _with_callback_args(callback: Value, given: Value) -> Value:
     )
 
 
-def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     _declare_endpoint(DeclarationKind.SUBSCRIBE, machine, None, arguments)
-    return Unknown("message")
+    return av.Unknown("message")
 
 
-def _get_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _get_param(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     name = resolve_name(machine, arguments.value(0, "param_name"))
     default, found = arguments.get(1, "default"), parameter_value(machine, name)
     if found is None and default is None:
         if is_caught(machine.active_handlers, missing := ThrownError("KeyError")):
             raise missing
-        return Unknown(text_with_holes(arguments.get(0, "param_name") or NONE), tainted=True)
+        return av.Unknown(
+            av.text_with_holes(arguments.get(0, "param_name") or av.NONE), tainted=True
+        )
     if found is None:
         return _tainted_value(default)
-    return found if not isinstance(found, Unknown) or default is None else _tainted_value(default)
+    return (
+        found if not isinstance(found, av.Unknown) or default is None else _tainted_value(default)
+    )
 
 
-def _tainted_value(value: Value | None) -> Value:
-    return Scalar(value.value, tainted=True) if isinstance(value, Scalar) else value or NONE
+def _tainted_value(value: av.Value | None) -> av.Value:
+    return (
+        av.Scalar(value.value, tainted=True) if isinstance(value, av.Scalar) else value or av.NONE
+    )
 
 
-def _has_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _has_param(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     found = parameter_value(machine, resolve_name(machine, arguments.value(0, "param_name")))
-    return FALSE if found is None else Unknown("has_param") if isinstance(found, Unknown) else TRUE
+    return (
+        av.FALSE
+        if found is None
+        else av.Unknown("has_param")
+        if isinstance(found, av.Unknown)
+        else av.TRUE
+    )
 
 
-def _set_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _set_param(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     name = resolve_name(machine, arguments.value(0, "param_name"))
-    if isinstance(name, Scalar):
+    if isinstance(name, av.Scalar):
         machine.undo_log.set(machine.parameters, str(name.value), arguments.get(1, "param_value"))
-    return NONE
+    return av.NONE
 
 
-def _search_param(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    namespace = Scalar(machine.recorder.site.name)
-    return search_parameter(machine, arguments.value(0, "param_name"), namespace) or NONE
+def _search_param(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    namespace = av.Scalar(machine.recorder.site.name)
+    return search_parameter(machine, arguments.value(0, "param_name"), namespace) or av.NONE
 
 
-def _resolve_name(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _resolve_name(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     return remap_name(machine, resolve_name(machine, arguments.value(0, "name")))
 
 
-def _get_name(machine: AbstractMachine, _: object, __: Arguments) -> Value:
-    return Scalar(machine.recorder.site.name)
+def _get_name(machine: AbstractMachine, _: object, __: Arguments) -> av.Value:
+    return av.Scalar(machine.recorder.site.name)
 
 
-def _get_namespace(machine: AbstractMachine, _: object, __: Arguments) -> Value:
+def _get_namespace(machine: AbstractMachine, _: object, __: Arguments) -> av.Value:
     namespace = node_namespace(machine)
-    return Scalar(namespace if namespace == "/" else namespace + "/")
+    return av.Scalar(namespace if namespace == "/" else namespace + "/")
 
 
-def _register_callback(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _register_callback(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     machine.escape_arguments(arguments)
-    return Unknown("timer")
+    return av.Unknown("timer")
 
 
 def _declare_action(
     kind: DeclarationKind, machine: AbstractMachine, _: object, arguments: Arguments
-) -> Value:
-    name = resolve_name(machine, arguments.get(0, "ns") or arguments.get(0, "name") or UNKNOWN)
+) -> av.Value:
+    name = resolve_name(machine, arguments.get(0, "ns") or arguments.get(0, "name") or av.UNKNOWN)
     type = arguments.get(1, "ActionSpec") or arguments.get(1, "action_spec")
     endpoints.declare_endpoint(machine, kind, name, message_type_name(type), arguments)
     machine.escape_arguments(arguments)
-    return Instance(_ENDPOINT)
+    return av.Instance(_ENDPOINT)
 
 
-def _declare_reconfigure_server(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    namespace = arguments.keywords.get("namespace") or arguments.get(2) or Scalar("")
+def _declare_reconfigure_server(
+    machine: AbstractMachine, _: object, arguments: Arguments
+) -> av.Value:
+    namespace = arguments.keywords.get("namespace") or arguments.get(2) or av.Scalar("")
     private = endpoints.resolve_private(machine)
     endpoints.declare_dynamic_reconfigure(
         machine, resolve_name(machine, namespace, private), arguments
     )
     machine.escape_arguments(arguments)
-    return Instance(_ENDPOINT)
+    return av.Instance(_ENDPOINT)
 
 
-def _declare_reconfigure_client(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _declare_reconfigure_client(
+    machine: AbstractMachine, _: object, arguments: Arguments
+) -> av.Value:
     namespace = resolve_name(machine, arguments.value(0, "name"))
     endpoints.declare_dynamic_reconfigure(machine, namespace, arguments, client=True)
-    return Instance(_ENDPOINT)
+    return av.Instance(_ENDPOINT)
 
 
-def _declare_listener(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _declare_listener(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     kind = DeclarationKind.SUBSCRIBE
     endpoints.declare_transforms(machine, kind, arguments, static=False)
-    return Instance(_ENDPOINT)
+    return av.Instance(_ENDPOINT)
 
 
 def _declare_broadcaster(
     machine: AbstractMachine, _: object, arguments: Arguments, *, name: str
-) -> Value:
+) -> av.Value:
     static = name.startswith("Static")
     endpoints.declare_transforms(machine, DeclarationKind.PUBLISH, arguments, static=static)
-    return Instance(BROADCASTERS[name])
+    return av.Instance(BROADCASTERS[name])
 
 
-def _declare_diagnostics(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _declare_diagnostics(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     endpoints.declare_diagnostics(machine, arguments)
-    return Instance(_ENDPOINT)
+    return av.Instance(_ENDPOINT)
 
 
-def _declare_bond(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _declare_bond(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     endpoints.declare_bond(machine, resolve_name(machine, arguments.value(0, "topic")), arguments)
-    return Instance(_ENDPOINT)
+    return av.Instance(_ENDPOINT)
 
 
-def _register_callbacks(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _register_callbacks(
+    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
+) -> av.Value:
     """`registerCallback`, `register_goal_callback` and the like take callbacks."""
     machine.escape_arguments(arguments)
     return owner
 
 
-def _message_class(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _message_class(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`get_message_class("std_msgs/String")` (roslib.message)."""
 
-    def named(value: Value) -> Value:
-        is_type = isinstance(value, Scalar) and str(value.value).count("/") == 1
-        return MessageType(text_with_holes(value)) if is_type else Unknown("message class")
+    def named(value: av.Value) -> av.Value:
+        is_type = isinstance(value, av.Scalar) and str(value.value).count("/") == 1
+        return av.MessageType(av.text_with_holes(value)) if is_type else av.Unknown("message class")
 
-    return map_options(arguments.value(0), named)
+    return av.map_options(arguments.value(0), named)
 
 
-def _make_move_group_client(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _make_move_group_client(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`MoveGroupCommander(name, robot_description, ns)`."""
-    namespace = resolve_name(machine, arguments.get(2, "ns") or Scalar(""))
+    namespace = resolve_name(machine, arguments.get(2, "ns") or av.Scalar(""))
     endpoints.declare_move_group_client(machine, namespace, arguments)
-    return Instance(_MOVE_GROUP, {"namespace": namespace})
+    return av.Instance(_MOVE_GROUP, {"namespace": namespace})
 
 
-def _make_robot_commander(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _make_robot_commander(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`RobotCommander(robot_description, ns)`: it makes clients of groups."""
-    namespace = resolve_name(machine, arguments.get(1, "ns") or Scalar(""))
-    return Instance(_ROBOT, {"namespace": namespace})
+    namespace = resolve_name(machine, arguments.get(1, "ns") or av.Scalar(""))
+    return av.Instance(_ROBOT, {"namespace": namespace})
 
 
-def _get_group(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _get_group(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     endpoints.declare_move_group_client(machine, owner.fields["namespace"], arguments)
-    return Instance(_MOVE_GROUP, owner.fields)
+    return av.Instance(_MOVE_GROUP, owner.fields)
 
 
 def _call_manipulation(
-    machine: AbstractMachine, owner: Instance, arguments: Arguments, *, name: str, type: str
-) -> Value:
+    machine: AbstractMachine, owner: av.Instance, arguments: Arguments, *, name: str, type: str
+) -> av.Value:
     """`pick(…)` and `place(…)` send goals of actions of their own."""
-    full, kind = resolve_name(machine, Scalar(name), owner.fields["namespace"]), _ACTION_CLIENT
+    full, kind = resolve_name(machine, av.Scalar(name), owner.fields["namespace"]), _ACTION_CLIENT
     endpoints.declare_endpoint(machine, kind, full, f"moveit_msgs/{type}", arguments)
-    return Unknown(name)
+    return av.Unknown(name)
 
 
-def _make_planning_scene(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _make_planning_scene(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`PlanningSceneInterface(ns)` publishes what stands around the robot, or is in its hand."""
-    namespace = resolve_name(machine, arguments.get(0, "ns") or Scalar(""))
+    namespace = resolve_name(machine, arguments.get(0, "ns") or av.Scalar(""))
     for name, type in _SCENE_TOPICS.items():
-        topic = resolve_name(machine, Scalar(name), namespace)
+        topic = resolve_name(machine, av.Scalar(name), namespace)
         endpoints.declare_endpoint(machine, DeclarationKind.PUBLISH, topic, type, arguments)
-    return Instance(_ENDPOINT)
+    return av.Instance(_ENDPOINT)
 
 
 _ACTION_CLIENT = DeclarationKind.ACTION_CLIENT
@@ -246,24 +247,26 @@ _SCENE_TOPICS = {
     "collision_object": "moveit_msgs/CollisionObject",
     "attached_collision_object": "moveit_msgs/AttachedCollisionObject",
 }
-_MOVE_GROUP = LibraryClass(
+_MOVE_GROUP = av.LibraryClass(
     "moveit_commander.MoveGroupCommander",
     methods={
         "pick": partial(_call_manipulation, name="pickup", type="PickupAction"),
         "place": partial(_call_manipulation, name="place", type="PlaceAction"),
     },
 )
-_ROBOT = LibraryClass("moveit_commander.RobotCommander", methods={"get_group": _get_group})
+_ROBOT = av.LibraryClass("moveit_commander.RobotCommander", methods={"get_group": _get_group})
 
 
-def _note_library(machine: AbstractMachine, _: object, arguments: Arguments, *, name: str) -> Value:
+def _note_library(
+    machine: AbstractMachine, _: object, arguments: Arguments, *, name: str
+) -> av.Value:
     """Note what a library makes that has no model."""
     machine.escape_arguments(arguments)
     machine.recorder.add_unresolved(f"{name}()", "what it joins is not known", arguments.evidence)
-    return Unknown(name)
+    return av.Unknown(name)
 
 
-_ENDPOINT = LibraryClass(
+_ENDPOINT = av.LibraryClass(
     "endpoint",
     methods=dict.fromkeys(
         [
@@ -275,7 +278,7 @@ _ENDPOINT = LibraryClass(
 )
 
 
-RospyFunction = Callable[..., Value]
+RospyFunction = Callable[..., av.Value]
 
 _CALLS: dict[str, RospyFunction] = {
     "rospy.Publisher": partial(_declare_endpoint, DeclarationKind.PUBLISH),
@@ -349,9 +352,9 @@ _ALIASES = {
     "roslib.message.get_service_class": "roslib.message.get_message_class",
 }
 
-ROSPY: dict[str, Value] = {
-    **{name: LibraryFunction(name, call) for name, call in _CALLS.items()},
-    **{alias: LibraryFunction(of, _CALLS[of]) for alias, of in _ALIASES.items()},
-    "rospy.AnyMsg": MessageType("*"),
-    "rospy.msg.AnyMsg": MessageType("*"),
+ROSPY: dict[str, av.Value] = {
+    **{name: av.LibraryFunction(name, call) for name, call in _CALLS.items()},
+    **{alias: av.LibraryFunction(of, _CALLS[of]) for alias, of in _ALIASES.items()},
+    "rospy.AnyMsg": av.MessageType("*"),
+    "rospy.msg.AnyMsg": av.MessageType("*"),
 }
