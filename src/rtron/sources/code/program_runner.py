@@ -59,7 +59,7 @@ from rtron.sources.code.library_models.rclcpp.registry import (
     RCLCPP_FUNCTIONS,
 )
 from rtron.sources.code.library_models.rclpy.registry import rclpy_library
-from rtron.sources.code.library_models.roscpp.nodelets import start_nodelet
+from rtron.sources.code.library_models.roscpp.plugins import start_nodelet
 from rtron.sources.code.library_models.roscpp.registry import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
 from rtron.sources.code.library_models.rospy.registry import ROSPY
 from rtron.sources.code.parameter_reads import mark_parameters_read_once

@@ -8,7 +8,6 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.cpp_std.algorithms import ALGORITHMS
-from rtron.sources.code.library_models.cpp_std.boost_strings import BOOST_STRINGS
 from rtron.sources.code.library_models.cpp_std.containers import (
     get_tuple_item,
     make_array,
@@ -46,6 +45,7 @@ from rtron.sources.code.library_models.cpp_std.functional import (
     visit,
 )
 from rtron.sources.code.library_models.cpp_std.strings import (
+    BOOST_STRINGS,
     STREAM,
     change_case,
     choose_number,

@@ -7,7 +7,7 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
-from rtron.sources.code.library_models.common.sorting import sort_items
+from rtron.sources.code.library_models.common.containers import sort_items
 from rtron.sources.code.library_models.python_std.list_methods import ITERATORS, next_item
 
 

@@ -20,8 +20,7 @@ from rtron.sources.code.library_models.python_std.environment import environment
 from rtron.sources.code.library_models.python_std.module_files import MODULE_FILES
 from rtron.sources.code.library_models.python_std.package_paths import PACKAGE_PATHS
 from rtron.sources.code.library_models.python_std.paths import PYTHON_PATHS
-from rtron.sources.code.library_models.python_std.processes import PROCESSES
-from rtron.sources.code.library_models.python_std.roslaunch_api import ROSLAUNCH_API
+from rtron.sources.code.library_models.python_std.processes import PROCESSES, ROSLAUNCH_API
 from rtron.sources.code.library_models.python_std.threads import THREADS
 
 __all__ = ["PYTHON_LIBRARY", "command_line_value", "node_constants"]

@@ -9,11 +9,6 @@ from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.library_models.common.cpp_arguments import escape_functions
 from rtron.sources.code.library_models.common.trivial_functions import return_owner
 from rtron.sources.code.library_models.ros2_common.mistyped_parameters import record_mistyped
-from rtron.sources.code.library_models.ros2_common.parameter_lists import (
-    list_parameters,
-    names_below,
-    parameter_names,
-)
 from rtron.sources.code.library_models.ros2_common.parameter_types import (
     is_parameter_type,
     is_unset,
@@ -24,8 +19,11 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
     PARAMETER_CALLBACKS,
     declare_node_parameter,
     has_node_parameter,
+    list_parameters,
+    names_below,
     node_parameter_value,
     note_parameter_callbacks,
+    parameter_names,
     prefixed_name,
     read_node_parameter,
     set_node_parameter,

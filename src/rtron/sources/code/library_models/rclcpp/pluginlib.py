@@ -7,7 +7,7 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
-from rtron.sources.code.library_models.common.missing_plugins import (
+from rtron.sources.code.library_models.common.navigation_plugins import (
     note_missing_plugin,
     throw_for_another_base,
 )

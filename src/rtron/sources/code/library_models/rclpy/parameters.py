@@ -6,11 +6,6 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.ros2_common.mistyped_parameters import record_mistyped
-from rtron.sources.code.library_models.ros2_common.parameter_lists import (
-    list_parameters,
-    names_below,
-    parameter_names,
-)
 from rtron.sources.code.library_models.ros2_common.parameter_types import (
     python_parameter_type,
     type_name,
@@ -19,8 +14,11 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
     PARAMETER_CALLBACKS,
     declare_node_parameter,
     has_node_parameter,
+    list_parameters,
+    names_below,
     node_parameter_value,
     note_parameter_callbacks,
+    parameter_names,
     prefixed_name,
     read_node_parameter,
     set_node_parameter,

@@ -1,4 +1,4 @@
-"""image_transport, and the calibration that camera drivers offer (ROS wiki)."""
+"""image_transport: images, and the camera's info beside them (ROS wiki)."""
 
 from functools import partial
 
@@ -90,15 +90,6 @@ def _image_filter_subscribe(
     return owner
 
 
-def _camera_info_manager(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    """`CameraInfoManager(handle, …)` offers set_camera_info (ROS wiki: camera_info_manager)."""
-    owner = handle_argument_or_default(machine, arguments)
-    name = resolve_in_handle(machine, owner, av.Scalar("set_camera_info"))
-    kind, type = DeclarationKind.SERVICE, "sensor_msgs/SetCameraInfo"
-    endpoints.declare_endpoint(machine, kind, name, type, arguments, implicit=True)
-    return av.Instance(_CAMERA_INFO)
-
-
 _TRANSPORT = av.LibraryClass(
     "image_transport::ImageTransport",
     _image_transport,
@@ -115,13 +106,11 @@ _IMAGE_FILTER = av.LibraryClass(
     _image_filter,
     {"subscribe": _image_filter_subscribe, "registerCallback": register_callbacks},
 )
-_CAMERA_INFO = av.LibraryClass("camera_info_manager::CameraInfoManager", _camera_info_manager)
 
 IMAGE_CLASSES = {
-    **{cls.name: cls for cls in (_TRANSPORT, _HINTS, _IMAGE_FILTER, _CAMERA_INFO)},
+    **{cls.name: cls for cls in (_TRANSPORT, _HINTS, _IMAGE_FILTER)},
     **dict.fromkeys(("image_transport::Publisher", "image_transport::Subscriber"), ENDPOINT),
     **dict.fromkeys(
         ("image_transport::CameraPublisher", "image_transport::CameraSubscriber"), ENDPOINT
     ),
-    "CameraInfoManager": _CAMERA_INFO,
 }

@@ -27,28 +27,32 @@ from rtron.sources.declaration import DeclarationKind
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
-def _make_listener(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    endpoints.declare_transforms(machine, _SUBSCRIBE, arguments, static=False)
+def _make(library: str, machine: AbstractMachine, arguments: Arguments) -> av.Value:
+    """Make what declares something by names of its own."""
+    endpoints.declare_library(machine, library, arguments)
+    return av.Instance(BROADCASTERS.get(library, _UPDATER if library == _DIAGNOSTICS else ENDPOINT))
+
+
+def _make_below(library: str, machine: AbstractMachine, arguments: Arguments) -> av.Value:
+    """Make what declares something below the first name that it is given."""
+    names = name_arguments(arguments)
+    base = resolve_name(machine, names[0] if names else av.UNKNOWN)
+    endpoints.declare_library(machine, library, arguments, base)
     return av.Instance(ENDPOINT)
 
 
-def _make_broadcaster(name: str, machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    static = name.startswith("Static")
-    endpoints.declare_transforms(machine, _PUBLISH, arguments, static=static)
-    return av.Instance(BROADCASTERS[name])
-
-
-def _action_server(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    """`SimpleActionServer<T>([handle,] name, …)`."""
-    return _make_action(DeclarationKind.ACTION_SERVER, machine, arguments)
-
-
-def _action_client(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    """`SimpleActionClient<T>([handle,] name, …)`."""
-    return _make_action(DeclarationKind.ACTION_CLIENT, machine, arguments)
+def _make_in_handle(
+    library: str, below: str, machine: AbstractMachine, arguments: Arguments
+) -> av.Value:
+    """Make what declares something in a handle that it is given, or the node's own."""
+    owner = handle_argument_or_default(machine, arguments)
+    base = resolve_in_handle(machine, owner, av.Scalar(below))
+    endpoints.declare_library(machine, library, arguments, base)
+    return av.Instance(ENDPOINT)
 
 
 def _make_action(kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments) -> av.Value:
+    """`SimpleActionServer<T>([handle,] name, …)`, `SimpleActionClient<T>([handle,] name, …)`."""
     names = name_arguments(arguments)
     if names:
         name = resolve_in_handle(machine, handle_argument_or_default(machine, arguments), names[0])
@@ -61,21 +65,8 @@ def _make_action(kind: DeclarationKind, machine: AbstractMachine, arguments: Arg
 def _reconfigure(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`dynamic_reconfigure::Server<T>([mutex,] handle)`; the node's private names by default."""
     owner = handle_argument(arguments) or private_handle(machine)
-    endpoints.declare_dynamic_reconfigure(machine, owner.fields["namespace"], arguments)
+    endpoints.declare_library(machine, "dynamic_reconfigure", arguments, owner.fields["namespace"])
     return av.Instance(_RECONFIGURE)
-
-
-def _diagnostics(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    endpoints.declare_diagnostics(machine, arguments)
-    return av.Instance(_UPDATER)
-
-
-def _make_bond(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    names = name_arguments(arguments)
-    endpoints.declare_bond(
-        machine, resolve_name(machine, names[0] if names else av.UNKNOWN), arguments
-    )
-    return av.Instance(ENDPOINT)
 
 
 def _realtime_publisher(machine: AbstractMachine, arguments: Arguments) -> av.Value:
@@ -88,20 +79,6 @@ def _realtime_publisher(machine: AbstractMachine, arguments: Arguments) -> av.Va
     return av.Instance(ENDPOINT, {"name": remap_name(machine, topic)})
 
 
-def _marker_server(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    """`InteractiveMarkerServer(topic_ns)` (ROS wiki: interactive_markers)."""
-    base = resolve_name(machine, arguments.value(0))
-    for kind, name, type in (
-        (_PUBLISH, "update", "visualization_msgs/InteractiveMarkerUpdate"),
-        (_PUBLISH, "update_full", "visualization_msgs/InteractiveMarkerInit"),
-        (_SUBSCRIBE, "feedback", "visualization_msgs/InteractiveMarkerFeedback"),
-    ):
-        endpoints.declare_endpoint(
-            machine, kind, endpoints.name_below(base, name), type, arguments, implicit=True
-        )
-    return av.Instance(ENDPOINT)
-
-
 def _shape_shifter(machine: AbstractMachine, _: av.Value, arguments: Arguments) -> av.Value:
     """`ShapeShifter::advertise(handle, topic, queue)`: any message type."""
     topic = resolve_in_handle(
@@ -109,26 +86,6 @@ def _shape_shifter(machine: AbstractMachine, _: av.Value, arguments: Arguments) 
     )
     endpoints.declare_endpoint(machine, _PUBLISH, topic, "*", arguments)
     return av.Instance(ENDPOINT, {"name": remap_name(machine, topic)})
-
-
-def _controller_manager(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    """`ControllerManager(robot, handle)` (ROS wiki: controller_manager)."""
-    base = resolve_in_handle(
-        machine, handle_argument_or_default(machine, arguments), av.Scalar("controller_manager")
-    )
-    for name, type in _MANAGER_SERVICES.items():
-        kind, service = DeclarationKind.SERVICE, endpoints.name_below(base, name)
-        endpoints.declare_endpoint(
-            machine, kind, service, f"controller_manager_msgs/{type}", arguments
-        )
-    return av.Instance(ENDPOINT)
-
-
-def _move_group_client(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    """`MoveGroupInterface(group, …)`, or with options, which have the namespace of a handle."""
-    namespace = handle_argument_or_default(machine, arguments).fields["namespace"]
-    endpoints.declare_move_group_client(machine, namespace, arguments)
-    return av.Instance(ENDPOINT)
 
 
 def _move_group_options(machine: AbstractMachine, arguments: Arguments) -> av.Value:
@@ -140,14 +97,6 @@ _PLANNING = "moveit::planning_interface"
 _MOVE_GROUP_OPTIONS = av.LibraryClass(
     f"{_PLANNING}::MoveGroupInterface::Options", _move_group_options
 )
-_MANAGER_SERVICES = {
-    "list_controllers": "ListControllers",
-    "list_controller_types": "ListControllerTypes",
-    "load_controller": "LoadController",
-    "unload_controller": "UnloadController",
-    "switch_controller": "SwitchController",
-    "reload_controller_libraries": "ReloadControllerLibraries",
-}
 _ACTION = av.LibraryClass(
     "actionlib",
     methods=dict.fromkeys(
@@ -158,23 +107,40 @@ _ACTION = av.LibraryClass(
 _RECONFIGURE = av.LibraryClass(
     "dynamic_reconfigure::Server", _reconfigure, {"setCallback": register_callbacks}
 )
-_UPDATER = av.LibraryClass("diagnostic_updater::Updater", _diagnostics, {"add": register_callbacks})
+_DIAGNOSTICS = "diagnostic_updater"
+_UPDATER = av.LibraryClass(
+    "diagnostic_updater::Updater", partial(_make, _DIAGNOSTICS), {"add": register_callbacks}
+)
 _SHAPE_SHIFTER = av.LibraryClass("topic_tools::ShapeShifter", methods={"advertise": _shape_shifter})
 
 _CONSTRUCTORS: Mapping[str, Callable[..., av.Value]] = {
-    **dict.fromkeys(("tf::TransformListener", "tf2_ros::TransformListener"), _make_listener),
-    "tf::TransformBroadcaster": partial(_make_broadcaster, "TransformBroadcaster"),
-    **{f"tf2_ros::{name}": partial(_make_broadcaster, name) for name in BROADCASTERS},
-    "actionlib::SimpleActionServer": _action_server,
-    "actionlib::ActionServer": _action_server,
-    "actionlib::SimpleActionClient": _action_client,
-    "actionlib::ActionClient": _action_client,
-    "bond::Bond": _make_bond,
-    "controller_manager::ControllerManager": _controller_manager,
+    **{
+        f"{space}::{name}": partial(_make, name)
+        for space in ("tf", "tf2_ros")
+        for name in ("TransformListener", *BROADCASTERS)
+    },
+    **{
+        f"actionlib::{prefix}Action{side}": partial(_make_action, kind)
+        for prefix in ("Simple", "")
+        for side, kind in (
+            ("Server", DeclarationKind.ACTION_SERVER),
+            ("Client", DeclarationKind.ACTION_CLIENT),
+        )
+    },
+    "bond::Bond": partial(_make_below, "bond"),
+    "controller_manager::ControllerManager": partial(
+        _make_in_handle, "controller_manager", "controller_manager"
+    ),
     "realtime_tools::RealtimePublisher": _realtime_publisher,
-    "interactive_markers::InteractiveMarkerServer": _marker_server,
-    f"{_PLANNING}::MoveGroupInterface": _move_group_client,
-    f"{_PLANNING}::MoveGroup": _move_group_client,
+    "interactive_markers::InteractiveMarkerServer": partial(_make_below, "interactive_markers"),
+    **dict.fromkeys(
+        ("camera_info_manager::CameraInfoManager", "CameraInfoManager"),
+        partial(_make_in_handle, "camera_info_manager", ""),
+    ),
+    **{
+        f"{_PLANNING}::{name}": partial(_make_in_handle, "move_group", "")
+        for name in ("MoveGroupInterface", "MoveGroup")
+    },
 }
 
 SERVER_CLASSES = {

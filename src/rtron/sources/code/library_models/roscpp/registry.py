@@ -31,7 +31,6 @@ from rtron.sources.code.library_models.roscpp.node_handle import (
     note_program_remaps,
     subscribe,
 )
-from rtron.sources.code.library_models.roscpp.nodelets import NODELET_CLASSES
 from rtron.sources.code.library_models.roscpp.parameters import (
     get_param,
     has_param,
@@ -39,7 +38,7 @@ from rtron.sources.code.library_models.roscpp.parameters import (
     search_param,
     set_param,
 )
-from rtron.sources.code.library_models.roscpp.pluginlib import PLUGIN_CLASSES
+from rtron.sources.code.library_models.roscpp.plugins import NODELET_CLASSES, PLUGIN_CLASSES
 from rtron.sources.declaration import DeclarationKind
 
 

@@ -149,9 +149,8 @@ def _declare_reconfigure_server(
 ) -> av.Value:
     namespace = arguments.keywords.get("namespace") or arguments.get(2) or av.Scalar("")
     private = endpoints.resolve_private(machine)
-    endpoints.declare_dynamic_reconfigure(
-        machine, resolve_name(machine, namespace, private), arguments
-    )
+    base = resolve_name(machine, namespace, private)
+    endpoints.declare_library(machine, "dynamic_reconfigure", arguments, base)
     machine.escape_arguments(arguments)
     return av.Instance(_ENDPOINT)
 
@@ -160,31 +159,20 @@ def _declare_reconfigure_client(
     machine: AbstractMachine, _: object, arguments: Arguments
 ) -> av.Value:
     namespace = resolve_name(machine, arguments.value(0, "name"))
-    endpoints.declare_dynamic_reconfigure(machine, namespace, arguments, client=True)
+    endpoints.declare_library(machine, "dynamic_reconfigure client", arguments, namespace)
     return av.Instance(_ENDPOINT)
 
 
-def _declare_listener(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    kind = DeclarationKind.SUBSCRIBE
-    endpoints.declare_transforms(machine, kind, arguments, static=False)
-    return av.Instance(_ENDPOINT)
-
-
-def _declare_broadcaster(
-    machine: AbstractMachine, _: object, arguments: Arguments, *, name: str
+def _declare_library(
+    library: str, machine: AbstractMachine, _: object, arguments: Arguments
 ) -> av.Value:
-    static = name.startswith("Static")
-    endpoints.declare_transforms(machine, DeclarationKind.PUBLISH, arguments, static=static)
-    return av.Instance(BROADCASTERS[name])
-
-
-def _declare_diagnostics(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    endpoints.declare_diagnostics(machine, arguments)
-    return av.Instance(_ENDPOINT)
+    endpoints.declare_library(machine, library, arguments)
+    return av.Instance(BROADCASTERS.get(library, _ENDPOINT))
 
 
 def _declare_bond(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    endpoints.declare_bond(machine, resolve_name(machine, arguments.value(0, "topic")), arguments)
+    topic = resolve_name(machine, arguments.value(0, "topic"))
+    endpoints.declare_library(machine, "bond", arguments, topic)
     return av.Instance(_ENDPOINT)
 
 
@@ -209,7 +197,7 @@ def _message_class(_: AbstractMachine, __: object, arguments: Arguments) -> av.V
 def _make_move_group_client(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`MoveGroupCommander(name, robot_description, ns)`."""
     namespace = resolve_name(machine, arguments.get(2, "ns") or av.Scalar(""))
-    endpoints.declare_move_group_client(machine, namespace, arguments)
+    endpoints.declare_library(machine, "move_group", arguments, namespace)
     return av.Instance(_MOVE_GROUP, {"namespace": namespace})
 
 
@@ -220,7 +208,7 @@ def _make_robot_commander(machine: AbstractMachine, _: object, arguments: Argume
 
 
 def _get_group(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
-    endpoints.declare_move_group_client(machine, owner.fields["namespace"], arguments)
+    endpoints.declare_library(machine, "move_group", arguments, owner.fields["namespace"])
     return av.Instance(_MOVE_GROUP, owner.fields)
 
 
@@ -236,17 +224,11 @@ def _call_manipulation(
 def _make_planning_scene(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`PlanningSceneInterface(ns)` publishes what stands around the robot, or is in its hand."""
     namespace = resolve_name(machine, arguments.get(0, "ns") or av.Scalar(""))
-    for name, type in _SCENE_TOPICS.items():
-        topic = resolve_name(machine, av.Scalar(name), namespace)
-        endpoints.declare_endpoint(machine, DeclarationKind.PUBLISH, topic, type, arguments)
+    endpoints.declare_library(machine, "planning_scene", arguments, namespace)
     return av.Instance(_ENDPOINT)
 
 
 _ACTION_CLIENT = DeclarationKind.ACTION_CLIENT
-_SCENE_TOPICS = {
-    "collision_object": "moveit_msgs/CollisionObject",
-    "attached_collision_object": "moveit_msgs/AttachedCollisionObject",
-}
 _MOVE_GROUP = av.LibraryClass(
     "moveit_commander.MoveGroupCommander",
     methods={
@@ -316,12 +298,16 @@ _CALLS: dict[str, RospyFunction] = {
         f"smach_ros.{name}": partial(_note_library, name=f"smach_ros.{name}")
         for name in ("IntrospectionServer", "ActionServerWrapper")
     },
-    "tf.TransformListener": _declare_listener,
-    "tf2_ros.TransformListener": _declare_listener,
-    "tf.TransformBroadcaster": partial(_declare_broadcaster, name="TransformBroadcaster"),
-    **{f"tf2_ros.{name}": partial(_declare_broadcaster, name=name) for name in BROADCASTERS},
-    "diagnostic_updater.Updater": _declare_diagnostics,
-    "diagnostic_updater.DiagnosticUpdater": _declare_diagnostics,
+    "tf.TransformListener": partial(_declare_library, "TransformListener"),
+    "tf.TransformBroadcaster": partial(_declare_library, "TransformBroadcaster"),
+    **{
+        f"tf2_ros.{name}": partial(_declare_library, name)
+        for name in ("TransformListener", *BROADCASTERS)
+    },
+    **dict.fromkeys(
+        ("diagnostic_updater.Updater", "diagnostic_updater.DiagnosticUpdater"),
+        partial(_declare_library, "diagnostic_updater"),
+    ),
     "bondpy.bondpy.Bond": _declare_bond,
     "bondpy.Bond": _declare_bond,
     "moveit_commander.MoveGroupCommander": _make_move_group_client,

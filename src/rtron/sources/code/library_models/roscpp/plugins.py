@@ -1,11 +1,17 @@
-"""nodelet: nodelets, and the loader that a program has of them (ROS wiki: nodelet)."""
+"""pluginlib and nodelet: classes loaded by name, nodelets, and their loader (ROS wiki)."""
+
+import re
 
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
-from rtron.sources.code.library_models.common.missing_plugins import note_missing_plugin
+from rtron.sources.code.library_models.common.navigation_plugins import (
+    note_missing_plugin,
+    throw_for_another_base,
+)
+from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import node_namespace, resolve_name
 from rtron.sources.code.library_models.roscpp.node_handle import (
@@ -14,16 +20,62 @@ from rtron.sources.code.library_models.roscpp.node_handle import (
     note_program_remaps,
     private_handle,
 )
-from rtron.sources.declaration import DeclarationKind
+
+
+def _make_loader(_: AbstractMachine, arguments: Arguments) -> av.Value:
+    """`pluginlib::ClassLoader<Base>(package, base)`."""
+    return av.Instance(_LOADER, {"base": arguments.value(1)}, arguments.types)
+
+
+def _create_instance(
+    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
+) -> av.Value:
+    """`loader.createInstance(name)`: the plugin's class, made from its source."""
+    base = owner.fields.get("base", av.UNKNOWN)
+    for option in av.options(arguments.get(0)):
+        if isinstance(option, av.Scalar) and isinstance(base, av.Scalar):
+            made = cpp_runtime(machine).create_plugin(str(option.value), str(base.value), arguments)
+            if made is not None:
+                return made
+        if option is arguments.get(0) and isinstance(base, av.Scalar):
+            throw_for_another_base(machine, option)
+        note_missing_plugin(machine, option, arguments)
+    return av.Unknown("plugin")
+
+
+def _plugin_name(_: AbstractMachine, __: av.Instance, arguments: Arguments) -> av.Value:
+    """`loader.getName("pkg::Class")` is its last part."""
+    name = arguments.get(0)
+    if not isinstance(name, av.Scalar):
+        return av.Unknown("name")
+    return av.Scalar(re.split("::|/", str(name.value))[-1])
+
+
+_LOADER = av.LibraryClass(
+    "pluginlib::ClassLoader",
+    _make_loader,
+    {
+        **dict.fromkeys(
+            (
+                "createInstance",
+                "createClassInstance",
+                "createUnmanagedInstance",
+                "createUniqueInstance",
+            ),
+            _create_instance,
+        ),
+        "getName": _plugin_name,
+        "isClassAvailable": returning_unknown("isClassAvailable"),
+        "isClassLoaded": returning_unknown("isClassAvailable"),
+    },
+)
+
+PLUGIN_CLASSES = {_LOADER.name: _LOADER}
+
 
 _BASE = "nodelet::Nodelet"
 _NAME = "nodelet name"
 """The field that holds the name of a nodelet that its own program has loaded."""
-_SERVICES = {
-    "load_nodelet": "nodelet/NodeletLoad",
-    "unload_nodelet": "nodelet/NodeletUnload",
-    "list": "nodelet/NodeletList",
-}
 
 
 def start_nodelet(machine: AbstractMachine, nodelet: av.Value, at: Arguments) -> None:
@@ -56,14 +108,12 @@ def _get_name(machine: AbstractMachine, nodelet: av.Value, _: Arguments) -> av.V
     return _name(machine, nodelet)
 
 
-def _make_loader(machine: AbstractMachine, arguments: Arguments) -> av.Value:
+def _make_nodelet_loader(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`Loader(bool provide_ros_api = true)`, `Loader(server_handle)`: it serves what loads more."""
     server = handle_argument(arguments) or private_handle(machine)
-    for name, type in _SERVICES.items() if arguments.get(0) != av.FALSE else ():
-        full = resolve_name(machine, av.Scalar(name), server.fields["namespace"])
-        kind = DeclarationKind.SERVICE
-        endpoints.declare_endpoint(machine, kind, full, type, arguments, implicit=True)
-    return av.Instance(_LOADER)
+    if arguments.get(0) != av.FALSE:
+        endpoints.declare_library(machine, "nodelet", arguments, server.fields["namespace"])
+    return av.Instance(_NODELET_LOADER)
 
 
 def _load(machine: AbstractMachine, _: av.Value, arguments: Arguments) -> av.Value:
@@ -90,10 +140,10 @@ _NODELET = av.LibraryClass(
         "getName": _get_name,
     },
 )
-_LOADER = av.LibraryClass("nodelet::Loader", _make_loader, {"load": _load})
+_NODELET_LOADER = av.LibraryClass("nodelet::Loader", _make_nodelet_loader, {"load": _load})
 
 NODELET_CLASSES = {
     _NODELET.name: _NODELET,
-    _LOADER.name: _LOADER,
+    _NODELET_LOADER.name: _NODELET_LOADER,
     "nodelet_topic_tools::NodeletLazy": _NODELET,
 }
