@@ -47,7 +47,7 @@ def _record_command(machine: AbstractMachine, tool: str, given: list[str], at: A
     elif tool == "rostopic":
         _record_topic_tool(machine, given, at)
     elif tool in {"ros2", "rosbag"} and "{" not in "".join(rest[:_MIN_WORDS]):
-        _note_joining_command(machine, tool, rest, at)
+        _note_command(machine, tool, rest, at)
     elif any("{" in word for word in (tool, *rest[:_MIN_WORDS])) or not rest:
         what = " ".join([tool, *rest[:_MIN_WORDS]])
         machine.recorder.add_unresolved(what, "the command is not known", at.evidence)
@@ -57,9 +57,7 @@ def _record_command(machine: AbstractMachine, tool: str, given: list[str], at: A
         machine.recorder.add_start(*launch_file_arguments(rest), at.evidence)
 
 
-def _note_joining_command(
-    machine: AbstractMachine, tool: str, words: list[str], at: Arguments
-) -> None:
+def _note_command(machine: AbstractMachine, tool: str, words: list[str], at: Arguments) -> None:
     """Note `ros2 topic pub …`, `rosbag record …`: what nodes these are is not told before."""
     implied = ["bag"] if tool == "rosbag" else []
     kind, verb, *_ = [*implied, *words, "", ""]

@@ -62,10 +62,6 @@ def _append(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments)
     return _write(machine, owner, (*owner.items, item))
 
 
-def _append_left(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
-    return _write(machine, owner, (arguments.get(0) or av.NONE, *owner.items))
-
-
 def _push(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     """`push_back`: an object of a class is copied, as C++ does."""
     return _write(machine, owner, (*owner.items, _new_item(machine, owner, arguments)))
@@ -120,12 +116,10 @@ def _insert_cpp(machine: AbstractMachine, owner: av.ListValue, arguments: Argume
             machine.undo_log.mark_open(owner.fields)
         return _write(machine, owner, (*owner.items, *(item for _, item in items)))
     last = arguments.without_first(len(arguments.values) - 1)
-    return _write(machine, owner, (*owner.items, *_inserted(machine, owner, last)))
+    return _write(machine, owner, (*owner.items, *_added(machine, owner, last)))
 
 
-def _inserted(
-    machine: AbstractMachine, owner: av.ListValue, last: Arguments
-) -> tuple[av.Value, ...]:
+def _added(machine: AbstractMachine, owner: av.ListValue, last: Arguments) -> tuple[av.Value, ...]:
     """Return the items that the last argument of an insertion is; braces may hold several."""
     given = last.get(0)
     if isinstance(given, av.ListValue) and is_braces(given):
@@ -216,14 +210,12 @@ def _sort(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -
     return _write(machine, owner, sort_items(machine, owner.items, arguments))
 
 
-def _reverse(machine: AbstractMachine, owner: av.ListValue, _: Arguments) -> av.Value:
-    return _write(machine, owner, owner.items[::-1])
-
-
 LIST_METHODS: LibraryMethods = {
     "append": _append,
     "add": _append,
-    "appendleft": _append_left,
+    "appendleft": lambda machine, owner, arguments: _write(
+        machine, owner, (arguments.get(0) or av.NONE, *owner.items)
+    ),
     "push_back": _push,
     "emplace_back": _push,
     "push_front": _push_front,
@@ -253,7 +245,7 @@ LIST_METHODS: LibraryMethods = {
         machine, owner, arguments.with_values(av.Scalar(0))
     ),
     "reserve": return_none,
-    "reverse": _reverse,
+    "reverse": lambda machine, owner, ___: _write(machine, owner, owner.items[::-1]),
     "sort": _sort,
 }
 

@@ -8,13 +8,7 @@ from rtron.sources.code.interpreter.cpp.iterators import begin, dereference, end
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import OPEN_KEYWORD, Arguments
 from rtron.sources.code.interpreter.execution.assignment import remove_element
-from rtron.sources.code.library_models.common.containers import (
-    LIST_METHODS,
-    LibraryMethods,
-    bound_method,
-    is_empty,
-    size,
-)
+from rtron.sources.code.library_models.common import containers
 
 
 def _pop_entry(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
@@ -89,19 +83,6 @@ def keyword_fields(arguments: Arguments) -> dict[Any, av.Value]:
     return words if rest is None else {**words, av.OPEN: rest}
 
 
-def _copy_map(_: AbstractMachine, owner: av.MapValue, __: Arguments) -> av.Value:
-    return av.MapValue(dict(owner.fields), owner.iterates_pairs, owner.default_factory)
-
-
-def _pop_last_entry(machine: AbstractMachine, owner: av.MapValue, _: Arguments) -> av.Value:
-    """`popitem()`."""
-    if not owner.entries:
-        return av.Unknown("popitem")
-    key, value = list(owner.entries.items())[-1]
-    machine.undo_log.remove(owner.fields, key)
-    return av.list_of((av.key_value(key), value), "tuple")
-
-
 def _set_default(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
     key = arguments.value(0)
     name = owner.key_of(key)
@@ -144,21 +125,17 @@ def _emplace_entry(machine: AbstractMachine, owner: av.MapValue, arguments: Argu
     key, rest = arguments.value(0), arguments.without_first(1)
     is_new = owner.key_of(key) not in owner.entries
     if is_new:
-        _set_entry(machine, owner, key, rest)
+        _set(machine, owner, key, rest)
     entry = av.element(owner, key)
     return av.pair_of(av.pair_of(key, entry), av.Scalar(is_new))
 
 
-def _insert_or_assign(
-    machine: AbstractMachine, owner: av.MapValue, arguments: Arguments
-) -> av.Value:
-    _set_entry(machine, owner, arguments.value(0), arguments.without_first(1))
+def _assign(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
+    _set(machine, owner, arguments.value(0), arguments.without_first(1))
     return av.NONE
 
 
-def _set_entry(
-    machine: AbstractMachine, owner: av.MapValue, key: av.Value, rest: Arguments
-) -> None:
+def _set(machine: AbstractMachine, owner: av.MapValue, key: av.Value, rest: Arguments) -> None:
     if rest.values or owner.default_factory is None:
         value = make_item(machine, owner, rest) if rest.values else av.UNKNOWN
     else:
@@ -177,7 +154,7 @@ def _find_pair(machine: AbstractMachine, owner: av.MapValue, arguments: Argument
     return iterator_to(machine, owner, position, arguments)
 
 
-DICT_METHODS: LibraryMethods = {
+DICT_METHODS: containers.LibraryMethods = {
     "get": _get,
     "keys": _keys,
     "values": _values,
@@ -190,21 +167,22 @@ DICT_METHODS: LibraryMethods = {
     "has_key": _has_key,
     "pop": _pop_entry,
     "clear": _clear_map,
-    "copy": _copy_map,
-    "popitem": _pop_last_entry,
+    "copy": lambda _, owner, ___: av.MapValue(
+        dict(owner.fields), owner.iterates_pairs, owner.default_factory
+    ),
     "__contains__": _has_key,
 }
-CPP_MAP_METHODS: LibraryMethods = {
+CPP_MAP_METHODS: containers.LibraryMethods = {
     "at": _get,
     "count": _count,
     "contains": _has_key,
     "insert": _insert_pair,
     "emplace": _insert_pair,
     "try_emplace": _insert_pair,
-    "insert_or_assign": _insert_or_assign,
+    "insert_or_assign": _assign,
     "find": _find_pair,
-    "size": size,
-    "empty": is_empty,
+    "size": containers.size,
+    "empty": containers.is_empty,
     "hasMember": _has_key,
     "erase": _pop_entry,
     "clear": _clear_map,
@@ -216,5 +194,5 @@ def cpp_container_member(owner: av.ListValue | av.MapValue, name: str) -> av.Val
     walk = {"begin": begin, "end": end, "cbegin": begin, "cend": end}.get(name)
     if walk is not None:
         return av.LibraryFunction(name, walk, owner)
-    methods = LIST_METHODS if isinstance(owner, av.ListValue) else CPP_MAP_METHODS
-    return bound_method(methods, owner, name)
+    methods = containers.LIST_METHODS if isinstance(owner, av.ListValue) else CPP_MAP_METHODS
+    return containers.bound_method(methods, owner, name)

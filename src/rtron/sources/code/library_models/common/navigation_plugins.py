@@ -13,6 +13,7 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.exceptions import is_caught
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
+from rtron.sources.code.library_models.common.trivial_functions import returning_field
 from rtron.sources.code.library_models.rclcpp.node import make_node
 from rtron.sources.code.library_models.rclcpp.parameters import declare_parameter
 
@@ -101,9 +102,7 @@ def _plugin_node(machine: AbstractMachine, at: Arguments) -> av.Instance:
     return make_node(machine, at.with_values(*words), lifecycle=True)
 
 
-def _initialize_layer(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _initialize(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`Layer::initialize(costmap, name, tf[, node, …])` keeps these, and calls `onInitialize`."""
     fields = ("layered_costmap_", "name_", "tf_", "node_")
     for field, value in zip(fields, arguments.values, strict=False):
@@ -112,18 +111,12 @@ def _initialize_layer(
     return dispatch(machine, method or av.Unknown("onInitialize"), arguments.with_values())
 
 
-def _layer_name(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    return owner.fields.get("name_", av.UNKNOWN)
-
-
 def _full_name(_: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`getFullName(parameter)` is below the layer's name."""
     return av.concat((owner.fields.get("name_", av.UNKNOWN), av.Scalar("."), arguments.value(0)))
 
 
-def _declare_parameter(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _declare(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`declareParameter(name, default)` of a layer in ROS 2."""
     values = (_full_name(machine, owner, arguments), *arguments.values[1:])
     node = owner.fields.get("node_", av.UNKNOWN)
@@ -131,10 +124,10 @@ def _declare_parameter(
 
 
 _LAYER_METHODS: dict[str, Callable[..., av.Value]] = {
-    "initialize": _initialize_layer,
-    "getName": _layer_name,
+    "initialize": _initialize,
+    "getName": returning_field("name_"),
     "getFullName": _full_name,
-    "declareParameter": _declare_parameter,
+    "declareParameter": _declare,
 }
 _LAYERS = ("costmap_2d::Layer", "costmap_2d::CostmapLayer")
 NAVIGATION_CLASSES: Mapping[str, av.LibraryClass] = {

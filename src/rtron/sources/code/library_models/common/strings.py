@@ -199,12 +199,6 @@ def apply_format_spec(value: av.Value, spec: str) -> av.Value:
     return value
 
 
-def _length(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.Value:
-    if isinstance(owner, av.Scalar):
-        return av.Scalar(len(str(owner.value)), owner.tainted)
-    return av.Unknown("size")
-
-
 def _empty(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.Value:
     if isinstance(owner, av.Scalar):
         return av.Scalar(not owner.value, owner.tainted)
@@ -214,47 +208,30 @@ def _empty(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.Value:
     return av.Scalar(value=False) if sure else av.Unknown("empty", av.is_tainted(owner))
 
 
-def _substr(_: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
-    numbers = [value.value for value in arguments.values if isinstance(value, av.Scalar)]
-    if not isinstance(owner, av.Scalar) or len(numbers) != len(arguments.values):
-        return av.Unknown("substr")
-    if not all(isinstance(number, int) for number in numbers):
-        return av.Unknown("substr")
-    start = numbers[0] if numbers else 0
-    end = start + numbers[1] if len(numbers) > 1 else None
-    return av.Scalar(str(owner.value)[start:end], owner.tainted)
+def _call_on_known(
+    label: str,
+    function: Callable[..., object],
+    _: AbstractMachine,
+    owner: av.Value,
+    arguments: Arguments,
+) -> av.Value:
+    """Return what a function makes of a text and arguments that are all known."""
+    given = [value.value for value in arguments.values if isinstance(value, av.Scalar)]
+    if not isinstance(owner, av.Scalar) or len(given) != len(arguments.values):
+        return av.Unknown(label)
+    try:
+        return av.Scalar(function(str(owner.value), *given), owner.tainted)
+    except (TypeError, ValueError, IndexError):
+        return av.Unknown(label)
 
 
-def _find(name: str, _: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
-    sought = arguments.get(0)
-    if not (isinstance(owner, av.Scalar) and isinstance(sought, av.Scalar)):
-        return av.Unknown(name)
-    return av.Scalar(getattr(str(owner.value), name)(str(sought.value)))
+def _substr(text: str, start: int = 0, count: int = -1) -> str:
+    return text[start:] if count < 0 else text[start : start + count]
 
 
-def _compare(_: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
-    other = arguments.get(0)
-    if not (isinstance(owner, av.Scalar) and isinstance(other, av.Scalar)):
-        return av.Unknown("compare")
-    left, right = str(owner.value), str(other.value)
-    return av.Scalar((left > right) - (left < right), owner.tainted)
-
-
-def _at(_: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
-    index = arguments.get(0) or av.Scalar(0)
-    if isinstance(owner, av.Scalar) and isinstance(index, av.Scalar) and owner.value:
-        text = str(owner.value)
-        if isinstance(index.value, int) and -len(text) <= index.value < len(text):
-            return av.Scalar(text[index.value], owner.tainted)
-    return av.Unknown("at")
-
-
-def _format_map(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
-    """`"…".format_map(mapping)`."""
-    given = arguments.get(0)
-    entries = given.entries if isinstance(given, av.MapValue) else {}
-    words = {str(key): value for key, value in entries.items()}
-    return fill_fields(machine, owner, replace(arguments, values=(), keywords=words))
+def compare(left: str, right: str) -> int:
+    """Return what `strcmp` does: 0 where two texts are alike."""
+    return (left > right) - (left < right)
 
 
 StringMethods = Mapping[str, Callable[..., av.Value]]
@@ -265,40 +242,29 @@ PYTHON_STRING_METHODS: StringMethods = {
     **{name: partial(_partition, name) for name in ("partition", "rpartition")},
     "join": _join,
     "format": fill_fields,
-    "format_map": _format_map,
     "encode": _encode_or_decode,
     "decode": _encode_or_decode,
     "splitlines": _splitlines,
 }
 
 
-def _cpp_starts_or_ends_with(
-    name: str, _: AbstractMachine, owner: av.Value, arguments: Arguments
-) -> av.Value:
-    """`text.starts_with(part)`, `text.ends_with(part)`."""
-    part = arguments.get(0)
-    if isinstance(owner, av.Scalar) and isinstance(part, av.Scalar) and isinstance(part.value, str):
-        text = str(owner.value)
-        found = text.startswith(part.value) if name == "starts_with" else text.endswith(part.value)
-        return av.Scalar(found, owner.tainted)
-    return av.Unknown(name)
-
-
+_CPP_METHODS: Mapping[str, Callable[..., object]] = {
+    **dict.fromkeys(("size", "length"), len),
+    "substr": _substr,
+    "find": str.find,
+    "rfind": str.rfind,
+    "compare": compare,
+    "at": str.__getitem__,
+    "front": lambda text: text[0],
+    "back": lambda text: text[-1],
+    "starts_with": str.startswith,
+    "ends_with": str.endswith,
+}
 CPP_STRING_METHODS: StringMethods = {
     **dict.fromkeys(("c_str", "data", "str", "toStdString", "toUtf8", "constData"), return_owner),
     **dict.fromkeys(("string", "generic_string"), return_owner),
-    **{name: partial(_cpp_starts_or_ends_with, name) for name in ("starts_with", "ends_with")},
-    **dict.fromkeys(("size", "length"), _length),
+    **{name: partial(_call_on_known, name, call) for name, call in _CPP_METHODS.items()},
     "empty": _empty,
-    "substr": _substr,
-    "find": partial(_find, "find"),
-    "rfind": partial(_find, "rfind"),
-    "compare": _compare,
-    "at": _at,
-    "front": _at,
-    "back": lambda machine, owner, arguments: _at(
-        machine, owner, arguments.with_values(av.Scalar(-1))
-    ),
 }
 
 

@@ -29,3 +29,13 @@ def returning_unknown(label: str) -> LibraryCall:
 
 def _return_unknown(label: str, _: AbstractMachine, __: object, ___: Arguments) -> av.Value:
     return av.Unknown(label)
+
+
+def returning_field(name: str, default: av.Value = av.UNKNOWN) -> LibraryCall:
+    """Return a method that gives a field of its object."""
+    return lambda _machine, owner, _arguments: owner.fields.get(name, default)
+
+
+def making(cls: av.LibraryClass) -> LibraryCall:
+    """Return a function that makes an object of a class, whatever it is given."""
+    return lambda _machine, _owner, _arguments: av.Instance(cls)

@@ -9,7 +9,6 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.written_arguments import open_container
-from rtron.sources.code.library_models.cpp_std.functional import bind
 
 _THIRD_ARGUMENT = 2
 """The index of the function, or of the value looked for: behind both iterators."""
@@ -31,18 +30,6 @@ def _call_with_item(
 ) -> av.Value:
     given = arguments.with_values(item)
     return dispatch(machine, function, given)
-
-
-def _invoke(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`std::invoke(function, args…)`; of a method, the first argument is the object."""
-    called = bind(machine, None, arguments)
-    return dispatch(machine, called, arguments.with_values())
-
-
-def _apply(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`std::apply(function, tuple)`."""
-    items, _certain = av.items_of(arguments.value(1))
-    return dispatch(machine, arguments.value(0), arguments.with_values(*items))
 
 
 def _copy(
@@ -86,30 +73,6 @@ def _copy_text(
         known = av.Scalar("".join(made), any(map(av.is_tainted, letters)))
         machine.undo_log.set(*target, known if is_known else av.Unknown(target.label))
     return av.Unknown("copy")
-
-
-def _copy_if(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`std::copy_if(xs.begin(), xs.end(), std::back_inserter(ys), predicate)`."""
-    found, target = items_after(arguments.get(0)), arguments.get(_THIRD_ARGUMENT)
-    predicate = arguments.get(_THIRD_ARGUMENT + 1)
-    if found is None or not isinstance(target, av.ListValue) or predicate is None:
-        return _copy(machine, None, arguments, transforms=True)
-    items = [item for _, item in found[0]]
-    answers = [av.truth(_call_with_item(machine, predicate, item, arguments)) for item in items]
-    chosen = tuple(item for item, answer in zip(items, answers, strict=True) if answer is not False)
-    machine.undo_log.set(target.fields, "items", (*target.items, *chosen))
-    if not found[1]:
-        machine.undo_log.mark_open(target.fields)
-    return target
-
-
-def _iota(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`std::iota(xs.begin(), xs.end(), first)`."""
-    target, first = container_of(arguments.get(0)), arguments.get(_THIRD_ARGUMENT) or av.NONE
-    if isinstance(target, av.ListValue):
-        items = [av.binary("+", first, av.Scalar(at)) for at in range(len(target.items))]
-        machine.undo_log.set(target.fields, "items", tuple(items))
-    return av.NONE
 
 
 def _find(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -188,11 +151,7 @@ def _predicate_results(
 
 ALGORITHMS: Mapping[str, Callable[..., av.Value]] = {
     "for_each": _for_each,
-    "invoke": _invoke,
-    "apply": _apply,
     "copy": partial(_copy, transforms=False),
-    "copy_if": _copy_if,
-    "iota": _iota,
     "transform": partial(_copy, transforms=True),
     "find": _find,
     "find_if": partial(_find_if, expected=True),

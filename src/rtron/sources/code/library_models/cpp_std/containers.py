@@ -96,7 +96,7 @@ def make_map(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     full = cpp_runtime(machine).qualified_type(
         TypeRef("std::map", arguments.types), arguments.frame
     )
-    factory = _default_factory(machine, arguments)
+    factory = _factory(machine, arguments)
     made = av.MapValue(iterates_pairs=True, default_factory=factory, type=full)
     given = arguments.get(0)
     if isinstance(given, av.MapValue):
@@ -122,9 +122,7 @@ def _given_pairs(given: av.Value | None, arguments: Arguments) -> tuple[tuple[av
     return av.items_of(given)
 
 
-def _default_factory(
-    machine: AbstractMachine, arguments: Arguments
-) -> Callable[[], av.Value] | None:
+def _factory(machine: AbstractMachine, arguments: Arguments) -> Callable[[], av.Value] | None:
     """`m[key]` makes a default of the mapped type where there is no entry (std::map)."""
     if len(arguments.types) < _KEY_AND_VALUE:
         return None

@@ -8,6 +8,7 @@ from pathlib import Path
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.trivial_functions import returning_field
 
 _TEXT, _STATE = "file.text", "truth"
 _NOT_READ = av.Unknown("file")
@@ -40,19 +41,9 @@ def _is_known(text: av.Value) -> bool:
     return all(isinstance(option, av.Scalar) for option in av.options(text))
 
 
-def _state(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    """`file.good()`, `file.is_open()`."""
-    return owner.fields[_STATE]
-
-
 def _failed(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
     """`file.fail()`."""
     return av.Scalar(value=False) if owner.fields[_STATE] == av.TRUE else _NOT_READ
-
-
-def _buffer(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    """`text << file.rdbuf()`."""
-    return owner.fields[_TEXT]
 
 
 def make_buffer_iterator(_: AbstractMachine, arguments: Arguments) -> av.Value:
@@ -66,8 +57,8 @@ FILE = av.LibraryClass(
     _open_file,
     {
         "open": _read_file,
-        **dict.fromkeys(("good", "is_open"), _state),
+        **dict.fromkeys(("good", "is_open"), returning_field(_STATE)),
         **dict.fromkeys(("fail", "bad", "operator!"), _failed),
-        "rdbuf": _buffer,
+        "rdbuf": returning_field(_TEXT),
     },
 )

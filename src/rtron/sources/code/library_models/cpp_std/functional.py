@@ -4,7 +4,6 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.cpp.held_values import construct_in_place
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
 from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.library_models.common.command_lines import record_started, shell_words
@@ -93,11 +92,6 @@ def swap(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
         machine.undo_log.set(*first, arguments.value(1))
         machine.undo_log.set(*second, arguments.value(0))
     return av.NONE
-
-
-def visit(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`std::visit(function, variant)`: a variant is what it holds."""
-    return dispatch(machine, arguments.value(0), arguments.without_first(1))
 
 
 def end_program(_: AbstractMachine, __: object, ___: Arguments) -> av.Value:

@@ -1,4 +1,4 @@
-"""Strings and streams of C++, on text that may be known in part."""
+"""Strings, streams and formats of C++, on text that may be known in part."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -7,6 +7,7 @@ from typing import Any
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments, LibraryCall
+from rtron.sources.code.library_models.common.strings import compare, fill_fields
 
 
 def make_string(_: AbstractMachine, arguments: Arguments) -> av.Value:
@@ -40,19 +41,6 @@ def to_string(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
         return av.concat((value,))
 
     return av.map_options(arguments.get(0) or av.Scalar(""), shown)
-
-
-def change_case(
-    change: Callable[[str], str], _: AbstractMachine, __: object, arguments: Arguments
-) -> av.Value:
-    """Return a letter, or a text, in upper or lower case."""
-
-    def changed(value: av.Value) -> av.Value:
-        if isinstance(value, av.Scalar) and isinstance(value.value, str):
-            return av.Scalar(change(value.value), value.tainted)
-        return av.Unknown("text")
-
-    return av.map_options(arguments.value(0), changed)
 
 
 def lexical_cast(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -159,15 +147,6 @@ def copy_string(machine: AbstractMachine, _: object, arguments: Arguments) -> av
     return arguments.get(1) or av.Unknown("strcpy")
 
 
-def compare_strings(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    """Return `strcmp(left, right)`: 0 where they are alike."""
-    left, right = arguments.get(0), arguments.get(1)
-    if isinstance(left, av.Scalar) and isinstance(right, av.Scalar):
-        a, b = str(left.value), str(right.value)
-        return av.Scalar((a > b) - (a < b), left.tainted)
-    return av.Unknown("strcmp")
-
-
 STREAM = av.LibraryClass(
     "std::stringstream",
     _stream,
@@ -175,7 +154,7 @@ STREAM = av.LibraryClass(
 )
 
 
-def _result(
+def _change_text(
     function: Callable[..., object], _: AbstractMachine, __: object, arguments: Arguments
 ) -> av.Value:
     """Return what a function makes of a text and the texts behind it, unknown unless all are."""
@@ -196,7 +175,7 @@ def _in_place(
     """`boost::to_upper(text)`: the text itself changes."""
     slot = arguments.slot(0)
     if slot is not None:
-        machine.undo_log.set(*slot, _result(change, machine, owner, arguments))
+        machine.undo_log.set(*slot, _change_text(change, machine, owner, arguments))
     return av.NONE
 
 
@@ -226,38 +205,80 @@ def _split(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Valu
     return words
 
 
-def _without(text: str, part: str) -> str:
-    return text.replace(part, "")
-
-
-def _replace_first(text: str, old: str, new: str) -> str:
-    return text.replace(old, new, 1)
-
-
 _CHANGES: Mapping[str, Callable[..., str]] = {
     "to_upper": str.upper,
     "to_lower": str.lower,
     "replace_all": str.replace,
-    "replace_first": _replace_first,
-    "erase_all": _without,
     "trim": str.strip,
     "trim_left": str.lstrip,
     "trim_right": str.rstrip,
 }
-_CHANGES_WHERE: Mapping[str, Callable[..., str]] = {
-    "trim": str.strip,
-    "trim_left": str.lstrip,
-    "trim_right": str.rstrip,
+CHARACTER_FUNCTIONS: Mapping[str, LibraryCall] = {
+    "strcmp": partial(_change_text, compare),
+    **{
+        f"{space}{name}": partial(_change_text, change)
+        for space in ("", "::", "std::")
+        for name, change in (("toupper", str.upper), ("tolower", str.lower))
+    },
 }
-
 BOOST_STRINGS: Mapping[str, LibraryCall] = {
-    **{f"{name}_copy": partial(_result, change) for name, change in _CHANGES.items()},
-    **{f"{name}_copy_if": partial(_result, change) for name, change in _CHANGES_WHERE.items()},
+    **{f"{name}_copy": partial(_change_text, change) for name, change in _CHANGES.items()},
     **{name: partial(_in_place, change) for name, change in _CHANGES.items()},
-    **{f"{name}_if": partial(_in_place, change) for name, change in _CHANGES_WHERE.items()},
-    "starts_with": partial(_result, str.startswith),
-    "ends_with": partial(_result, str.endswith),
-    "contains": partial(_result, str.__contains__),
+    "starts_with": partial(_change_text, str.startswith),
+    "ends_with": partial(_change_text, str.endswith),
+    "contains": partial(_change_text, str.__contains__),
     "join": _join,
     "split": _split,
 }
+
+
+def _boost_format(_: AbstractMachine, arguments: Arguments) -> av.Value:
+    return av.Instance(FORMAT, {"text": arguments.get(0) or av.Scalar("")})
+
+
+def _fill_placeholder(_: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
+    """`boost::format("%s_%d") % a % b`: each % fills the next placeholder."""
+    template = owner.fields["text"]
+    if not isinstance(template, av.Scalar):
+        return owner
+    before, mark, after = str(template.value).partition("%")
+    number = after[:1].isdigit() and after[1:2] == "%"
+    spec, rest = ("s", after[2:]) if number else (after[:1], after[1:])
+    filled = av.percent_format(
+        av.Scalar(f"{before}{mark}{spec}"), av.list_of((arguments.get(0) or av.NONE,), "tuple")
+    )
+    return av.Instance(FORMAT, {"text": av.concat((filled, av.Scalar(rest)))})
+
+
+def sprintf(offset: int, machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    """`sprintf(buffer, format, …)`, `snprintf(buffer, size, format, …)`."""
+    slot, format = arguments.slot(0), arguments.get(offset)
+    if slot is None or format is None:
+        return av.Unknown("sprintf")
+    text = av.percent_format(format, av.list_of(arguments.values[offset + 1 :], "tuple"))
+    machine.undo_log.set(*slot, text)
+    return av.Unknown("sprintf")
+
+
+def format_fields(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    """`std::format("{}_{:02d}", name, 3)`, {fmt}'s too; the fields are as in Python's str.format.
+
+    cppreference.com: Standard format specification.
+    """
+    values = (av.map_options(value, _as_written) for value in arguments.values[1:])
+    given = arguments.with_values(*values)
+    return av.map_options(arguments.value(0), lambda text: fill_fields(machine, text, given))
+
+
+def _as_written(value: av.Value) -> av.Value:
+    """Return a value as C++ writes it: `true`."""
+    if isinstance(value, av.Scalar) and isinstance(value.value, bool):
+        return av.Scalar(str(value.value).lower(), value.tainted)
+    return value
+
+
+FORMAT = av.LibraryClass(
+    "boost::format",
+    _boost_format,
+    {"operator%": _fill_placeholder, "str": read_text, "toStdString": read_text},
+)

@@ -38,10 +38,6 @@ def find_package_share(machine: AbstractMachine, _: object, arguments: Arguments
     return share_folder(machine, arguments.get(0, "package_name") or av.NONE)
 
 
-def _share_path(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    return as_path(find_package_share(machine, None, arguments))
-
-
 def _package_prefix(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`get_package_prefix(name)`: where it is installed is not known before a build."""
 
@@ -53,7 +49,9 @@ def _package_prefix(_: AbstractMachine, __: object, arguments: Arguments) -> av.
 
 _CALLS = {
     "get_package_share_directory": find_package_share,
-    "get_package_share_path": _share_path,
+    "get_package_share_path": lambda machine, __, arguments: as_path(
+        find_package_share(machine, None, arguments)
+    ),
     "get_package_prefix": _package_prefix,
 }
 AMENT_FUNCTIONS: Mapping[str, av.Value] = {

@@ -8,7 +8,7 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
-from rtron.sources.code.library_models.common.trivial_functions import return_owner
+from rtron.sources.code.library_models.common.trivial_functions import making, return_owner
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.declaration import NodeSite
 
@@ -37,14 +37,6 @@ def command_line_value(site: NodeSite) -> av.ListValue:
     return av.list_of(words, certain=site.parameters_complete)
 
 
-def _parser(_: AbstractMachine, __: object, ___: Arguments) -> av.Value:
-    return av.Instance(_ARGPARSE)
-
-
-def _option_parser(_: AbstractMachine, __: object, ___: Arguments) -> av.Value:
-    return av.Instance(_OPTPARSE)
-
-
 def _add_argument(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`add_argument("name" or "--name", default=…)`."""
     option = av.Instance(_OPTION, {"flags": av.list_of(arguments.values), **arguments.keywords})
@@ -60,13 +52,7 @@ def _add_subparsers(machine: AbstractMachine, owner: av.Instance, arguments: Arg
     return owner
 
 
-def _parse_args(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
-    return _parse(machine, owner, arguments)[0]
-
-
-def _parse_known_args(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _parse_known(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     return av.list_of(_parse(machine, owner, arguments), "tuple")
 
 
@@ -191,8 +177,8 @@ _ARGPARSE = av.LibraryClass(
     methods={
         **_GROUPS,
         "add_argument": _add_argument,
-        "parse_args": _parse_args,
-        "parse_known_args": _parse_known_args,
+        "parse_args": lambda machine, owner, arguments: _parse(machine, owner, arguments)[0],
+        "parse_known_args": _parse_known,
     },
 )
 _OPTPARSE = av.LibraryClass(
@@ -200,15 +186,12 @@ _OPTPARSE = av.LibraryClass(
     methods={
         "add_option": _add_argument,
         "add_option_group": return_owner,
-        "parse_args": _parse_known_args,
+        "parse_args": _parse_known,
     },
 )
 _NAMESPACE = av.LibraryClass("argparse.Namespace")
 _OPTION = av.LibraryClass("argparse.Action")
-_CALLS: Mapping[str, Callable[..., av.Value]] = {
-    "argparse.ArgumentParser": _parser,
-    "optparse.OptionParser": _option_parser,
-}
-ARGUMENT_PARSERS: Mapping[str, av.Value] = {
-    name: av.LibraryFunction(name, call) for name, call in _CALLS.items()
+ARGUMENT_PARSERS: Mapping[str, Callable[..., av.Value]] = {
+    "argparse.ArgumentParser": making(_ARGPARSE),
+    "optparse.OptionParser": making(_OPTPARSE),
 }

@@ -13,7 +13,6 @@ from rtron.sources.code.interpreter.python.descriptors import DESCRIPTOR_FUNCTIO
 from rtron.sources.code.interpreter.python.method_resolution_order import super_object
 from rtron.sources.code.ir import Class
 from rtron.sources.code.library_models.common.maps import dict_of, keyword_fields
-from rtron.sources.code.library_models.common.strings import apply_format_spec
 from rtron.sources.code.library_models.python_std.dynamic_code import (
     DYNAMIC_CODE_BUILTINS,
     get_member,
@@ -21,14 +20,11 @@ from rtron.sources.code.library_models.python_std.dynamic_code import (
 from rtron.sources.code.library_models.python_std.iteration import ITERATION_FUNCTIONS
 
 MAX_RANGE = 256
+FILE = av.LibraryClass("file")
 
 
 def _str(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     return av.concat((machine.runtime.shown(arguments.get(0) or av.Scalar("")),))
-
-
-def _repr(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return av.concat((av.repr_of(arguments.get(0) or av.NONE),))
 
 
 def _number(
@@ -51,17 +47,6 @@ def _number(
             return av.Unknown("number")
 
     return av.map_options(arguments.get(0) or av.Scalar(0), made)
-
-
-def _power(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return av.binary("**", arguments.value(0), arguments.value(1))
-
-
-def _divide(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    """`divmod(number, other)`."""
-    return av.list_of(
-        [av.binary(n, arguments.value(0), arguments.value(1)) for n in ("//", "%")], "tuple"
-    )
 
 
 def _bool(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -89,10 +74,6 @@ def _range(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     except ValueError:
         return av.Unknown("range")
     return av.list_of(map(av.Scalar, found[:MAX_RANGE]), certain=len(found) <= MAX_RANGE)
-
-
-def _open(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return av.Instance(FILE, {"path": arguments.get(0, "file") or av.Unknown("path")})
 
 
 def _slice(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
@@ -196,16 +177,6 @@ def _type(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value
     return BUILTINS.get(plain, av.Unknown("type"))
 
 
-def _format(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`format(value, "02d")`."""
-    given = arguments.get(1) or av.Scalar("")
-    spec = given.value if isinstance(given, av.Scalar) else None
-    value = machine.runtime.shown(arguments.value(0))
-    if not isinstance(spec, str):
-        return av.Unknown("format")
-    return av.map_options(value, lambda one: apply_format_spec(one, spec))
-
-
 def _callable(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     value = arguments.value(0)
     if isinstance(value, (av.Scalar, av.ListValue, av.MapValue)):
@@ -220,30 +191,30 @@ def _exit(_: AbstractMachine, __: object, ___: Arguments) -> av.Value:
     raise ThrownError("SystemExit")
 
 
-def _return_unknown(
-    name: str, machine: AbstractMachine, _: object, arguments: Arguments
-) -> av.Value:
+def _unknown(name: str, machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     machine.escape_arguments(arguments)
     return av.Unknown(name)
 
 
 _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     **ITERATION_FUNCTIONS,
+    **DYNAMIC_CODE_BUILTINS,
     "str": _str,
     "unicode": _str,
-    "repr": _repr,
+    "repr": lambda _, __, arguments: av.concat((av.repr_of(arguments.get(0) or av.NONE),)),
     "int": partial(_number, int),
     "long": partial(_number, int),
     "float": partial(_number, float),
     "abs": partial(_number, abs),
-    "pow": _power,
-    "divmod": _divide,
+    "pow": lambda _, __, arguments: av.binary("**", arguments.value(0), arguments.value(1)),
     "round": partial(_number, round),
     "bool": _bool,
     "len": _len,
     "range": _range,
     "xrange": _range,
-    "open": _open,
+    "open": lambda _, __, arguments: av.Instance(
+        FILE, {"path": arguments.get(0, "file") or av.Unknown("path")}
+    ),
     "slice": _slice,
     "dict": _dict,
     "isinstance": _isinstance,
@@ -252,14 +223,12 @@ _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     "hasattr": _hasattr,
     "super": _super,
     "type": _type,
-    "format": _format,
     "callable": _callable,
     "chr": partial(_number, chr),
     "ord": partial(_number, ord),
     **dict.fromkeys(("exit", "quit"), _exit),
-    **{name: partial(_return_unknown, name) for name in ("input", "raw_input", "id", "print")},
+    **{name: partial(_unknown, name) for name in ("input", "raw_input", "id", "print")},
 }
-FILE = av.LibraryClass("file")
 BUILTINS: Mapping[str, av.Value] = {
     "True": av.TRUE,
     "False": av.FALSE,
@@ -268,5 +237,4 @@ BUILTINS: Mapping[str, av.Value] = {
     "object": av.ExternalSymbol("object"),
     **{n: DESCRIPTOR_FUNCTIONS[n] for n in ("property", "staticmethod", "classmethod")},
     **{name: av.LibraryFunction(name, call) for name, call in _BUILTIN_FUNCTIONS.items()},
-    **DYNAMIC_CODE_BUILTINS,
 }

@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from rtron.sources.code.interpreter import abstract_values as av
@@ -16,11 +15,10 @@ from rtron.sources.code.library_models.common.maps import keyword_fields
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.code.library_models.python_std.data_classes import ENUM
-from rtron.sources.code.library_models.python_std.iteration import call_on_rows, fold
+from rtron.sources.code.library_models.python_std.iteration import fold
 
 MAX_ROWS = 256
 _MAX_DEPTH = 8
-_Combinator = Callable[[tuple[av.Value, ...], int], Iterable[tuple[av.Value, ...]]]
 
 
 def _default_dict(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -49,17 +47,8 @@ def _named_tuple(_: AbstractMachine, __: object, arguments: Arguments) -> av.Val
     def make(_: AbstractMachine, passed: Arguments) -> av.Value:
         return av.Instance(made, dict(fields(passed)))
 
-    methods = {"__init__": init, "_asdict": _as_dict, "_replace": _replace_fields}
-    made = av.LibraryClass(av.text_with_holes(arguments.value(0)), make, methods)
+    made = av.LibraryClass(av.text_with_holes(arguments.value(0)), make, {"__init__": init})
     return made
-
-
-def _as_dict(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    return av.MapValue(dict(owner.fields))
-
-
-def _replace_fields(_: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
-    return av.Instance(owner.type, {**owner.fields, **arguments.keywords})
 
 
 def _chain(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -80,16 +69,6 @@ def _product(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     count = times.value if isinstance(times, av.Scalar) and times.value in range(1, 5) else 1
     rows = itertools.product(*(items for items, _ in found * count))
     return _tuples(rows, certain=all(certain for _, certain in found))
-
-
-def _combine(choose: _Combinator, _: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    """`combinations(items, count)`, `permutations(items, count)`."""
-    items, certain = av.items_of(arguments.value(0))
-    count = arguments.get(1, "r")
-    size = count.value if isinstance(count, av.Scalar) else len(items)
-    if not isinstance(size, int) or size < 0:
-        return av.Unknown("combinations")
-    return _tuples(choose(items, size), certain=certain)
 
 
 def _tuples(rows: Iterable[tuple[av.Value, ...]], *, certain: bool) -> av.Value:
@@ -117,36 +96,6 @@ def _partial(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     return av.LibraryFunction(PARTIAL, call)
 
 
-def _slice_items(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`islice(items, stop)`, `islice(items, start, stop, step)`."""
-    items, certain = machine.runtime.iterate(arguments.value(0))
-    bounds = [value.value for value in arguments.values[1:] if isinstance(value, av.Scalar)]
-    if len(bounds) + 1 != len(arguments.values):
-        return av.list_of(items, "iterator", certain=False)
-    try:
-        return av.list_of(itertools.islice(items, *bounds), "iterator", certain=certain)
-    except (TypeError, ValueError):
-        return av.Unknown("islice")
-
-
-def _starmap(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    return call_on_rows(machine, arguments.value(0), arguments.value(1), arguments)
-
-
-def _repeat(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    times = arguments.get(1, "times")
-    count = times.value if isinstance(times, av.Scalar) and times.value in range(MAX_ROWS) else None
-    return av.list_of([arguments.value(0)] * (count or 1), "iterator", certain=count is not None)
-
-
-def _copy(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return copied(arguments.get(0) or av.NONE, 1)
-
-
-def _deep_copy(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return copied(arguments.get(0) or av.NONE, _MAX_DEPTH)
-
-
 def copied(value: av.Value, depth: int) -> av.Value:
     """Return a list, dict or object as a new one, and what it holds, down to a depth."""
     if depth <= 0:
@@ -160,40 +109,12 @@ def copied(value: av.Value, depth: int) -> av.Value:
     return value
 
 
-def _item_getter(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    """`operator.itemgetter(key, …)`."""
-
-    def get(_: AbstractMachine, __: object, later: Arguments) -> av.Value:
-        found = [av.element(later.value(0), key) for key in arguments.values]
-        return found[0] if len(found) == 1 else av.list_of(found, "tuple")
-
-    return av.LibraryFunction("itemgetter", get)
-
-
-def _namespace(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return av.Instance(_NAMESPACE, keyword_fields(arguments))
-
-
-def _suppress(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return av.Instance(SUPPRESS, {"names": av.list_of(arguments.values)})
-
-
 def _dict_from_keys(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`dict.fromkeys(keys, value)`."""
     items, certain = machine.runtime.iterate(arguments.value(0))
     value = arguments.get(1) or av.NONE
     made: dict[Any, av.Value] = {av.map_key(item): value for item in items}
     return av.MapValue(made if certain else {**made, av.OPEN: value})
-
-
-def _chain_map(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    """`ChainMap(first, second, …)`: the first that has a key counts."""
-    made = av.MapValue()
-    for value in reversed(arguments.values):
-        made.fields.update(
-            value.fields if isinstance(value, av.MapValue) else {av.OPEN: av.UNKNOWN}
-        )
-    return made
 
 
 _QUEUES = (
@@ -225,24 +146,21 @@ _CALLS: Mapping[str, Callable[..., av.Value]] = {
     **dict.fromkeys(("functools.partial", "functools.partialmethod"), _partial),
     "dict.fromkeys": _dict_from_keys,
     "types.MappingProxyType": return_argument,
-    "collections.ChainMap": _chain_map,
     "functools.wraps": _wraps,
     "functools.reduce": lambda machine, _, arguments: fold(machine, arguments),
     **dict.fromkeys(_QUEUES, lambda *_: av.list_of((), "queue")),
-    "itertools.islice": _slice_items,
-    "itertools.starmap": _starmap,
-    "itertools.repeat": _repeat,
-    "copy.copy": _copy,
-    "copy.deepcopy": _deep_copy,
-    "operator.itemgetter": _item_getter,
-    "types.SimpleNamespace": _namespace,
-    "contextlib.suppress": _suppress,
+    "copy.copy": lambda _, __, arguments: copied(arguments.get(0) or av.NONE, 1),
+    "copy.deepcopy": lambda _, __, arguments: copied(arguments.get(0) or av.NONE, _MAX_DEPTH),
+    "types.SimpleNamespace": lambda _, __, arguments: av.Instance(
+        _NAMESPACE, keyword_fields(arguments)
+    ),
+    "contextlib.suppress": lambda _, __, arguments: av.Instance(
+        SUPPRESS, {"names": av.list_of(arguments.values)}
+    ),
     **dict.fromkeys(("contextlib.closing", "contextlib.nullcontext"), return_argument),
     "itertools.chain": _chain,
     "itertools.chain.from_iterable": _chain_from_iterable,
     "itertools.product": _product,
-    "itertools.combinations": partial(_combine, itertools.combinations),
-    "itertools.permutations": partial(_combine, itertools.permutations),
 }
 PYTHON_COLLECTIONS: Mapping[str, av.Value] = {
     **{name: av.LibraryFunction(name, call) for name, call in _CALLS.items()},

@@ -68,11 +68,11 @@ def add_initialiser(cls: av.ClassValue) -> None:
 
 def _initialise(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     index = 0
-    for name, default in _dataclass_fields(machine, owner):
+    for name, default in _fields(machine, owner):
         is_given = not (is_field(default) and default.fields.get("init") == av.FALSE)  # type: ignore[union-attr]
         given = arguments.get(index, name) if is_given else None
         index += is_given
-        value = given or _default_value(machine, default, arguments) or av.Unknown(name)
+        value = given or _default(machine, default, arguments) or av.Unknown(name)
         machine.undo_log.set(owner.fields, name, value)
     finish = machine.runtime.attribute(owner, "__post_init__", ())
     if finish is not None:
@@ -85,9 +85,7 @@ def is_field(value: av.Value | None) -> bool:
     return isinstance(value, av.Instance) and value.type is _FIELD
 
 
-def _default_value(
-    machine: AbstractMachine, default: av.Value | None, at: Arguments
-) -> av.Value | None:
+def _default(machine: AbstractMachine, default: av.Value | None, at: Arguments) -> av.Value | None:
     """Return a field's default, which a factory makes anew for each object."""
     if OPEN_KEYWORD in at.keywords:
         return None
@@ -99,9 +97,7 @@ def _default_value(
     return default.fields.get("default")  # type: ignore[union-attr]
 
 
-def _dataclass_fields(
-    machine: AbstractMachine, owner: av.Instance
-) -> list[tuple[str, av.Value | None]]:
+def _fields(machine: AbstractMachine, owner: av.Instance) -> list[tuple[str, av.Value | None]]:
     """Return the fields of a class and its bases, each with its default."""
     found: dict[str, av.Value | None] = {}
     classes = [cls for cls in machine.runtime.lineage(owner.type) if isinstance(cls, av.ClassValue)]
@@ -118,31 +114,11 @@ def _make_field(_: AbstractMachine, __: object, arguments: Arguments) -> av.Valu
 
 def iterate_fields(machine: AbstractMachine, owner: av.Instance) -> tuple[av.Value, ...]:
     """Return the items of a NamedTuple."""
-    names = [name for name, _ in _dataclass_fields(machine, owner)]
+    names = [name for name, _ in _fields(machine, owner)]
     return tuple(owner.fields.get(name, av.Unknown(name)) for name in names)
 
 
-def _replace(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`replace(object, **changes)`."""
-    owner = arguments.get(0)
-    if not isinstance(owner, av.Instance):
-        return av.Unknown("replace")
-    made = av.Instance(owner.type, dict(owner.fields))
-    for name, value in arguments.keywords.items():
-        machine.undo_log.set(made.fields, name, value)
-    return made
-
-
-def _as_dict(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    owner = arguments.get(0)
-    return (
-        av.MapValue(dict(owner.fields)) if isinstance(owner, av.Instance) else av.Unknown("asdict")
-    )
-
-
 DATACLASSES: Mapping[str, av.Value] = {
-    "dataclasses.replace": av.LibraryFunction("replace", _replace),
-    "dataclasses.asdict": av.LibraryFunction("asdict", _as_dict),
     "dataclasses.dataclass": av.LibraryFunction("dataclass", _decorate_class),
     "dataclasses.field": av.LibraryFunction("field", _make_field),
 }

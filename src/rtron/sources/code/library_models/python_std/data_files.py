@@ -1,7 +1,7 @@
 """YAML and JSON files of the workspace that a Python program reads itself."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rtron.errors import InputError
@@ -60,10 +60,9 @@ def _read_file(machine: AbstractMachine, owner: av.Instance, _: Arguments) -> av
 
 
 FILE.methods["read"] = _read_file
-DATA_FILE_FUNCTIONS: Mapping[str, av.Value] = {
-    "json.dumps": av.LibraryFunction("json.dumps", _dump),
-    **{
-        name: av.LibraryFunction(name, _load_file)
-        for name in ("yaml.load", "yaml.safe_load", "yaml.full_load", "json.load", "json.loads")
-    },
+DATA_FILE_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
+    "json.dumps": _dump,
+    **dict.fromkeys(
+        ("yaml.load", "yaml.safe_load", "yaml.full_load", "json.load", "json.loads"), _load_file
+    ),
 }

@@ -7,10 +7,10 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.language_runtime import python_runtime
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Import
+from rtron.sources.code.library_models.common.trivial_functions import making
 
 HIDDEN_CODE_REASON = "runs code that the source does not show"
 _MASTER_REASON = "registers at the master itself"
@@ -32,10 +32,6 @@ def _eval(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value
     if literal is not None:
         return literal
     return _note_call("eval", HIDDEN_CODE_REASON, machine, None, arguments)
-
-
-def _literal_eval(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return literal_value(arguments.get(0)) or av.Unknown("literal_eval")
 
 
 def literal_value(text: av.Value | None) -> av.Value | None:
@@ -101,28 +97,6 @@ def _vars(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value
     return av.Unknown("vars()")
 
 
-def _attrgetter(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    """`operator.attrgetter(name)`: of several names it is not known which is which."""
-    name = arguments.get(0) or av.NONE
-
-    def get(machine: AbstractMachine, _: object, later: Arguments) -> av.Value:
-        return get_member(machine, later.get(0) or av.NONE, name, arguments)
-
-    return av.LibraryFunction("attrgetter", get)
-
-
-def _methodcaller(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    """`operator.methodcaller(name, …)`."""
-    name, given = arguments.get(0) or av.NONE, arguments.without_first(1)
-
-    def call(machine: AbstractMachine, _: object, later: Arguments) -> av.Value:
-        return dispatch(
-            machine, get_member(machine, later.get(0) or av.NONE, name, arguments), given
-        )
-
-    return av.LibraryFunction("methodcaller", call)
-
-
 def get_member(
     machine: AbstractMachine, owner: av.Value, name: av.Value, at: Arguments
 ) -> av.Value:
@@ -153,10 +127,6 @@ def _has_joining_method(machine: AbstractMachine, owner: av.Value) -> bool:
 def _owner_name(owner: av.Value) -> str:
     named = owner.type if isinstance(owner, av.Instance) else owner
     return str(getattr(named, "name", "?"))
-
-
-def _make_master_proxy(_: AbstractMachine, __: object, ___: Arguments) -> av.Value:
-    return av.Instance(_MASTER_PROXY)
 
 
 def _init_node(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -201,22 +171,19 @@ _CODE_RUNNERS = (
     *("ctypes.cdll.LoadLibrary", "imp.load_module"),
     *("runpy.run_module", "runpy.run_path"),
 )
-_CALLS: Mapping[str, Callable[..., av.Value]] = {
+DYNAMIC_CODE_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     "builtins.eval": _eval,
-    "ast.literal_eval": _literal_eval,
+    "ast.literal_eval": lambda _, __, arguments: (
+        literal_value(arguments.get(0)) or av.Unknown("literal_eval")
+    ),
     "importlib.import_module": partial(_import_dynamically, returns_submodule=True),
-    "operator.attrgetter": _attrgetter,
-    "operator.methodcaller": _methodcaller,
     "rospy.init_node": _init_node,
     "rospy.client.init_node": _init_node,
-    **dict.fromkeys(_MASTER_PROXY_NAMES, _make_master_proxy),
+    **dict.fromkeys(_MASTER_PROXY_NAMES, making(_MASTER_PROXY)),
     **{name: partial(_note_call, name, _MASTER_REASON) for name in _ROSPY_INTERNALS},
     **{name: partial(_note_call, name, HIDDEN_CODE_REASON) for name in _CODE_RUNNERS},
 }
-DYNAMIC_CODE_FUNCTIONS: Mapping[str, av.Value] = {
-    name: av.LibraryFunction(name, call) for name, call in _CALLS.items()
-}
-_BUILTINS: Mapping[str, Callable[..., av.Value]] = {
+DYNAMIC_CODE_BUILTINS: Mapping[str, Callable[..., av.Value]] = {
     **{
         name: partial(_note_call, name, HIDDEN_CODE_REASON)
         for name in ("exec", "execfile", "compile")
@@ -226,7 +193,4 @@ _BUILTINS: Mapping[str, Callable[..., av.Value]] = {
     "globals": _globals,
     "vars": _vars,
     "locals": _locals,
-}
-DYNAMIC_CODE_BUILTINS: Mapping[str, av.Value] = {
-    name: av.LibraryFunction(name, c) for name, c in _BUILTINS.items()
 }

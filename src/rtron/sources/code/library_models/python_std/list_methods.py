@@ -40,14 +40,6 @@ def _pop_left(machine: AbstractMachine, owner: av.ListValue, _: Arguments) -> av
     return found
 
 
-def _extend_left(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
-    items, certain = machine.runtime.iterate(arguments.value(0))
-    if not certain:
-        machine.undo_log.mark_open(owner.fields)
-    machine.undo_log.set(owner.fields, "items", (*items[::-1], *owner.items))
-    return av.NONE
-
-
 def _index(_: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     for at, item in enumerate(owner.items):
         is_same = av.truth(av.binary("==", item, arguments.value(0)))
@@ -84,14 +76,6 @@ def _combine_in_place(
     return av.NONE
 
 
-def _send(machine: AbstractMachine, _: av.ListValue, arguments: Arguments) -> av.Value:
-    """`generator.send(value)`: what the generator does with it is not followed."""
-    machine.escape_arguments(arguments)
-    why = "is given to a generator: what that does with it is not followed"
-    machine.recorder.add_unresolved("send()", why, arguments.evidence)
-    return av.Unknown("send()")
-
-
 _SET_METHODS: dict[str, str] = {
     "union": "|",
     "intersection": "&",
@@ -101,10 +85,8 @@ _SET_METHODS: dict[str, str] = {
 _METHODS: dict[str, Callable[..., av.Value]] = {
     **dict.fromkeys(("popleft", "get", "get_nowait"), _pop_left),
     **dict.fromkeys(("put", "put_nowait"), LIST_METHODS["append"]),
-    "extendleft": _extend_left,
     "index": _index,
     "count": _count,
-    "send": _send,
     "__iter__": return_owner,
     **dict.fromkeys(("next", "__next__"), _next),
     **{name: partial(_combine, operator) for name, operator in _SET_METHODS.items()},

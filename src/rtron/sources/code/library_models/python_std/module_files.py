@@ -62,12 +62,9 @@ _LOADER = av.LibraryClass(
     "importlib.machinery.SourceFileLoader",
     methods={"load_module": _load_specified, "exec_module": _execute_module},
 )
-_CALLS: Mapping[str, Callable[..., av.Value]] = {
+MODULE_FILES: Mapping[str, Callable[..., av.Value]] = {
     "imp.load_source": _load_source,
     "importlib.machinery.SourceFileLoader": _specification,
     "importlib.util.module_from_spec": _module,
     "importlib.util.spec_from_file_location": _specification,
-}
-MODULE_FILES: Mapping[str, av.Value] = {
-    name: av.LibraryFunction(name, call) for name, call in _CALLS.items()
 }

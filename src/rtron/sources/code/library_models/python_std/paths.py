@@ -73,10 +73,6 @@ def _change_path(name: str, _: AbstractMachine, owner: av.Scalar, arguments: Arg
         return av.Unknown(name)
 
 
-def _open_path(_: AbstractMachine, owner: av.Scalar, __: Arguments) -> av.Value:
-    return av.Instance(FILE, {"path": owner})
-
-
 def _read(machine: AbstractMachine, owner: av.Scalar, _: Arguments) -> av.Value:
     text = machine.runtime.files.read_text(Path(str(owner.value)))
     return av.Unknown("file") if text is None else av.Scalar(text, tainted=True)
@@ -115,7 +111,7 @@ _METHODS: Mapping[str, Callable[..., av.Value]] = {
     },
     **dict.fromkeys(("exists", "is_file", "is_dir"), _path_exists),
     **dict.fromkeys(("glob", "rglob", "iterdir"), _unknown_listing),
-    "open": _open_path,
+    "open": lambda _, owner, ___: av.Instance(FILE, {"path": owner}),
     "read_text": _read,
 }
 PYTHON_PATHS: Mapping[str, av.Value] = {

@@ -6,7 +6,7 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.command_lines import record_started, shell_words
-from rtron.sources.code.library_models.common.trivial_functions import return_none
+from rtron.sources.code.library_models.common.trivial_functions import making, return_none
 from rtron.sources.code.library_models.python_std.argument_parsers import command_line_value
 from rtron.sources.code.library_models.python_std.package_paths import missing_package
 from rtron.vocabulary.enums import HiddenPart
@@ -67,17 +67,6 @@ _RUNNERS = (
     *("asyncio.create_subprocess_shell", "subprocess.getoutput", "subprocess.getstatusoutput"),
     *(f"subprocess.{name}" for name in ("Popen", "call", "check_call", "check_output", "run")),
 )
-_CALLS: Mapping[str, Callable[..., av.Value]] = {
-    **dict.fromkeys(_RUNNERS, _run_command),
-    "asyncio.create_subprocess_exec": _run_arguments,
-    **{f"os.exec{kind}": _become_list for kind in ("v", "vp", "ve", "vpe")},
-    **{f"os.exec{kind}": _become_words for kind in ("l", "lp")},
-    **{f"os.spawn{kind}": _spawn_list for kind in ("v", "vp", "ve", "vpe")},
-    **{f"os.spawn{kind}": _spawn_words for kind in ("l", "lp")},
-}
-PROCESSES: Mapping[str, av.Value] = {
-    name: av.LibraryFunction(name, call) for name, call in _CALLS.items()
-}
 
 
 def _main(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -119,12 +108,6 @@ def _record_launch(
             machine.recorder.add_unresolved(
                 what, why, arguments.evidence, hides=hides, package=package
             )
-
-
-def _load_config(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`load_config_default(files, port)`."""
-    _record_files(machine, arguments.get(0, "roslaunch_files") or av.NONE, arguments)
-    return av.Instance(_LAUNCH)
 
 
 def _load_launch(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -175,10 +158,6 @@ def _node_words(arguments: Arguments) -> Iterator[str]:
             yield f"{word}:={av.text_with_holes(value)}"
 
 
-def _make_launch(_: AbstractMachine, __: object, ___: Arguments) -> av.Value:
-    return av.Instance(_LAUNCH)
-
-
 _LAUNCH = av.LibraryClass(
     "roslaunch",
     methods={
@@ -188,20 +167,19 @@ _LAUNCH = av.LibraryClass(
         **dict.fromkeys(("start", "launch", "shutdown", "spin", "spin_once"), return_none),
     },
 )
-_LAUNCH_NAMES = (
-    *("roslaunch.scriptapi.ROSLaunch", "roslaunch.ROSLaunch", "roslaunch.xmlloader.XmlLoader"),
-    "roslaunch.XmlLoader",
-)
-_LAUNCH_CALLS: Mapping[str, Callable[..., av.Value]] = {
+_LAUNCH_NAMES = (*("roslaunch.scriptapi.ROSLaunch", "roslaunch.ROSLaunch"),)
+PROCESSES: Mapping[str, Callable[..., av.Value]] = {
+    **dict.fromkeys(_RUNNERS, _run_command),
+    "asyncio.create_subprocess_exec": _run_arguments,
+    **{f"os.exec{kind}": _become_list for kind in ("v", "vp", "ve", "vpe")},
+    **{f"os.exec{kind}": _become_words for kind in ("l", "lp")},
+    **{f"os.spawn{kind}": _spawn_list for kind in ("v", "vp", "ve", "vpe")},
+    **{f"os.spawn{kind}": _spawn_words for kind in ("l", "lp")},
     "roslaunch.main": _main,
     **dict.fromkeys(
         ("roslaunch.parent.ROSLaunchParent", "roslaunch.ROSLaunchParent"), _launch_parent
     ),
-    "roslaunch.config.load_config_default": _load_config,
     "roslaunch.rlutil.resolve_launch_arguments": _resolve_launch,
-    **dict.fromkeys(_LAUNCH_NAMES, _make_launch),
+    **dict.fromkeys(_LAUNCH_NAMES, making(_LAUNCH)),
     **dict.fromkeys(("roslaunch.core.Node", "roslaunch.Node"), _launch_node),
-}
-ROSLAUNCH_API: Mapping[str, av.Value] = {
-    name: av.LibraryFunction(name, call) for name, call in _LAUNCH_CALLS.items()
 }

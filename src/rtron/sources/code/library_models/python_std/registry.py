@@ -20,7 +20,7 @@ from rtron.sources.code.library_models.python_std.environment import environment
 from rtron.sources.code.library_models.python_std.module_files import MODULE_FILES
 from rtron.sources.code.library_models.python_std.package_paths import PACKAGE_PATHS
 from rtron.sources.code.library_models.python_std.paths import PYTHON_PATHS
-from rtron.sources.code.library_models.python_std.processes import PROCESSES, ROSLAUNCH_API
+from rtron.sources.code.library_models.python_std.processes import PROCESSES
 from rtron.sources.code.library_models.python_std.threads import THREADS
 
 __all__ = ["PYTHON_LIBRARY", "command_line_value", "node_constants"]
@@ -85,17 +85,16 @@ _CALLS: Mapping[str, Callable[..., av.Value]] = {
     "os._exit": _exit,
     "rospy.myargv": _myargv,
     **PACKAGE_PATHS,
-}
-PYTHON_LIBRARY: Mapping[str, av.Value] = {
-    **DATACLASSES,
     **ARGUMENT_PARSERS,
-    **PYTHON_COLLECTIONS,
     **DATA_FILE_FUNCTIONS,
     **DYNAMIC_CODE_FUNCTIONS,
     **MODULE_FILES,
-    **PYTHON_PATHS,
     **PROCESSES,
-    **ROSLAUNCH_API,
+}
+PYTHON_LIBRARY: Mapping[str, av.Value] = {
+    **DATACLASSES,
+    **PYTHON_COLLECTIONS,
+    **PYTHON_PATHS,
     **THREADS,
     **{name: av.LibraryFunction(name, call) for name, call in _CALLS.items()},
 }

@@ -14,13 +14,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import template_message_type
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
-from rtron.sources.code.library_models.rclcpp.behavior_trees import (
-    TREE_NODE,
-    blackboard_entry,
-    make_tree_node,
-    port_value,
-    register_library,
-)
+from rtron.sources.code.library_models.rclcpp import behavior_trees
 from rtron.sources.code.library_models.ros2_common import endpoints
 from rtron.sources.code.library_models.ros2_common.nodes import first_node
 from rtron.sources.declaration import DeclarationKind
@@ -40,9 +34,9 @@ def _make_nav2_node(
     kind: DeclarationKind, port: str, name_at: int, machine: AbstractMachine, arguments: Arguments
 ) -> av.Value:
     """`BtActionNode(tag, action_name, config)`, `BtServiceNode(name, config, service_name)`."""
-    made = make_tree_node(machine, arguments)
-    node = blackboard_entry(made, "node")
-    name = port_value(machine, made, port, arguments)
+    made = behavior_trees.make_tree_node(machine, arguments)
+    node = behavior_trees.blackboard_entry(made, "node")
+    name = behavior_trees.port_value(machine, made, port, arguments)
     if _is_unnamed(name):
         name = arguments.get(name_at) or av.Unknown(f"~{port}", tainted=True)
     return _join(kind, machine, made, (node, name), arguments)
@@ -52,10 +46,10 @@ def _make_plain_node(
     kind: DeclarationKind, port: str, machine: AbstractMachine, arguments: Arguments
 ) -> av.Value:
     """`RosActionNode(instance_name, config, params)`, and the others of its kind."""
-    made = make_tree_node(machine, arguments)
+    made = behavior_trees.make_tree_node(machine, arguments)
     params = next((v for v in arguments.values if _is_params(v)), None)
     fields = params.fields if isinstance(params, av.Instance) else {}
-    name = port_value(machine, made, port, arguments)
+    name = behavior_trees.port_value(machine, made, port, arguments)
     if _is_unnamed(name):
         name = fields.get(_PORT_FIELD, av.Unknown(f"~{port}", tainted=True))
     return _join(kind, machine, made, (fields.get(_NODE_FIELD, av.UNKNOWN), name), arguments)
@@ -99,12 +93,14 @@ def _register_plugin(machine: AbstractMachine, _: object, arguments: Arguments) 
     """`RegisterRosNode(factory, path, params)`."""
     factory = arguments.get(0)
     if isinstance(factory, av.Instance):
-        register_library(machine, factory, arguments.without_first(1), REGISTER_FUNCTION)
+        behavior_trees.register_library(
+            machine, factory, arguments.without_first(1), REGISTER_FUNCTION
+        )
     return av.Scalar(None)
 
 
 _PARAMS = av.LibraryClass("BT::RosNodeParams", _make_params)
-_METHODS = {**TREE_NODE.methods, "providedBasicPorts": return_argument}
+_METHODS = {**behavior_trees.TREE_NODE.methods, "providedBasicPorts": return_argument}
 """The ports of the bases themselves have no defaults."""
 _NAV2_CALLBACKS = (
     *("on_tick", "on_wait_for_result", "on_success", "on_aborted", "on_cancelled"),

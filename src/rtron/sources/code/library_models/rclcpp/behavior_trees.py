@@ -14,7 +14,10 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtime
-from rtron.sources.code.library_models.common.trivial_functions import return_argument
+from rtron.sources.code.library_models.common.trivial_functions import (
+    return_argument,
+    returning_field,
+)
 from rtron.sources.code.library_models.rclcpp.behavior_tree_xml import (
     BUILT_IN_NODES,
     TreeNode,
@@ -54,9 +57,7 @@ def _note_unread(machine: AbstractMachine, owner: av.Instance, at: Arguments) ->
         machine.recorder.add_unresolved("behaviour trees", why, at.evidence)
 
 
-def _register_plugin(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _load_plugin(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`registerFromPlugin(library)`: what the library's source registers."""
     register_library(machine, owner, arguments, REGISTER_FUNCTION)
     return av.NONE
@@ -110,9 +111,7 @@ def _register_type(machine: AbstractMachine, owner: av.Instance, arguments: Argu
     return av.NONE
 
 
-def _register_builder(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _add_builder(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`registerBuilder<T>(id, builder)`."""
     builder = arguments.get(1) or av.NONE
     _defer_node(machine, owner, arguments, lambda given: dispatch(machine, builder, given))
@@ -169,9 +168,7 @@ def _create_tree(machine: AbstractMachine, owner: av.Instance, arguments: Argume
     return av.Unknown("tree")
 
 
-def _create_directly(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _create_now(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`createTreeFromFile(path, blackboard)`, `createTreeFromText(xml, blackboard)`."""
     for tree in _known_trees(machine, arguments):
         _make_nodes(machine, owner, str(tree.value), "", arguments)
@@ -277,20 +274,12 @@ def _is_configuration(value: av.Value) -> bool:
     return isinstance(value, av.Instance) and value.type is _CONFIGURATION
 
 
-def _node_config(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    return owner.fields.get(_CONFIG_FIELD, av.Unknown("config"))
-
-
-def _node_name(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    return owner.fields.get("tree.name", av.UNKNOWN)
-
-
 def _get_input(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`getInput(port, variable)`: what the tree gives, or the port's default."""
     port = av.text_with_holes(arguments.value(0))
     slot, value = arguments.slot(1), _port_in_tree(owner, port)
     if value is None:
-        value = _port_default(machine, owner, port, arguments)
+        value = _default(machine, owner, port, arguments)
         if isinstance(value, av.Unknown) and _ports(owner) is not None:
             return av.FALSE
     if slot is not None:
@@ -305,7 +294,7 @@ def port_value(
     found = _port_in_tree(owner, port)
     made = at.frame.this
     if found is None and isinstance(made, av.Instance):
-        found = _port_default(machine, made, port, at)
+        found = _default(machine, made, port, at)
         return None if isinstance(found, av.Unknown) else found
     return found
 
@@ -326,9 +315,7 @@ def _port_in_tree(owner: av.Instance, port: str) -> av.Value | None:
     return found
 
 
-def _port_default(
-    machine: AbstractMachine, owner: av.Instance, port: str, at: Arguments
-) -> av.Value:
+def _default(machine: AbstractMachine, owner: av.Instance, port: str, at: Arguments) -> av.Value:
     method = machine.runtime.attribute(owner, "providedPorts", ())
     ports = dispatch(machine, method, at.with_values()) if method is not None else av.NONE
     for item in av.items_of(ports)[0]:
@@ -352,21 +339,25 @@ _FACTORY = av.LibraryClass(
     "BT::BehaviorTreeFactory",
     _make_factory,
     {
-        "registerFromPlugin": _register_plugin,
+        "registerFromPlugin": _load_plugin,
         "registerNodeType": _register_type,
-        "registerBuilder": _register_builder,
+        "registerBuilder": _add_builder,
         **dict.fromkeys(
             ("registerBehaviorTreeFromFile", "registerBehaviorTreeFromText"), _register_trees
         ),
         "createTree": _create_tree,
-        **dict.fromkeys(("createTreeFromFile", "createTreeFromText"), _create_directly),
+        **dict.fromkeys(("createTreeFromFile", "createTreeFromText"), _create_now),
     },
 )
 _BLACKBOARD = av.LibraryClass("BT::Blackboard", methods={"set": _set_entry, "get": _get_entry})
 TREE_NODE = av.LibraryClass(
     "BT::TreeNode",
     make_tree_node,
-    {"config": _node_config, "getInput": _get_input, "name": _node_name},
+    {
+        "config": returning_field(_CONFIG_FIELD, av.Unknown("config")),
+        "getInput": _get_input,
+        "name": returning_field("tree.name"),
+    },
 )
 _BASES = (
     *("TreeNode", "ActionNodeBase", "SyncActionNode", "StatefulActionNode", "CoroActionNode"),

@@ -14,6 +14,7 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
 )
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_owner,
+    returning_field,
     returning_unknown,
 )
 from rtron.sources.code.library_models.rclcpp.qos import overriding_options_argument
@@ -34,9 +35,7 @@ _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _REQUEST_SUFFIXES = ("::Request", "_Request", "Request")
 
 
-def split_node_argument(
-    owner: av.Value, arguments: Arguments
-) -> tuple[av.Instance | None, Arguments]:
+def split_node(owner: av.Value, arguments: Arguments) -> tuple[av.Instance | None, Arguments]:
     """Return the node of a call, and the arguments behind it or its interfaces."""
     if isinstance(owner, av.Instance) and is_node(owner):
         return owner, arguments
@@ -53,7 +52,7 @@ def create_endpoint(
 
     As methods of a node, or as functions that take it, or its interfaces, first.
     """
-    node, rest = split_node_argument(owner, arguments)
+    node, rest = split_node(owner, arguments)
     type = template_message_type(machine, rest) or callback_message_type(machine, rest, 1)
     return _declare_endpoint(kind, machine, node, type, rest)
 
@@ -62,7 +61,7 @@ def create_generic_endpoint(
     kind: DeclarationKind, machine: AbstractMachine, owner: av.Value, arguments: Arguments
 ) -> av.Value:
     """`create_generic_publisher(topic, type, qos)`."""
-    node, rest = split_node_argument(owner, arguments)
+    node, rest = split_node(owner, arguments)
     type = rest.get(1)
     written = str(type.value) if isinstance(type, av.Scalar) and av.is_text(type) else ""
     return _declare_endpoint(kind, machine, node, written, rest)
@@ -117,20 +116,16 @@ def create_timer(machine: AbstractMachine, owner: av.Value, arguments: Arguments
 def _wait_for_message(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`rclcpp::wait_for_message(message, node, topic)`: the message's type is not looked at."""
     del owner
-    node, rest = split_node_argument(NO_OWNER, arguments.without_first(1))
+    node, rest = split_node(NO_OWNER, arguments.without_first(1))
     _declare_endpoint(_SUBSCRIBE, machine, node, template_message_type(machine, arguments), rest)
     return av.Unknown("wait_for_message")
-
-
-def _topic_name(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    return owner.fields.get("name", av.UNKNOWN)
 
 
 NO_OWNER = av.Scalar(None)
 ENDPOINT = av.LibraryClass(
     "rclcpp::Publisher",
     methods={
-        **dict.fromkeys(("get_topic_name", "get_service_name"), _topic_name),
+        **dict.fromkeys(("get_topic_name", "get_service_name"), returning_field("name")),
         **dict.fromkeys(
             ("async_send_request", "async_send_goal", "async_cancel_goal"), register_callbacks
         ),
@@ -159,8 +154,8 @@ ENDPOINT_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
 
 
 def _resolve_name(_: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
-    """`get_node_topics_interface()->resolve_topic_name(name)`: it adds no sub-namespace."""
-    return expand_name(arguments.value(0), node_name(owner), av.Scalar(""))
+    """`get_node_topics_interface()->resolve_topic_name(name)`."""
+    return expand_name(arguments.value(0), node_name(owner))
 
 
 _GRAPH_QUERIES = (

@@ -16,10 +16,11 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
     escape_functions,
     register_callbacks,
 )
+from rtron.sources.code.library_models.common.trivial_functions import returning_field
 from rtron.sources.code.library_models.rclcpp.endpoints import (
     ENDPOINT,
     qos_argument,
-    split_node_argument,
+    split_node,
 )
 from rtron.sources.code.library_models.ros2_common import endpoints
 from rtron.sources.code.library_models.ros2_common.names import name_below, namespace_of
@@ -56,7 +57,7 @@ def _create_image_endpoint(
     camera: bool = False,
     type: str = _IMAGE,
 ) -> av.Value:
-    node, rest = split_node_argument(owner, arguments)
+    node, rest = split_node(owner, arguments)
     escape_functions(machine, rest)
     name = rest.get(0)
     if node is None:
@@ -125,14 +126,10 @@ def _hinted_transport(
 
 def _make_hints(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`TransportHints(node, default, parameter)`."""
-    node, rest = split_node_argument(av.Scalar(None), arguments)
+    node, rest = split_node(av.Scalar(None), arguments)
     default, parameter = rest.get(0) or av.Scalar("raw"), rest.get(1) or _PARAMETER
     chosen = _hinted_transport(machine, node, default, parameter) if node else default
     return av.Instance(_HINTS, {"transport": chosen, "truth": av.TRUE})
-
-
-def _get_transport(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    return owner.fields["transport"]
 
 
 def _image_transport(_: AbstractMachine, arguments: Arguments) -> av.Value:
@@ -190,7 +187,7 @@ _FILTER = av.LibraryClass(
     {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
 )
 _HINTS = av.LibraryClass(
-    "image_transport::TransportHints", _make_hints, {"getTransport": _get_transport}
+    "image_transport::TransportHints", _make_hints, {"getTransport": returning_field("transport")}
 )
 IMAGE_CLASSES: Mapping[str, av.LibraryClass] = {
     **{cls.name: cls for cls in (_TRANSPORT, _CLOUD_TRANSPORT, _FILTER, _HINTS)},

@@ -6,15 +6,14 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.cpp_arguments import (
-    escape_functions,
-    message_type_of,
-    register_callbacks,
-)
+from rtron.sources.code.library_models.common import cpp_arguments
 from rtron.sources.code.library_models.common.move_group import move_group_endpoints
 from rtron.sources.code.library_models.common.transforms import BROADCASTERS
-from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
-from rtron.sources.code.library_models.rclcpp.endpoints import split_node_argument
+from rtron.sources.code.library_models.common.trivial_functions import (
+    returning_field,
+    returning_unknown,
+)
+from rtron.sources.code.library_models.rclcpp.endpoints import split_node
 from rtron.sources.code.library_models.rclcpp.node import controller_options, make_node
 from rtron.sources.code.library_models.rclcpp.parameters import declare_parameter
 from rtron.sources.code.library_models.ros2_common import endpoints, libraries
@@ -61,20 +60,20 @@ def _filter_subscriber(machine: AbstractMachine, arguments: Arguments) -> av.Val
     """`message_filters::Subscriber<T>(node, topic, qos)`, or later by `subscribe`."""
     made = av.Instance(_FILTER, {"truth": av.TRUE}, arguments.types)
     if arguments.values:
-        _filter_subscribe(machine, made, arguments)
+        _subscribe(machine, made, arguments)
     return made
 
 
-def _filter_subscribe(
-    machine: AbstractMachine, filter_: av.Instance, arguments: Arguments
-) -> av.Value:
-    node, rest = split_node_argument(_NO_OWNER, arguments)
+def _subscribe(machine: AbstractMachine, filter_: av.Instance, arguments: Arguments) -> av.Value:
+    node, rest = split_node(_NO_OWNER, arguments)
     if not rest.values:
         return filter_
     if node is None:
         endpoints.note_unknown_node(machine, "Subscriber", rest.get(0), rest)
         return filter_
-    type = message_type_of(machine, filter_.types[0] if filter_.types else None, arguments)
+    type = cpp_arguments.message_type_of(
+        machine, filter_.types[0] if filter_.types else None, arguments
+    )
     found = next((value for value in rest.values[1:] if is_qos(value)), None)
     qos = read_qos(found) if found is not None else QOS_PROFILES["default"]
     endpoints.declare_endpoint(machine, _SUBSCRIBE, node, rest.get(0), type, rest, qos=qos)
@@ -89,7 +88,7 @@ def _declare_marker_server(machine: AbstractMachine, arguments: Arguments) -> No
 
 def _declare_parameters_client(machine: AbstractMachine, arguments: Arguments) -> None:
     """`AsyncParametersClient(node, remote)` calls the parameter services of a node, or its own."""
-    remote = split_node_argument(_NO_OWNER, arguments)[1].get(0)
+    remote = split_node(_NO_OWNER, arguments)[1].get(0)
     remote = av.Scalar("~") if remote is None or remote == av.Scalar("") else remote
     libraries.declare_below(libraries.PARAMETER_CLIENTS, machine, remote, arguments)
 
@@ -101,14 +100,13 @@ def _move_group_options(_: AbstractMachine, arguments: Arguments) -> av.Value:
 
 def _declare_move_group_client(machine: AbstractMachine, arguments: Arguments) -> None:
     """`MoveGroupInterface(node, group, …)`, or with options that may have a namespace."""
-    node, rest = split_node_argument(_NO_OWNER, arguments)
-    given = rest.get(0)
+    node, rest = split_node(_NO_OWNER, arguments)
+    given = rest.value(0)
     is_options = isinstance(given, av.Instance) and given.type is _MOVE_GROUP_OPTIONS
     space = given.fields["namespace"] if is_options else av.Scalar("")  # type: ignore[union-attr]
     for kind, name, type, implicit in move_group_endpoints(2):
-        full = (
-            av.Scalar(name) if space == av.Scalar("") else av.concat((space, av.Scalar(f"/{name}")))
-        )
+        below = (space, av.Scalar("/")) if space != av.Scalar("") else ()
+        full = av.concat((*below, av.Scalar(name)))
         if node is None:
             endpoints.note_unknown_node(machine, kind.value, full, arguments)
         else:
@@ -122,11 +120,11 @@ def _register_parameter_callback(
 ) -> av.Value:
     """`add_parameter_callback(name, callback)` and the like."""
     note_parameter_callbacks(machine, arguments)
-    return register_callbacks(machine, owner, arguments)
+    return cpp_arguments.register_callbacks(machine, owner, arguments)
 
 
 _METHODS: Mapping[str, Callable[..., av.Value]] = {
-    **dict.fromkeys(("add", "registerCallback"), register_callbacks),
+    **dict.fromkeys(("add", "registerCallback"), cpp_arguments.register_callbacks),
     **dict.fromkeys(
         ("add_parameter_callback", "add_parameter_event_callback"), _register_parameter_callback
     ),
@@ -141,7 +139,7 @@ def _methods(name: str) -> dict[str, Callable[..., av.Value]]:
 _FILTER = av.LibraryClass(
     "message_filters::Subscriber",
     _filter_subscriber,
-    {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
+    {"subscribe": _subscribe, "registerCallback": cpp_arguments.register_callbacks},
 )
 _PLANNING = "moveit::planning_interface"
 _MOVE_GROUP_OPTIONS = av.LibraryClass(
@@ -171,7 +169,7 @@ _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
             *("message_filters::Synchronizer", "message_filters::TimeSynchronizer"),
             *("message_filters::Cache", "message_filters::Chain", "tf2_ros::MessageFilter"),
         ),
-        escape_functions,
+        cpp_arguments.escape_functions,
     ),
 }
 LIBRARY_CLASSES: Mapping[str, av.LibraryClass] = {
@@ -201,10 +199,6 @@ def _make_controller(name: str, machine: AbstractMachine, arguments: Arguments) 
     return av.Instance(CONTROLLER_CLASSES[name], {_NODE: node})
 
 
-def _get_node(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    return owner.fields.get(_NODE, av.Unknown("get_node()"))
-
-
 def _auto_declare(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`auto_declare<T>(name, default)`."""
     return declare_parameter(machine, owner.fields.get(_NODE, av.Unknown("node")), arguments)
@@ -215,7 +209,7 @@ CONTROLLER_CLASSES: Mapping[str, av.LibraryClass] = {
         name,
         partial(_make_controller, name),
         {
-            "get_node": _get_node,
+            "get_node": returning_field(_NODE, av.Unknown("get_node()")),
             "auto_declare": _auto_declare,
             **dict.fromkeys(_CONTROLLER_CALLBACKS, returning_unknown("CallbackReturn::SUCCESS")),
         },

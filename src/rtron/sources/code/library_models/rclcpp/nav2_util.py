@@ -13,18 +13,13 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.rclcpp.endpoints import (
     NO_OWNER,
     create_endpoint,
-    split_node_argument,
+    split_node,
 )
 from rtron.sources.code.library_models.rclcpp.libraries import declare_bond
 from rtron.sources.code.library_models.rclcpp.node import LIFECYCLE_NODE, make_node
 from rtron.sources.code.library_models.rclcpp.parameters import declare_parameter
-from rtron.sources.code.library_models.ros2_common import endpoints
+from rtron.sources.code.library_models.ros2_common import endpoints, parameters
 from rtron.sources.code.library_models.ros2_common.nodes import first_node
-from rtron.sources.code.library_models.ros2_common.parameters import (
-    declare_node_parameter,
-    is_declared,
-    read_node_parameter,
-)
 from rtron.sources.declaration import DeclarationKind
 
 _NAMESPACES = ("nav2_util", "nav2")
@@ -43,8 +38,8 @@ def _create_bond(machine: AbstractMachine, owner: av.Value, arguments: Arguments
 def _declare_or_get(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`declare_or_get_parameter(name, default)`."""
     name = arguments.value(0)
-    if is_declared(machine, owner, name):
-        return read_node_parameter(machine, owner, name)
+    if parameters.is_declared(machine, owner, name):
+        return parameters.read_node_parameter(machine, owner, name)
     return declare_parameter(machine, owner, arguments)
 
 
@@ -78,21 +73,21 @@ def _make_action_server(machine: AbstractMachine, arguments: Arguments) -> av.Va
 
 def _declare_if_not_declared(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`declare_parameter_if_not_declared(node, name, default)`."""
-    node, rest = split_node_argument(NO_OWNER, arguments)
-    if node is not None and not is_declared(machine, node, rest.value(0)):
+    node, rest = split_node(NO_OWNER, arguments)
+    if node is not None and not parameters.is_declared(machine, node, rest.value(0)):
         declare_parameter(machine, node, rest)
     return av.NONE
 
 
 def _plugin_type(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`get_plugin_type_param(node, plugin)`: the parameter `plugin.plugin`."""
-    node, rest = split_node_argument(NO_OWNER, arguments)
+    node, rest = split_node(NO_OWNER, arguments)
     if node is None:
         return av.UNKNOWN
     name = av.concat((rest.value(0), av.Scalar(".plugin")))
-    if not is_declared(machine, node, name):
-        declare_node_parameter(machine, node, name, None)
-    return read_node_parameter(machine, node, name)
+    if not parameters.is_declared(machine, node, name):
+        parameters.declare_node_parameter(machine, node, name, None)
+    return parameters.read_node_parameter(machine, node, name)
 
 
 _NODE_METHODS: dict[str, Callable[..., av.Value]] = {

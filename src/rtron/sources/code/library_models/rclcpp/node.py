@@ -18,53 +18,22 @@ from rtron.sources.code.library_models.rclcpp.parameters import (
     register_callbacks,
 )
 from rtron.sources.code.library_models.ros1_common.names import abstract_value
-from rtron.sources.code.library_models.ros2_common import endpoints
-from rtron.sources.code.library_models.ros2_common.nodes import (
-    GLOBAL_ARGUMENTS_FIELD,
-    NAME_FIELD,
-    SUB_NAMESPACE_FIELD,
-    NodeArguments,
-    full_name,
-    node_base_name,
-    node_name,
-    node_namespace,
-    own_parameters,
-    resolve_at_node,
-    sub_node,
-)
+from rtron.sources.code.library_models.ros2_common import endpoints, nodes
 from rtron.sources.code.library_models.ros2_common.parameters import (
     AUTOMATIC_FIELD,
     OVERRIDES_FIELD,
 )
 from rtron.sources.declaration import NodeSite
 
-_ARGUMENTS, _USES_GLOBAL_ARGUMENTS, _OVERRIDES = (
-    "options.arguments",
-    "options.globally",
-    "options.overrides",
-)
-_OPTIONS = "node.options"
-_SERVICES, _AUTOMATIC = "options.services", "options.automatic"
-_ROSOUT, _EVENTS, _LOGGERS = "options.rosout", "options.events", "options.loggers"
-_FLAG_FIELDS = {
-    "use_global_arguments": _USES_GLOBAL_ARGUMENTS,
-    "start_parameter_services": _SERVICES,
-    "automatically_declare_parameters_from_overrides": _AUTOMATIC,
-    "enable_rosout": _ROSOUT,
-    "start_parameter_event_publisher": _EVENTS,
-    "enable_logger_service": _LOGGERS,
+_OPTIONS, _ARGUMENTS, _OVERRIDES = "node.options", "options.arguments", "options.overrides"
+_USES_GLOBAL_ARGUMENTS = "options.use_global_arguments"
+_AUTOMATIC = "automatically_declare_parameters_from_overrides"
+_FLAGS: Mapping[str, av.Value] = {
+    **dict.fromkeys(("use_global_arguments", "start_parameter_services"), av.TRUE),
+    **dict.fromkeys(("enable_rosout", "start_parameter_event_publisher"), av.TRUE),
+    **dict.fromkeys(("enable_logger_service", _AUTOMATIC), av.FALSE),
 }
-_DEFAULTS: Mapping[object, av.Value] = {
-    **dict.fromkeys((_USES_GLOBAL_ARGUMENTS, _SERVICES, _ROSOUT, _EVENTS), av.TRUE),
-    **dict.fromkeys((_AUTOMATIC, _LOGGERS), av.FALSE),
-}
-_EXTRA_ARGUMENT_FIELDS = {"forward_global_arguments": _USES_GLOBAL_ARGUMENTS, **_FLAG_FIELDS}
-_OPTION_FIELDS = {
-    "parameter_services": _SERVICES,
-    "rosout": _ROSOUT,
-    "parameter_events": _EVENTS,
-    "logger_service": _LOGGERS,
-}
+"""The options that are on or off, with their defaults."""
 
 
 def make_options(_: AbstractMachine, arguments: Arguments) -> av.Instance:
@@ -76,20 +45,27 @@ def make_options(_: AbstractMachine, arguments: Arguments) -> av.Instance:
         else {}
     )
     fields: dict[object, av.Value] = {_ARGUMENTS: av.list_of(()), _OVERRIDES: av.list_of(())}
-    return av.Instance(OPTIONS, {**fields, **_DEFAULTS, **before})
+    return av.Instance(OPTIONS, {**fields, **_flags(_FLAGS), **before})
+
+
+def _flags(values: Mapping[str, av.Value]) -> dict[object, av.Value]:
+    """Return options by the names of their fields, which no method has."""
+    return {f"options.{name}": value for name, value in values.items()}
 
 
 def container_options(machine: AbstractMachine, at: Arguments) -> av.Instance:
     """Return options without parameter services and parameter events, as a container has them."""
     made = make_options(machine, at.with_values())
-    made.fields |= {_SERVICES: av.FALSE, _EVENTS: av.FALSE}
+    made.fields |= _flags(
+        dict.fromkeys(("start_parameter_services", "start_parameter_event_publisher"), av.FALSE)
+    )
     return made
 
 
 def controller_options(machine: AbstractMachine, at: Arguments) -> av.Instance:
     """Return options by which all that is set is declared, as a controller's node has them."""
     made = make_options(machine, at.with_values())
-    made.fields |= {_AUTOMATIC: av.TRUE}
+    made.fields |= _flags({_AUTOMATIC: av.TRUE})
     return made
 
 
@@ -104,15 +80,11 @@ def component_options(site: NodeSite) -> av.Instance:
         for name, value in site.overrides
     )
     fields: dict[object, av.Value] = {_ARGUMENTS: av.list_of(tuple(map(av.Scalar, site.args)))}
-    fields |= {_OVERRIDES: av.list_of(tuple(own)), **_DEFAULTS}
+    fields |= {_OVERRIDES: av.list_of(tuple(own)), **_flags(_FLAGS)}
     if site.loading is not None:
-        extra = dict(site.loading.options)
-        fields[_USES_GLOBAL_ARGUMENTS] = av.FALSE
-        fields |= {
-            _EXTRA_ARGUMENT_FIELDS[name]: av.Scalar(value)
-            for name, value in extra.items()
-            if name in _EXTRA_ARGUMENT_FIELDS
-        }
+        extra = {name: av.Scalar(value) for name, value in site.loading.options}
+        fields[_USES_GLOBAL_ARGUMENTS] = extra.pop("forward_global_arguments", av.FALSE)
+        fields |= _flags({name: value for name, value in extra.items() if name in _FLAGS})
     return av.Instance(OPTIONS, fields)
 
 
@@ -126,9 +98,7 @@ def _get_or_set_option(
     return owner
 
 
-def _append_override(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _add_override(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`append_parameter_override(name, value)`."""
     before = getattr(owner.fields[_OVERRIDES], "items", ())
     added = parameter_object(arguments.value(0), arguments.get(1) or av.NONE)
@@ -147,11 +117,14 @@ def make_node(
     ]
     chosen = given[0] if given else make_options(machine, arguments.with_values())
     words = _node_arguments(arguments, chosen)
-    fields = {NAME_FIELD: full_name(machine, words), SUB_NAMESPACE_FIELD: av.Scalar("")}
-    fields |= {_OPTIONS: chosen, GLOBAL_ARGUMENTS_FIELD: av.Scalar(words.uses_global_arguments)}
+    fields: dict[object, av.Value] = {nodes.NAME_FIELD: nodes.full_name(machine, words)}
+    fields |= {
+        _OPTIONS: chosen,
+        nodes.GLOBAL_ARGUMENTS_FIELD: av.Scalar(words.uses_global_arguments),
+    }
     fields |= {
         OVERRIDES_FIELD: _parameter_overrides(chosen),
-        AUTOMATIC_FIELD: chosen.fields[_AUTOMATIC],
+        AUTOMATIC_FIELD: chosen.fields[f"options.{_AUTOMATIC}"],
     }
     made = av.Instance(LIFECYCLE_NODE if lifecycle else NODE, fields)
     _declare_node(machine, made, words, chosen, arguments)
@@ -161,21 +134,20 @@ def make_node(
 def _declare_node(
     machine: AbstractMachine,
     made: av.Instance,
-    words: NodeArguments,
+    words: nodes.NodeArguments,
     chosen: av.Instance,
     at: Arguments,
 ) -> None:
     def is_enabled(option: str) -> bool:
-        field = _OPTION_FIELDS.get(option)
-        return field is None or av.truth(chosen.fields[field]) is not False
+        return av.truth(chosen.fields.get(f"options.{option}", av.TRUE)) is not False
 
     endpoints.declare_node(machine, made, words, at, is_enabled)
     if made.type is LIFECYCLE_NODE and not (at.values and at.values[-1] == av.FALSE):
         endpoints.declare_lifecycle(machine, made, at)
 
 
-def _node_arguments(arguments: Arguments, chosen: av.Instance) -> NodeArguments:
-    return NodeArguments(
+def _node_arguments(arguments: Arguments, chosen: av.Instance) -> nodes.NodeArguments:
+    return nodes.NodeArguments(
         name=arguments.get(0) or av.Unknown("node"),
         namespace=_namespace_argument(arguments) or av.Scalar(""),
         arguments=chosen.fields[_ARGUMENTS],
@@ -195,38 +167,16 @@ def _namespace_argument(arguments: Arguments) -> av.Value | None:
 def _parameter_overrides(chosen: av.Instance) -> av.Value:
     """Return the parameters that the options set: their overrides count over their arguments."""
     given = getattr(chosen.fields[_OVERRIDES], "items", ())
-    pairs = own_parameters(chosen.fields[_ARGUMENTS])
+    pairs = nodes.own_parameters(chosen.fields[_ARGUMENTS])
     return av.list_of(
         (*(parameter_object(av.Scalar(name), value) for name, value in pairs), *given)
     )
 
 
-def _sub_node(_: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
-    return sub_node(owner, arguments.value(0))
-
-
-def _effective_namespace(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    sub = owner.fields.get(SUB_NAMESPACE_FIELD, av.Scalar(""))
-    return (
-        node_namespace(owner)
-        if sub == av.Scalar("")
-        else resolve_at_node(owner, av.Scalar("")) or sub
-    )
-
-
-def _copy_node_options(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _copy_options(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     given = owner.fields.get(_OPTIONS)
     values = (given,) if given is not None else ()
     return make_options(machine, arguments.with_values(*values))
-
-
-def _get_field(
-    field: str, _: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
-    del arguments
-    return owner.fields.get(field, av.UNKNOWN)
 
 
 def _run_transition(
@@ -252,13 +202,10 @@ NODE_METHODS: Mapping[str, Callable[..., av.Value]] = {
     **GRAPH_METHODS,
     **{f"get_node_{interface}_interface": return_owner for interface in _INTERFACES},
     **dict.fromkeys(("shared_from_this", "weak_from_this"), return_owner),
-    "get_name": lambda machine, owner, arguments: node_base_name(owner),
-    "get_namespace": lambda machine, owner, arguments: node_namespace(owner),
-    "get_fully_qualified_name": lambda machine, owner, arguments: node_name(owner),
-    "get_sub_namespace": partial(_get_field, SUB_NAMESPACE_FIELD),
-    "get_effective_namespace": _effective_namespace,
-    "create_sub_node": _sub_node,
-    "get_node_options": _copy_node_options,
+    "get_name": lambda machine, owner, arguments: nodes.node_base_name(owner),
+    "get_namespace": lambda machine, owner, arguments: nodes.node_namespace(owner),
+    "get_fully_qualified_name": lambda machine, owner, arguments: nodes.node_name(owner),
+    "get_node_options": _copy_options,
 }
 NODE = av.LibraryClass("rclcpp::Node", make_node, dict(NODE_METHODS))
 LIFECYCLE_NODE = av.LibraryClass(
@@ -278,8 +225,8 @@ OPTIONS = av.LibraryClass(
     {
         "arguments": partial(_get_or_set_option, _ARGUMENTS),
         "parameter_overrides": partial(_get_or_set_option, _OVERRIDES),
-        "append_parameter_override": _append_override,
-        **{name: partial(_get_or_set_option, field) for name, field in _FLAG_FIELDS.items()},
+        "append_parameter_override": _add_override,
+        **{name: partial(_get_or_set_option, f"options.{name}") for name in _FLAGS},
         **dict.fromkeys(
             (
                 *("allow_undeclared_parameters", "use_intra_process_comms", "context", "clock_qos"),

@@ -87,9 +87,7 @@ def _possible_plugins(
     return [av.Scalar(one, tainted=True) for one in names]
 
 
-def _is_class_available(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _is_available(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`isClassAvailable(name)`."""
     name, base = arguments.get(0), owner.fields.get("base", av.UNKNOWN)
     if not (isinstance(name, av.Scalar) and isinstance(base, av.Scalar)):
@@ -103,7 +101,7 @@ _LOADER = av.LibraryClass(
     _make_loader,
     {
         **dict.fromkeys(_CREATE, _create_plugins),
-        "isClassAvailable": _is_class_available,
+        "isClassAvailable": _is_available,
         **dict.fromkeys(("getClassType", "getName"), return_argument),
     },
 )

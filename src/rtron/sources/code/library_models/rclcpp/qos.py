@@ -6,7 +6,11 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.trivial_functions import return_argument, return_owner
+from rtron.sources.code.library_models.common.trivial_functions import (
+    return_argument,
+    return_owner,
+    returning_field,
+)
 from rtron.sources.code.library_models.ros2_common import qos_overrides
 from rtron.sources.code.library_models.ros2_common.qos import (
     DEFAULT_QOS,
@@ -57,35 +61,21 @@ def _set_policy_argument(
     return owner
 
 
-def _get_policy(
-    field: str, _: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
-    del arguments
-    return owner.fields.get(field, av.UNKNOWN)
-
-
+_POLICIES: Mapping[str, tuple[str, av.Value]] = {
+    "reliable": (RELIABILITY_FIELD, av.Scalar(Reliability.RELIABLE.value)),
+    "best_effort": (RELIABILITY_FIELD, av.Scalar(Reliability.BEST_EFFORT.value)),
+    "reliability_best_available": (RELIABILITY_FIELD, av.Unknown("best available")),
+    "transient_local": (DURABILITY_FIELD, av.Scalar(Durability.TRANSIENT_LOCAL.value)),
+    "durability_volatile": (DURABILITY_FIELD, av.Scalar(Durability.VOLATILE.value)),
+    "durability_best_available": (DURABILITY_FIELD, av.Unknown("best available")),
+    "keep_all": (DEPTH_FIELD, av.Scalar(0)),
+}
 _METHODS: Mapping[str, Callable[..., av.Value]] = {
-    "reliable": partial(_set_policy, RELIABILITY_FIELD, av.Scalar(Reliability.RELIABLE.value)),
-    "best_effort": partial(
-        _set_policy, RELIABILITY_FIELD, av.Scalar(Reliability.BEST_EFFORT.value)
-    ),
-    "reliability_best_available": partial(
-        _set_policy, RELIABILITY_FIELD, av.Unknown("best available")
-    ),
-    "transient_local": partial(
-        _set_policy, DURABILITY_FIELD, av.Scalar(Durability.TRANSIENT_LOCAL.value)
-    ),
-    "durability_volatile": partial(
-        _set_policy, DURABILITY_FIELD, av.Scalar(Durability.VOLATILE.value)
-    ),
-    "durability_best_available": partial(
-        _set_policy, DURABILITY_FIELD, av.Unknown("best available")
-    ),
+    **{name: partial(_set_policy, *policy) for name, policy in _POLICIES.items()},
     "reliability": partial(_set_policy_argument, RELIABILITY_FIELD),
     "durability": partial(_set_policy_argument, DURABILITY_FIELD),
     "keep_last": partial(_set_policy_argument, DEPTH_FIELD),
-    "keep_all": partial(_set_policy, DEPTH_FIELD, av.Scalar(0)),
-    "depth": partial(_get_policy, DEPTH_FIELD),
+    "depth": returning_field(DEPTH_FIELD),
     **dict.fromkeys(
         (
             *("deadline", "lifespan", "liveliness", "liveliness_lease_duration", "history"),

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.embedded_python import EMBEDDED_PYTHON
 from rtron.sources.code.library_models.common.navigation_plugins import NAVIGATION_CLASSES
 from rtron.sources.code.library_models.common.ros_arguments import remove_ros_arguments
 from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
@@ -13,6 +12,7 @@ from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
     returning_unknown,
 )
+from rtron.sources.code.library_models.rclcpp import qos
 from rtron.sources.code.library_models.rclcpp.behavior_tree_ros_nodes import (
     ROS_TREE_CLASSES,
     ROS_TREE_FUNCTIONS,
@@ -27,25 +27,9 @@ from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES, NAV
 from rtron.sources.code.library_models.rclcpp.node import NODE_CLASSES
 from rtron.sources.code.library_models.rclcpp.parameters import PARAMETER_CLASSES
 from rtron.sources.code.library_models.rclcpp.pluginlib import PLUGIN_CLASSES
-from rtron.sources.code.library_models.rclcpp.qos import (
-    OVERRIDING_CLASSES,
-    OVERRIDING_CONSTANTS,
-    OVERRIDING_FUNCTIONS,
-    QOS_CLASSES,
-    QOS_CONSTANTS,
-    QOS_FUNCTIONS,
-)
-from rtron.sources.code.library_models.ros2_common.names import expand_name, name_below
 from rtron.sources.code.library_models.ros2_common.parameter_types import PARAMETER_TYPE_CONSTANTS
 
 _INTERFACES = ("base", "clock", "graph", "logging", "parameters", "services", "timers", "topics")
-
-
-def _expand_name(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`rclcpp::expand_topic_or_service_name(name, node_name, namespace)`."""
-    del machine
-    name, node, space = (arguments.value(at) for at in range(3))
-    return expand_name(name, name_below(space, node), av.Scalar(""))
 
 
 def _replace_in_string(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -75,7 +59,6 @@ NAMESPACE_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
         f"rclcpp::node_interfaces::get_node_{name}_interface": return_argument
         for name in _INTERFACES
     },
-    "rclcpp::expand_topic_or_service_name": _expand_name,
     **dict.fromkeys(
         ("rclcpp::remove_ros_arguments", "rclcpp::init_and_remove_ros_arguments"),
         remove_ros_arguments,
@@ -91,8 +74,8 @@ NAMESPACE_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
 RCLCPP_CLASSES: dict[str, av.LibraryClass] = {
     **NODE_CLASSES,
     **PARAMETER_CLASSES,
-    **QOS_CLASSES,
-    **OVERRIDING_CLASSES,
+    **qos.QOS_CLASSES,
+    **qos.OVERRIDING_CLASSES,
     **LIBRARY_CLASSES,
     **NAV2_CLASSES,
     **NAVIGATION_CLASSES,
@@ -110,17 +93,16 @@ RCLCPP_FUNCTIONS = {
     for name, call in {
         **ENDPOINT_FUNCTIONS,
         **IMAGE_FUNCTIONS,
-        **QOS_FUNCTIONS,
-        **OVERRIDING_FUNCTIONS,
+        **qos.QOS_FUNCTIONS,
+        **qos.OVERRIDING_FUNCTIONS,
         **NAMESPACE_FUNCTIONS,
         **TREE_FUNCTIONS,
         **ROS_TREE_FUNCTIONS,
         **NAV2_FUNCTIONS,
-        **EMBEDDED_PYTHON,
     }.items()
 }
 RCLCPP_CONSTANTS: dict[str, av.Value] = {
-    **QOS_CONSTANTS,
-    **OVERRIDING_CONSTANTS,
+    **qos.QOS_CONSTANTS,
+    **qos.OVERRIDING_CONSTANTS,
     **PARAMETER_TYPE_CONSTANTS,
 }

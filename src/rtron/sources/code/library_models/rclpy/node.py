@@ -8,20 +8,7 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.rclpy.parameters import PARAMETER_METHODS, parameter_object
 from rtron.sources.code.library_models.rclpy.qos import endpoint_qos
-from rtron.sources.code.library_models.ros2_common import endpoints
-from rtron.sources.code.library_models.ros2_common.nodes import (
-    GLOBAL_ARGUMENTS_FIELD,
-    NAME_FIELD,
-    SUB_NAMESPACE_FIELD,
-    NodeArguments,
-    first_node,
-    full_name,
-    node_base_name,
-    node_name,
-    node_namespace,
-    own_parameters,
-    resolve_at_node,
-)
+from rtron.sources.code.library_models.ros2_common import endpoints, nodes
 from rtron.sources.code.library_models.ros2_common.parameters import (
     AUTOMATIC_FIELD,
     OVERRIDES_FIELD,
@@ -30,13 +17,12 @@ from rtron.sources.code.library_models.ros2_common.qos_overrides import QosOverr
 from rtron.sources.declaration import DeclarationKind
 
 _MODULE_PARTS = 3
-_OPTION_KEYWORDS = {
-    "parameter_services": ("start_parameter_services", av.TRUE),
-    "rosout": ("enable_rosout", av.TRUE),
-    "parameter_events": ("parameter_events", av.TRUE),
-    "logger_service": ("enable_logger_service", av.FALSE),
+_OPTIONS = {
+    **dict.fromkeys(("start_parameter_services", "enable_rosout"), av.TRUE),
+    "start_parameter_event_publisher": av.TRUE,
+    "enable_logger_service": av.FALSE,
 }
-"""The arguments that tell whether a node has these, and their defaults; events it always has."""
+"""The options of a node, and their defaults; in rclpy it always publishes parameter events."""
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
@@ -58,7 +44,7 @@ def initialise_node(
 ) -> av.Value:
     """`Node.__init__(name, *, namespace, cli_args, use_global_arguments, …)`."""
     given = arguments.keywords
-    words = NodeArguments(
+    words = nodes.NodeArguments(
         name=arguments.get(0, "node_name") or av.Unknown("node_name"),
         namespace=_text_or_empty(given.get("namespace")),
         arguments=given.get("cli_args", av.NONE),
@@ -67,17 +53,15 @@ def initialise_node(
     )
     automatic = given.get("automatically_declare_parameters_from_overrides", av.FALSE)
     for field, value in (
-        (NAME_FIELD, full_name(machine, words)),
-        (SUB_NAMESPACE_FIELD, av.Scalar("")),
-        (GLOBAL_ARGUMENTS_FIELD, av.Scalar(words.uses_global_arguments)),
+        (nodes.NAME_FIELD, nodes.full_name(machine, words)),
+        (nodes.GLOBAL_ARGUMENTS_FIELD, av.Scalar(words.uses_global_arguments)),
         (OVERRIDES_FIELD, _parameter_overrides(words, given.get("parameter_overrides", av.NONE))),
         (AUTOMATIC_FIELD, automatic),
     ):
         machine.undo_log.set(owner.fields, field, value)
 
     def is_enabled(option: str) -> bool:
-        name, default = _OPTION_KEYWORDS.get(option, ("", av.FALSE))
-        return av.truth(given.get(name, default)) is not False
+        return av.truth(given.get(option, _OPTIONS.get(option, av.FALSE))) is not False
 
     endpoints.declare_node(machine, owner, words, arguments, is_enabled)
     if lifecycle:
@@ -85,9 +69,9 @@ def initialise_node(
     return av.NONE
 
 
-def _parameter_overrides(words: NodeArguments, given: av.Value) -> av.Value:
+def _parameter_overrides(words: nodes.NodeArguments, given: av.Value) -> av.Value:
     """Return the parameters that a node is made with: those given count over its arguments'."""
-    pairs = own_parameters(words.arguments)
+    pairs = nodes.own_parameters(words.arguments)
     own = tuple(parameter_object(av.Scalar(name), value) for name, value in pairs)
     return av.list_of((*own, *av.items_of(given)[0])) if own else given
 
@@ -120,14 +104,14 @@ def declare_endpoint(
     machine.escape_arguments(arguments)
     type = interface_name(arguments.get(at, _TYPE_KEYWORDS[kind]) or arguments.keywords.get("type"))
     name = arguments.get(at + 1, _NAME_KEYWORDS[kind])
-    owner = first_node((node,)) if node is not None else None
+    owner = nodes.first_node((node,)) if node is not None else None
     if owner is None:
         endpoints.note_unknown_node(machine, kind.value, name, arguments)
         return av.Unknown(kind.value)
     given = arguments.keywords.get("qos_overriding_options")
     overridable = QosOverrides(machine, kind, owner, arguments)
     qos = overridable.effective_qos(
-        resolve_at_node(owner, name), endpoint_qos(kind, arguments, at), given
+        nodes.resolve_at_node(owner, name), endpoint_qos(kind, arguments, at), given
     )
     full = endpoints.declare_endpoint(machine, kind, owner, name, type, arguments, qos=qos)
     return av.Instance(ENDPOINT, dict.fromkeys(("topic_name", "topic", "srv_name"), full))
@@ -164,7 +148,7 @@ def _register_callback(machine: AbstractMachine, _: av.Value, arguments: Argumen
 
 def _resolve_name(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     del machine
-    return resolve_at_node(owner, arguments.get(0, "topic") or arguments.get(0, "service"))
+    return nodes.resolve_at_node(owner, arguments.get(0, "topic") or arguments.get(0, "service"))
 
 
 _METHODS: Mapping[str, Callable[..., av.Value]] = {
@@ -178,9 +162,9 @@ _METHODS: Mapping[str, Callable[..., av.Value]] = {
     "create_client": partial(_create_endpoint, DeclarationKind.SERVICE_CLIENT),
     **dict.fromkeys(("create_timer", "create_guard_condition", "create_task"), _register_callback),
     **dict.fromkeys(("resolve_topic_name", "resolve_service_name"), _resolve_name),
-    "get_name": lambda machine, owner, arguments: node_base_name(owner),
-    "get_namespace": lambda machine, owner, arguments: node_namespace(owner),
-    "get_fully_qualified_name": lambda machine, owner, arguments: node_name(owner),
+    "get_name": lambda machine, owner, arguments: nodes.node_base_name(owner),
+    "get_namespace": lambda machine, owner, arguments: nodes.node_namespace(owner),
+    "get_fully_qualified_name": lambda machine, owner, arguments: nodes.node_name(owner),
 }
 ENDPOINT = av.LibraryClass(
     "rclpy.endpoint",

@@ -1,7 +1,6 @@
 """rclpy.qos: profiles, and the policies in them (docs.ros.org: rclpy.qos)."""
 
 from collections.abc import Mapping
-from functools import partial
 
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -74,25 +73,10 @@ def library_profiles() -> Mapping[str, av.Value]:
     }
     return {
         **{f"{_PRESET_PROFILES.name}.{name}": preset for name, preset in presets.items()},
-        f"{_PRESET_PROFILES.name}.get_from_short_key": av.LibraryFunction(
-            "key", partial(_preset_by_key, presets)
-        ),
         _PRESET_PROFILES.name: av.ExternalSymbol(_PRESET_PROFILES.name),
         **named,
         _PROFILE.name: _PROFILE,
     }
-
-
-def _preset_by_key(
-    presets: Mapping[str, av.Value], _: AbstractMachine, __: object, arguments: Arguments
-) -> av.Value:
-    """`QoSPresetProfiles.get_from_short_key("sensor_data")`."""
-
-    def named(key: av.Value) -> av.Value:
-        found = presets.get(av.text_with_holes(key).upper())
-        return found.fields["value"] if isinstance(found, av.Instance) else av.Unknown("profile")
-
-    return av.map_options(arguments.value(0, "name"), named)
 
 
 _PROFILE = av.LibraryClass("rclpy.qos.QoSProfile", _make_profile)

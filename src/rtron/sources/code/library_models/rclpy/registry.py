@@ -64,23 +64,13 @@ def _declare_marker_server(machine: AbstractMachine, arguments: Arguments) -> No
     libraries.declare_below(libraries.MARKER_ENDPOINTS, machine, space, arguments)
 
 
-_MODULES = {
-    "TransformListener": ("tf2_ros", "tf2_ros.transform_listener"),
-    "TransformBroadcaster": ("tf2_ros", "tf2_ros.transform_broadcaster"),
-    "StaticTransformBroadcaster": ("tf2_ros", "tf2_ros.static_transform_broadcaster"),
-    "Buffer": ("tf2_ros", "tf2_ros.buffer"),
-    "Updater": ("diagnostic_updater",),
-}
 _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
     **{
-        f"{module}.{name}": libraries.LIBRARY_DECLARATIONS[name]
-        for name, modules in _MODULES.items()
-        for module in modules
+        f"tf2_ros.{name}": libraries.LIBRARY_DECLARATIONS[name]
+        for name in ("TransformListener", "Buffer", *BROADCASTERS)
     },
-    **{
-        f"interactive_markers{module}.InteractiveMarkerServer": _declare_marker_server
-        for module in ("", ".interactive_marker_server")
-    },
+    "diagnostic_updater.Updater": libraries.LIBRARY_DECLARATIONS["Updater"],
+    "interactive_markers.InteractiveMarkerServer": _declare_marker_server,
     "rclpy.parameter_client.AsyncParameterClient": _declare_parameters_client,
     **dict.fromkeys(
         (
@@ -91,14 +81,8 @@ _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
     ),
 }
 LIBRARY_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
-    **dict.fromkeys(
-        ("rclpy.action.ActionServer", "rclpy.action.server.ActionServer"),
-        partial(_declare_with_node, DeclarationKind.ACTION_SERVER),
-    ),
-    **dict.fromkeys(
-        ("rclpy.action.ActionClient", "rclpy.action.client.ActionClient"),
-        partial(_declare_with_node, DeclarationKind.ACTION_CLIENT),
-    ),
+    "rclpy.action.ActionServer": partial(_declare_with_node, DeclarationKind.ACTION_SERVER),
+    "rclpy.action.ActionClient": partial(_declare_with_node, DeclarationKind.ACTION_CLIENT),
     "rclpy.wait_for_message.wait_for_message": _wait_for_message,
     "message_filters.Subscriber": partial(_declare_with_node, _SUBSCRIBE),
     **{name: partial(_construct, name, declare) for name, declare in _DECLARATIONS.items()},
@@ -114,9 +98,7 @@ _FOLDERS = {
 }
 
 
-def _get_interface(
-    folders: set[str], _: AbstractMachine, __: object, arguments: Arguments
-) -> av.Value:
+def _interface(folders: set[str], _: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`get_message("std_msgs/msg/String")`."""
 
     def named(value: av.Value) -> av.Value:
@@ -129,9 +111,7 @@ def _get_interface(
 
 
 ROSIDL: Mapping[str, av.Value] = {
-    f"rosidl_runtime_py.utilities.{name}": av.LibraryFunction(
-        name, partial(_get_interface, folders)
-    )
+    f"rosidl_runtime_py.utilities.{name}": av.LibraryFunction(name, partial(_interface, folders))
     for name, folders in _FOLDERS.items()
 }
 
@@ -155,14 +135,8 @@ def rclpy_library() -> dict[str, av.Value]:
         **ROSIDL,
         **OVERRIDING_CLASSES,
         **dict.fromkeys(("rclpy.node.Node", "rclpy.Node"), NODE),
-        **dict.fromkeys(
-            (
-                *("rclpy.lifecycle.Node", "rclpy.lifecycle.LifecycleNode"),
-                *("rclpy.lifecycle.node.LifecycleNode", "rclpy.lifecycle.node.Node"),
-            ),
-            LIFECYCLE_NODE,
-        ),
-        **dict.fromkeys(("rclpy.parameter.Parameter", "rclpy.Parameter"), PARAMETER),
+        **dict.fromkeys(("rclpy.lifecycle.Node", "rclpy.lifecycle.LifecycleNode"), LIFECYCLE_NODE),
+        "rclpy.Parameter": PARAMETER,
         "rclpy.create_node": av.LibraryFunction("rclpy.create_node", _create_node),
         "launch.LaunchService": av.LibraryFunction("launch.LaunchService", _launch_service),
         **dict.fromkeys(

@@ -6,12 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.ros2_common.nodes import (
-    NodeArguments,
-    node_name,
-    record_node,
-    resolve_at_node,
-)
+from rtron.sources.code.library_models.ros2_common import nodes
 from rtron.sources.code.library_models.ros2_common.parameters import (
     declare_node_parameter,
     record_overrides,
@@ -70,11 +65,11 @@ def declare_endpoint(  # noqa: PLR0913 - what the graph has of an endpoint
     given = _without_empty_names(name)
     if given is None and name is not None:
         return _note_empty_name(machine, kind, type, at)
-    full = resolve_at_node(node, given)
+    full = nodes.resolve_at_node(node, given)
     machine.possible_throws += not (type and _is_valid_name(full))
     locations = tuple(caller_chain(at, name)) if name is not None else (at.evidence,)
     keeps_last = qos is not None and qos.durability is Durability.TRANSIENT_LOCAL
-    for owner in av.options(node_name(node)):
+    for owner in av.options(nodes.node_name(node)):
         machine.recorder.declare(
             kind,
             full,
@@ -142,7 +137,7 @@ def _is_same(value: av.Value, name: av.Value) -> bool:
 def declare_node(
     machine: AbstractMachine,
     node: av.Value,
-    words: NodeArguments,
+    words: nodes.NodeArguments,
     at: Arguments,
     is_enabled: Callable[[str], bool],
 ) -> None:
@@ -150,19 +145,19 @@ def declare_node(
 
     `parameter_event_listener` is rclcpp's alone.
     """
-    record_node(machine, node_name(node), words, at)
-    if is_enabled("rosout"):
+    nodes.record_node(machine, nodes.node_name(node), words, at)
+    if is_enabled("enable_rosout"):
         _declare_implicit(
             machine, _PUBLISH, node, "/rosout", "rcl_interfaces/msg/Log", at, "rosout"
         )
     event, events = "rcl_interfaces/msg/ParameterEvent", "/parameter_events"
-    if is_enabled("parameter_events"):
+    if is_enabled("start_parameter_event_publisher"):
         _declare_implicit(machine, _PUBLISH, node, events, event, at, "parameter_events")
     if is_enabled("parameter_event_listener"):
         _declare_implicit(machine, _SUBSCRIBE, node, events, event, at, "parameter_events")
-    if is_enabled("parameter_services"):
+    if is_enabled("start_parameter_services"):
         declare_services(machine, node, PARAMETER_SERVICES, at)
-    if is_enabled("logger_service"):
+    if is_enabled("enable_logger_service"):
         declare_services(machine, node, LOGGER_SERVICES, at)
     description = "type_description_interfaces/srv/GetTypeDescription"
     declare_services(machine, node, {"get_type_description": description}, at)

@@ -7,18 +7,11 @@ from typing import NamedTuple
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.ros2_common import nodes
 from rtron.sources.code.library_models.ros2_common.endpoints import (
     PARAMETER_SERVICES,
     declare_endpoint,
     note_unknown_node,
-)
-from rtron.sources.code.library_models.ros2_common.nodes import (
-    NAME_FIELD,
-    NodeArguments,
-    first_node,
-    full_name,
-    node_name,
-    record_node,
 )
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Durability, QoS
@@ -35,7 +28,7 @@ class ImplicitEndpoint(NamedTuple):
 
 def node_argument(arguments: Arguments) -> av.Instance | None:
     """Return the node that is among what a library gets."""
-    return first_node(arguments.all_values)
+    return nodes.first_node(arguments.all_values)
 
 
 def make_internal_node(machine: AbstractMachine, prefix: str, at: Arguments) -> av.Instance:
@@ -44,9 +37,11 @@ def make_internal_node(machine: AbstractMachine, prefix: str, at: Arguments) -> 
     Its own arguments name it (tf2_ros: TransformListener); the rest of the process's count for it.
     """
     name = av.PartialText((f"__node:={prefix}", av.Unknown("id")))
-    words = NodeArguments(name=av.Unknown("id"), arguments=av.list_of((av.Scalar("-r"), name)))
-    node = av.Instance(av.LibraryClass("node"), {NAME_FIELD: full_name(machine, words)})
-    record_node(machine, node_name(node), words, at)
+    words = nodes.NodeArguments(
+        name=av.Unknown("id"), arguments=av.list_of((av.Scalar("-r"), name))
+    )
+    node = av.Instance(av.LibraryClass("node"), {nodes.NAME_FIELD: nodes.full_name(machine, words)})
+    nodes.record_node(machine, nodes.node_name(node), words, at)
     return node
 
 

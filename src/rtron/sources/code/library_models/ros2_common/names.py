@@ -67,17 +67,14 @@ def name_below(namespace: av.Value, name: av.Value) -> av.Value:
     return clean_name(av.concat((namespace, _ROOT, name)))
 
 
-def expand_name(name: av.Value, node: av.Value, sub: av.Value) -> av.Value:
-    """Return a name as rcl expands it at a node, before remapping.
-
-    `sub` is the sub-namespace of a sub-node; it counts for relative names only (rclcpp).
-    """
+def expand_name(name: av.Value, node: av.Value) -> av.Value:
+    """Return a name as rcl expands it at a node, before remapping."""
     return av.join(
-        [_expand_one(one, full, sub) for one in av.options(name) for full in av.options(node)]
+        [_expand_one(one, full) for one in av.options(name) for full in av.options(node)]
     )
 
 
-def _expand_one(name: av.Value, node: av.Value, sub: av.Value) -> av.Value:
+def _expand_one(name: av.Value, node: av.Value) -> av.Value:
     name = _substitute(name, node)
     parts = av.parts_of(name)
     first = parts[0] if parts and isinstance(parts[0], str) else ""
@@ -86,12 +83,7 @@ def _expand_one(name: av.Value, node: av.Value, sub: av.Value) -> av.Value:
     if first.startswith("~"):
         rest = _join_parts([first[1:], *parts[1:]], tainted=av.is_tainted(name))
         return clean_name(av.concat((node, rest)))
-    space = namespace_of(node)
-    return (
-        name_below(space, name)
-        if sub == av.Scalar("")
-        else name_below(name_below(space, sub), name)
-    )
+    return name_below(namespace_of(node), name)
 
 
 def _substitute(name: av.Value, node: av.Value) -> av.Value:

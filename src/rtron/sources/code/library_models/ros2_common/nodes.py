@@ -11,16 +11,10 @@ from itertools import pairwise
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.ros2_common.names import (
-    base_name,
-    clean_name,
-    expand_name,
-    name_below,
-    namespace_of,
-)
+from rtron.sources.code.library_models.ros2_common import names
 from rtron.sources.declaration import CreatedNode
 
-NAME_FIELD, SUB_NAMESPACE_FIELD, GLOBAL_ARGUMENTS_FIELD = "node.name", "node.sub", "node.globally"
+NAME_FIELD, GLOBAL_ARGUMENTS_FIELD = "node.name", "node.globally"
 """The fields of a node; no member of a class can be called like them."""
 
 _EMPTY = av.Scalar("")
@@ -63,18 +57,17 @@ def uses_global_arguments(node: av.Value) -> bool:
 
 def node_namespace(node: av.Value) -> av.Value:
     """Return a node's namespace."""
-    return namespace_of(node_name(node))
+    return names.namespace_of(node_name(node))
 
 
 def node_base_name(node: av.Value) -> av.Value:
     """Return a node's name without its namespace."""
-    return base_name(node_name(node))
+    return names.base_name(node_name(node))
 
 
 def resolve_at_node(node: av.Value, name: av.Value | None) -> av.Value:
     """Return a name as it resolves at a node, before remapping."""
-    sub = node.fields.get(SUB_NAMESPACE_FIELD, _EMPTY) if isinstance(node, av.Instance) else _EMPTY
-    return expand_name(name if name is not None else av.UNKNOWN, node_name(node), sub)
+    return names.expand_name(name if name is not None else av.UNKNOWN, node_name(node))
 
 
 def full_name(machine: AbstractMachine, words: NodeArguments) -> av.Value:
@@ -92,7 +85,7 @@ def full_name(machine: AbstractMachine, words: NodeArguments) -> av.Value:
         namespace = av.Scalar(site.process_name.rpartition("/")[0] or "/")
     name = next(_rule_targets(rules, "__node", words.name), name)
     namespace = next(_rule_targets(rules, "__ns", name), namespace)
-    return clean_name(name_below(av.concat((av.Scalar("/"), namespace)), name))
+    return names.clean_name(names.name_below(av.concat((av.Scalar("/"), namespace)), name))
 
 
 def record_node(
@@ -112,15 +105,6 @@ def record_node(
             evidence=(at.evidence,),
         )
         machine.recorder.add_node(made)
-
-
-def sub_node(node: av.Instance, name: av.Value) -> av.Instance:
-    """Return `node->create_sub_node(name)`: the same node with a longer namespace."""
-    before = node.fields.get(SUB_NAMESPACE_FIELD, _EMPTY)
-    longer = name if before == _EMPTY else name_below(before, name)
-    return av.Instance(
-        node.type, {**node.fields, SUB_NAMESPACE_FIELD: longer}, node.types, node.bindings
-    )
 
 
 def own_parameters(words: av.Value) -> Iterator[tuple[str, av.Value]]:

@@ -5,27 +5,25 @@ for one part and `**` for any number of them.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
+from typing import TypeGuard
 
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.exceptions import is_caught, is_fully_known
 from rtron.sources.code.library_models.ros1_common.names import abstract_value
+from rtron.sources.code.library_models.ros2_common import parameter_types
 from rtron.sources.code.library_models.ros2_common.nodes import (
     NAME_FIELD,
     node_name,
     uses_global_arguments,
 )
-from rtron.sources.code.library_models.ros2_common.parameter_types import (
-    is_parameter_type,
-    is_unset,
-    unset_value,
-)
 from rtron.sources.declaration import plain_value
 from rtron.vocabulary import NodeParameterValue
 
+_PARAMETER_CLASSES = frozenset({"rclcpp::Parameter", "rclpy.parameter.Parameter"})
 OVERRIDES_FIELD, AUTOMATIC_FIELD = "node.overrides", "node.automatic"
 _WILDCARDS = {"/**": "(?:/[^/]+)*", "/*": "/[^/]+"}
 
@@ -49,14 +47,14 @@ def record_overrides(machine: AbstractMachine, node: av.Value) -> None:
     for name in (*launched, *given):
         value = override_value(machine, node, name)
         if value is not None:
-            _record_parameter(machine, node, name, value)
+            _record(machine, node, name, value)
 
 
 def node_parameter_value(
     machine: AbstractMachine, node: av.Value, name: av.Value
 ) -> av.Value | None:
     """Return a parameter's value; None where it is certainly neither declared nor set."""
-    found = [_one_parameter_value(machine, node, option) for option in av.options(name)]
+    found = [_one_value(machine, node, option) for option in av.options(name)]
     values = [value for value in found if value is not None]
     return av.join(values) if values else None
 
@@ -67,20 +65,21 @@ def read_node_parameter(machine: AbstractMachine, node: av.Value, name: av.Value
     if found is None or not (is_fully_known(found) and is_declared(machine, node, name)):
         machine.possible_throws += 1
     thrown = ThrownError("ParameterUninitializedException", has_unknown_bases=True)
-    if is_unset(found) and is_caught(machine.active_handlers, thrown):
+    if parameter_types.is_unset(found) and is_caught(machine.active_handlers, thrown):
         raise thrown
     return av.Unknown("parameter", tainted=True) if found is None else found
 
 
 def value_or_default(found: av.Value | None, default: av.Value) -> av.Value:
     """Return a parameter's value, the default where it is not set, both where that is unknown."""
-    if found is None or is_unset(found):
+    if found is None or parameter_types.is_unset(found):
         return default
     return av.join((default, found)) if isinstance(found, av.Unknown) else found
 
 
-def has_node_parameter(machine: AbstractMachine, node: av.Value, name: av.Value) -> av.Value:
+def has_parameter(machine: AbstractMachine, node: av.Value, arguments: Arguments) -> av.Value:
     """`has_parameter(name)`: whether it is declared; what is set may be declared by that alone."""
+    name = arguments.value(0, "name")
     answer = is_declared(machine, node, name)
     is_automatic = isinstance(node, av.Instance) and node.fields.get(AUTOMATIC_FIELD) == av.TRUE
     if answer is False and is_automatic:
@@ -111,12 +110,24 @@ def is_declared(machine: AbstractMachine, node: av.Value, name: av.Value) -> boo
     return answers.pop() if len(answers) == 1 else None
 
 
-def set_node_parameter(
-    machine: AbstractMachine, node: av.Value, name: av.Value, value: av.Value
-) -> None:
-    """Set a parameter."""
-    for option in av.options(name):
-        machine.undo_log.set(machine.parameters, _parameter_key(node, option), value)
+def is_parameter(value: av.Value | None) -> TypeGuard[av.Instance]:
+    """Tell whether a value is a Parameter of a client library."""
+    return isinstance(value, av.Instance) and value.type.name in _PARAMETER_CLASSES
+
+
+def unwrap_parameter(value: av.Value | None) -> av.Value | None:
+    """Return what a parameter holds; any other value as it is."""
+    return value.fields["value"] if is_parameter(value) else value
+
+
+def set_parameters(machine: AbstractMachine, node: av.Value, arguments: Arguments) -> av.Value:
+    """`set_parameter(Parameter(name, value))`, `set_parameters([…])`."""
+    given = arguments.get(0, "parameter_list") or av.NONE
+    for item in av.items_of(given)[0] if isinstance(given, av.ListValue) else av.options(given):
+        for name in av.options(item.fields["name"]) if is_parameter(item) else ():
+            key, value = _parameter_key(node, name), unwrap_parameter(item) or av.NONE
+            machine.undo_log.set(machine.parameters, key, value)
+    return av.Unknown("set_parameters")
 
 
 def override_value(machine: AbstractMachine, node: av.Value, name: av.Value) -> av.Value | None:
@@ -165,7 +176,7 @@ def _declare_one(
         machine.possible_throws += 1
         return machine.parameters[key]
     value = _initial_value(machine, node, name, default)
-    _record_parameter(machine, node, name, value)
+    _record(machine, node, name, value)
     machine.possible_throws += not _has_type_of(value, default)
     machine.undo_log.set(machine.parameters, key, value)
     return value
@@ -178,9 +189,7 @@ def _has_type_of(value: av.Value, default: av.Value | None) -> bool:
     return type(value.value) is type(default.value)
 
 
-def _record_parameter(
-    machine: AbstractMachine, node: av.Value, name: av.Value, value: av.Value
-) -> None:
+def _record(machine: AbstractMachine, node: av.Value, name: av.Value, value: av.Value) -> None:
     """Record a parameter; what is not known of its name stands in braces."""
     for owner in av.options(node_name(node)):
         machine.recorder.add_parameter(
@@ -207,12 +216,12 @@ def _initial_value(
     hole = av.Unknown(short_name(machine, node, av.text_with_holes(name)), tainted=True)
     if (
         default is not None
-        and is_parameter_type(default)
+        and parameter_types.is_parameter_type(default)
         and found is None
         and knows_all_overrides(machine, node)
     ):
-        return unset_value(hole.label)
-    if default is None or is_parameter_type(default):
+        return parameter_types.unset_value(hole.label)
+    if default is None or parameter_types.is_parameter_type(default):
         return hole
     marked = _tainted(default)
     if found is None and knows_all_overrides(machine, node):
@@ -228,9 +237,7 @@ def _with_unknown_item(value: av.Value, hole: av.Unknown) -> av.Value | None:
     return av.ListValue({**value.fields, "items": (*value.items, more)}, value.kind)
 
 
-def _one_parameter_value(
-    machine: AbstractMachine, node: av.Value, name: av.Value
-) -> av.Value | None:
+def _one_value(machine: AbstractMachine, node: av.Value, name: av.Value) -> av.Value | None:
     key = _parameter_key(node, name)
     if key in machine.parameters:
         return machine.parameters[key]
@@ -325,3 +332,13 @@ def _is_listed(name: str, prefixes: list[str], depth: int) -> bool:
     return name in prefixes or any(
         rest is not None and (depth == _ANY_DEPTH or rest.count(".") < depth) for rest in behind
     )
+
+
+PARAMETER_METHODS: Mapping[str, Callable[..., av.Value]] = {
+    "has_parameter": has_parameter,
+    "list_parameters": list_parameters,
+    **dict.fromkeys(
+        ("set_parameter", "set_parameters", "set_parameters_atomically"), set_parameters
+    ),
+}
+"""The methods of a node that are the same in both client libraries."""

@@ -5,12 +5,7 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.cpp_arguments import (
-    escape_functions,
-    name_arguments,
-    register_callbacks,
-    resolve_in_handle,
-)
+from rtron.sources.code.library_models.common import cpp_arguments
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import parameter_value, remap_name
 from rtron.sources.code.library_models.roscpp.node_handle import (
@@ -30,9 +25,9 @@ def _image_transport(machine: AbstractMachine, arguments: Arguments) -> av.Value
 
 
 def _advertise_image(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
-    name = resolve_in_handle(machine, owner, arguments.get(0))
+    name = cpp_arguments.resolve_in_handle(machine, owner, arguments.get(0))
     endpoints.declare_image_publisher(machine, name, arguments)
-    escape_functions(machine, arguments)
+    cpp_arguments.escape_functions(machine, arguments)
     return av.Instance(ENDPOINT, {"name": remap_name(machine, name)})
 
 
@@ -41,25 +36,27 @@ def _declare_camera(
 ) -> av.Value:
     """`advertiseCamera(…)`, `subscribeCamera(…)`: an image, and the camera's info beside it."""
     made = (_advertise_image if kind is _PUBLISH else _subscribe_image)(machine, owner, arguments)
-    info = endpoints.camera_info_topic(machine, resolve_in_handle(machine, owner, arguments.get(0)))
+    info = endpoints.camera_info_topic(
+        machine, cpp_arguments.resolve_in_handle(machine, owner, arguments.get(0))
+    )
     endpoints.declare_endpoint(machine, kind, info, "sensor_msgs/CameraInfo", arguments)
     return made
 
 
 def _subscribe_image(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
-    name = resolve_in_handle(machine, owner, arguments.get(0))
+    name = cpp_arguments.resolve_in_handle(machine, owner, arguments.get(0))
     transport = _hinted_transport(machine, arguments)
     endpoints.declare_image_subscriber(machine, name, transport, arguments)
-    escape_functions(machine, arguments)
+    cpp_arguments.escape_functions(machine, arguments)
     return av.Instance(ENDPOINT, {"name": remap_name(machine, name)})
 
 
 def _make_transport_hints(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`TransportHints(default, ros_hints, handle)`: the parameter `image_transport` decides."""
-    default = next(iter(name_arguments(arguments)), av.Scalar("raw"))
+    default = next(iter(cpp_arguments.name_arguments(arguments)), av.Scalar("raw"))
     owner = handle_argument(arguments) or private_handle(machine)
     found = parameter_value(
-        machine, resolve_in_handle(machine, owner, av.Scalar("image_transport"))
+        machine, cpp_arguments.resolve_in_handle(machine, owner, av.Scalar("image_transport"))
     )
     chosen = default if found is None or isinstance(found, av.Unknown) else found
     return av.Instance(_HINTS, {"transport": chosen})
@@ -77,13 +74,11 @@ def _image_filter(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`image_transport::SubscriberFilter(it, topic, queue, hints)`."""
     made = av.Instance(_IMAGE_FILTER)
     if len(arguments.values) > 1:
-        _image_filter_subscribe(machine, made, arguments)
+        _filter_images(machine, made, arguments)
     return made
 
 
-def _image_filter_subscribe(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _filter_images(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     _subscribe_image(
         machine, handle_argument_or_default(machine, arguments), arguments.without_first(1)
     )
@@ -104,7 +99,7 @@ _HINTS = av.LibraryClass("image_transport::TransportHints", _make_transport_hint
 _IMAGE_FILTER = av.LibraryClass(
     "image_transport::SubscriberFilter",
     _image_filter,
-    {"subscribe": _image_filter_subscribe, "registerCallback": register_callbacks},
+    {"subscribe": _filter_images, "registerCallback": cpp_arguments.register_callbacks},
 )
 
 IMAGE_CLASSES = {

@@ -90,13 +90,10 @@ def _shape_shifter(machine: AbstractMachine, _: av.Value, arguments: Arguments) 
 
 def _move_group_options(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`MoveGroupInterface::Options(group, description, handle)`."""
-    return av.Instance(_MOVE_GROUP_OPTIONS, handle_argument_or_default(machine, arguments).fields)
+    return av.Instance(ENDPOINT, dict(handle_argument_or_default(machine, arguments).fields))
 
 
 _PLANNING = "moveit::planning_interface"
-_MOVE_GROUP_OPTIONS = av.LibraryClass(
-    f"{_PLANNING}::MoveGroupInterface::Options", _move_group_options
-)
 _ACTION = av.LibraryClass(
     "actionlib",
     methods=dict.fromkeys(
@@ -132,6 +129,7 @@ _CONSTRUCTORS: Mapping[str, Callable[..., av.Value]] = {
         _make_in_handle, "controller_manager", "controller_manager"
     ),
     "realtime_tools::RealtimePublisher": _realtime_publisher,
+    f"{_PLANNING}::MoveGroupInterface::Options": _move_group_options,
     "interactive_markers::InteractiveMarkerServer": partial(_make_below, "interactive_markers"),
     **dict.fromkeys(
         ("camera_info_manager::CameraInfoManager", "CameraInfoManager"),
@@ -145,7 +143,7 @@ _CONSTRUCTORS: Mapping[str, Callable[..., av.Value]] = {
 
 SERVER_CLASSES = {
     **{name: av.LibraryClass(name, make) for name, make in _CONSTRUCTORS.items()},
-    **{cls.name: cls for cls in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER, _MOVE_GROUP_OPTIONS)},
+    **{cls.name: cls for cls in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER)},
 }
 
 
@@ -153,13 +151,11 @@ def _filter_subscriber(machine: AbstractMachine, arguments: Arguments) -> av.Val
     """`message_filters::Subscriber<T>(handle, topic, queue)`, or later by `subscribe`."""
     made = av.Instance(_FILTER_SUBSCRIBER, {}, arguments.types)
     if len(arguments.values) > 1:
-        _filter_subscribe(machine, made, arguments)
+        _subscribe(machine, made, arguments)
     return made
 
 
-def _filter_subscribe(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _subscribe(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     names = name_arguments(arguments)
     topic = resolve_in_handle(
         machine, handle_argument_or_default(machine, arguments), names[0] if names else None
@@ -172,7 +168,7 @@ def _filter_subscribe(
 _FILTER_SUBSCRIBER = av.LibraryClass(
     "message_filters::Subscriber",
     _filter_subscriber,
-    {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
+    {"subscribe": _subscribe, "registerCallback": register_callbacks},
 )
 _SYNCHRONIZERS = (
     "message_filters::Synchronizer",

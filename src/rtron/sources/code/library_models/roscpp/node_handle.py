@@ -6,27 +6,18 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.cpp_arguments import (
-    callback_message_type,
-    escape_functions,
-    message_type_of,
-    resolve_in_handle,
-    template_message_type,
+from rtron.sources.code.library_models.common import cpp_arguments
+from rtron.sources.code.library_models.common.trivial_functions import (
+    returning_field,
+    returning_unknown,
 )
-from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import (
     node_namespace,
     remap_name,
     resolve_name,
 )
-from rtron.sources.code.library_models.roscpp.parameters import (
-    get_param,
-    has_param,
-    param,
-    search_param,
-    set_param,
-)
+from rtron.sources.code.library_models.roscpp import parameters
 from rtron.sources.declaration import DeclarationKind
 
 
@@ -92,8 +83,8 @@ def _declare_endpoint(
     if isinstance(name, av.Instance) and "options" in name.fields:
         type = type or av.text_with_holes(name.fields.get("type", av.Scalar("")))
         name = name.fields["options"]
-    full = resolve_in_handle(machine, owner, name)
-    escape_functions(machine, arguments)
+    full = cpp_arguments.resolve_in_handle(machine, owner, name)
+    cpp_arguments.escape_functions(machine, arguments)
     endpoints.declare_endpoint(machine, kind, full, type, arguments, latched=latched)
     return av.Instance(ENDPOINT, {"name": remap_name(machine, full)})
 
@@ -107,12 +98,12 @@ def _make_firmware_endpoint(
     """
     message = arguments.get(1)
     if not (arguments.values and av.is_text(arguments.values[0])):
-        escape_functions(machine, arguments)
+        cpp_arguments.escape_functions(machine, arguments)
         return av.Instance(ENDPOINT)
     given = message.type if isinstance(message, av.Unknown) else None
-    type = template_message_type(machine, arguments)
-    type = type or callback_message_type(machine, arguments, 1)
-    type = _service_type(type or message_type_of(machine, given, arguments))
+    type = cpp_arguments.template_message_type(machine, arguments)
+    type = type or cpp_arguments.callback_message_type(machine, arguments, 1)
+    type = _service_type(type or cpp_arguments.message_type_of(machine, given, arguments))
     owner = handle(av.Scalar(node_namespace(machine)))
     return _declare_endpoint(kind, machine, owner, arguments, type)
 
@@ -120,7 +111,7 @@ def _make_firmware_endpoint(
 def advertise(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`advertise<T>(topic, queue_size, …, latch)`, `advertise(AdvertiseOptions)`."""
     latched = av.TRUE in arguments.values[2:] or _has_latch(arguments.get(0))
-    type = template_message_type(machine, arguments)
+    type = cpp_arguments.template_message_type(machine, arguments)
     kind = DeclarationKind.PUBLISH
     return _declare_endpoint(kind, machine, owner, arguments, type, latched=latched)
 
@@ -131,16 +122,16 @@ def _has_latch(options: av.Value | None) -> bool:
 
 def subscribe(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`subscribe<T>(topic, queue_size, callback, …)`, `subscribe(SubscribeOptions)`."""
-    type = template_message_type(machine, arguments)
-    type = type or callback_message_type(machine, arguments, 1)
+    type = cpp_arguments.template_message_type(machine, arguments)
+    type = type or cpp_arguments.callback_message_type(machine, arguments, 1)
     return _declare_endpoint(DeclarationKind.SUBSCRIBE, machine, owner, arguments, type)
 
 
 def _declare_service(
     kind: DeclarationKind, machine: AbstractMachine, owner: av.Value, arguments: Arguments
 ) -> av.Value:
-    type = template_message_type(machine, arguments)
-    type = _service_type(type or callback_message_type(machine, arguments, 1))
+    type = cpp_arguments.template_message_type(machine, arguments)
+    type = _service_type(type or cpp_arguments.callback_message_type(machine, arguments, 1))
     return _declare_endpoint(kind, machine, owner, arguments, type)
 
 
@@ -150,22 +141,18 @@ def _service_type(request: str) -> str:
 
 
 def _resolve_name(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
-    name = resolve_in_handle(machine, owner, arguments.get(0))
+    name = cpp_arguments.resolve_in_handle(machine, owner, arguments.get(0))
     plain = av.truth(arguments.get(1) or av.TRUE) is False
     return name if plain else remap_name(machine, name)
 
 
 def _get_namespace(machine: AbstractMachine, owner: av.Value, _: Arguments) -> av.Value:
-    return resolve_in_handle(machine, owner, av.Scalar(""))
+    return cpp_arguments.resolve_in_handle(machine, owner, av.Scalar(""))
 
 
 def _register_callback(machine: AbstractMachine, _: av.Value, arguments: Arguments) -> av.Value:
-    escape_functions(machine, arguments)
+    cpp_arguments.escape_functions(machine, arguments)
     return av.Instance(ENDPOINT)
-
-
-def _topic_name(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
-    return owner.fields.get("name", av.Unknown("topic"))
 
 
 _HANDLE_METHODS: Mapping[str, Callable[..., av.Value]] = {
@@ -173,12 +160,12 @@ _HANDLE_METHODS: Mapping[str, Callable[..., av.Value]] = {
     "subscribe": subscribe,
     "advertiseService": partial(_declare_service, DeclarationKind.SERVICE),
     "serviceClient": partial(_declare_service, DeclarationKind.SERVICE_CLIENT),
-    "param": param,
-    "getParam": get_param,
-    "getParamCached": get_param,
-    "hasParam": has_param,
-    "setParam": set_param,
-    "searchParam": search_param,
+    "param": parameters.param,
+    "getParam": parameters.get_param,
+    "getParamCached": parameters.get_param,
+    "hasParam": parameters.has_param,
+    "setParam": parameters.set_param,
+    "searchParam": parameters.search_param,
     "resolveName": _resolve_name,
     "getNamespace": _get_namespace,
     "getUnresolvedNamespace": _get_namespace,
@@ -188,7 +175,7 @@ NODE_HANDLE = av.LibraryClass("ros::NodeHandle", make_handle, dict(_HANDLE_METHO
 ENDPOINT = av.LibraryClass(
     "ros::Publisher",
     methods={
-        **dict.fromkeys(("getTopic", "getService"), _topic_name),
+        **dict.fromkeys(("getTopic", "getService"), returning_field("name", av.Unknown("topic"))),
         **dict.fromkeys(
             ("getNumSubscribers", "getNumPublishers", "isValid"), returning_unknown("set")
         ),
@@ -216,35 +203,9 @@ HANDLE_CLASSES = {
 
 def create_options(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`AdvertiseOptions::create<T>(topic, …)`, `SubscribeOptions::create<T>(topic, …)`."""
-    escape_functions(machine, arguments)
-    type = av.Scalar(template_message_type(machine, arguments))
+    cpp_arguments.escape_functions(machine, arguments)
+    type = av.Scalar(cpp_arguments.template_message_type(machine, arguments))
     return av.Instance(ADVERTISE_OPTIONS, {"options": arguments.value(0), "type": type})
 
 
-def _make_options(_: AbstractMachine, arguments: Arguments) -> av.Value:
-    del arguments
-    return av.Instance(ADVERTISE_OPTIONS, {"options": av.UNKNOWN, "type": av.Scalar("")})
-
-
-def _init_options(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
-    """`SubscribeOptions::init<T>(topic, queue, callback)`."""
-    escape_functions(machine, arguments)
-    machine.undo_log.set(owner.fields, "options", arguments.value(0))
-    machine.undo_log.set(owner.fields, "type", av.Scalar(template_message_type(machine, arguments)))
-    return owner
-
-
-ADVERTISE_OPTIONS = av.LibraryClass(
-    "ros::AdvertiseOptions",
-    methods=dict.fromkeys(("init", "initByFullCallbackType"), _init_options),
-)
-
-OPTIONS_CLASSES = {
-    name: av.LibraryClass(name, _make_options)
-    for name in (
-        "ros::AdvertiseOptions",
-        "ros::SubscribeOptions",
-        "ros::AdvertiseServiceOptions",
-        "ros::ServiceClientOptions",
-    )
-}
+ADVERTISE_OPTIONS = av.LibraryClass("ros::AdvertiseOptions")

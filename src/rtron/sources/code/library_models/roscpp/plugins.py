@@ -14,12 +14,7 @@ from rtron.sources.code.library_models.common.navigation_plugins import (
 from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import node_namespace, resolve_name
-from rtron.sources.code.library_models.roscpp.node_handle import (
-    handle,
-    handle_argument,
-    note_program_remaps,
-    private_handle,
-)
+from rtron.sources.code.library_models.roscpp import node_handle
 
 
 def _make_loader(_: AbstractMachine, arguments: Arguments) -> av.Value:
@@ -27,9 +22,7 @@ def _make_loader(_: AbstractMachine, arguments: Arguments) -> av.Value:
     return av.Instance(_LOADER, {"base": arguments.value(1)}, arguments.types)
 
 
-def _create_instance(
-    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
-) -> av.Value:
+def _create(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`loader.createInstance(name)`: the plugin's class, made from its source."""
     base = owner.fields.get("base", av.UNKNOWN)
     for option in av.options(arguments.get(0)):
@@ -62,7 +55,7 @@ _LOADER = av.LibraryClass(
                 "createUnmanagedInstance",
                 "createUniqueInstance",
             ),
-            _create_instance,
+            _create,
         ),
         "getName": _plugin_name,
         "isClassAvailable": returning_unknown("isClassAvailable"),
@@ -96,21 +89,17 @@ def _name(machine: AbstractMachine, nodelet: av.Value) -> av.Value:
 def _handle(machine: AbstractMachine, nodelet: av.Value, _: Arguments) -> av.Value:
     name = _name(machine, nodelet)
     if not isinstance(name, av.Scalar):
-        return handle(av.Scalar(node_namespace(machine)))
-    return handle(av.Scalar(str(name.value).rpartition("/")[0] or "/"))
+        return node_handle.handle(av.Scalar(node_namespace(machine)))
+    return node_handle.handle(av.Scalar(str(name.value).rpartition("/")[0] or "/"))
 
 
 def _private_handle(machine: AbstractMachine, nodelet: av.Value, _: Arguments) -> av.Value:
-    return handle(_name(machine, nodelet))
-
-
-def _get_name(machine: AbstractMachine, nodelet: av.Value, _: Arguments) -> av.Value:
-    return _name(machine, nodelet)
+    return node_handle.handle(_name(machine, nodelet))
 
 
 def _make_nodelet_loader(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`Loader(bool provide_ros_api = true)`, `Loader(server_handle)`: it serves what loads more."""
-    server = handle_argument(arguments) or private_handle(machine)
+    server = node_handle.handle_argument(arguments) or node_handle.private_handle(machine)
     if arguments.get(0) != av.FALSE:
         endpoints.declare_library(machine, "nodelet", arguments, server.fields["namespace"])
     return av.Instance(_NODELET_LOADER)
@@ -120,7 +109,7 @@ def _load(machine: AbstractMachine, _: av.Value, arguments: Arguments) -> av.Val
     """`loader.load(name, type, remappings, argv)`: the nodelet runs in this process."""
     name, type, remaps = arguments.value(0), arguments.value(1), arguments.get(2)
     if isinstance(remaps, av.MapValue) and remaps.fields:
-        note_program_remaps(machine, arguments)
+        node_handle.note_program_remaps(machine, arguments)
     made = None
     if isinstance(type, av.Scalar):
         made = cpp_runtime(machine).create_plugin(str(type.value), _BASE, arguments)
@@ -137,7 +126,7 @@ _NODELET = av.LibraryClass(
     methods={
         **dict.fromkeys(("getNodeHandle", "getMTNodeHandle"), _handle),
         **dict.fromkeys(("getPrivateNodeHandle", "getMTPrivateNodeHandle"), _private_handle),
-        "getName": _get_name,
+        "getName": lambda machine, nodelet, ___: _name(machine, nodelet),
     },
 )
 _NODELET_LOADER = av.LibraryClass("nodelet::Loader", _make_nodelet_loader, {"load": _load})

@@ -6,7 +6,6 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import message_type_of
-from rtron.sources.code.library_models.common.embedded_python import EMBEDDED_PYTHON
 from rtron.sources.code.library_models.common.navigation_plugins import NAVIGATION_CLASSES
 from rtron.sources.code.library_models.common.ros_arguments import write_without_remappings
 from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
@@ -20,24 +19,9 @@ from rtron.sources.code.library_models.ros1_common.names import (
     remap_name,
     resolve_name,
 )
+from rtron.sources.code.library_models.roscpp import node_handle, parameters
 from rtron.sources.code.library_models.roscpp.image_transport import IMAGE_CLASSES
 from rtron.sources.code.library_models.roscpp.libraries import FILTER_CLASSES, SERVER_CLASSES
-from rtron.sources.code.library_models.roscpp.node_handle import (
-    HANDLE_CLASSES,
-    OPTIONS_CLASSES,
-    create_options,
-    handle,
-    handle_argument,
-    note_program_remaps,
-    subscribe,
-)
-from rtron.sources.code.library_models.roscpp.parameters import (
-    get_param,
-    has_param,
-    param,
-    search_param,
-    set_param,
-)
 from rtron.sources.code.library_models.roscpp.plugins import NODELET_CLASSES, PLUGIN_CLASSES
 from rtron.sources.declaration import DeclarationKind
 
@@ -46,24 +30,18 @@ def _with_node_handle(method: Callable[..., av.Value]) -> Callable[..., av.Value
     """`ros::param::get` and the like resolve in the node's own namespace."""
 
     def called(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-        return method(machine, handle(av.Scalar(node_namespace(machine))), arguments)
+        return method(machine, node_handle.handle(av.Scalar(node_namespace(machine))), arguments)
 
     return called
 
 
 def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`ros::topic::waitForMessage<T>(topic, handle)`."""
-    owner = handle_argument(arguments) or handle(av.Scalar(node_namespace(machine)))
-    subscribe(machine, owner, arguments)
+    owner = node_handle.handle_argument(arguments) or node_handle.handle(
+        av.Scalar(node_namespace(machine))
+    )
+    node_handle.subscribe(machine, owner, arguments)
     return av.Unknown("message")
-
-
-def _node_name(machine: AbstractMachine, _: object, __: Arguments) -> av.Value:
-    return av.Scalar(machine.recorder.site.process_name)
-
-
-def _node_namespace(machine: AbstractMachine, _: object, __: Arguments) -> av.Value:
-    return av.Scalar(node_namespace(machine))
 
 
 def _resolve(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -88,36 +66,37 @@ def _call_service(machine: AbstractMachine, _: object, arguments: Arguments) -> 
 def _init(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`ros::init(argc, argv, name)`, or with remaps instead of the command line."""
     if isinstance(arguments.get(0), (av.MapValue, av.ListValue)):
-        note_program_remaps(machine, arguments)
+        node_handle.note_program_remaps(machine, arguments)
     return av.NONE
 
 
 ROSCPP_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
-    "ros::param::get": _with_node_handle(get_param),
-    "ros::param::getCached": _with_node_handle(get_param),
-    "ros::param::param": _with_node_handle(param),
-    "ros::param::has": _with_node_handle(has_param),
-    "ros::param::set": _with_node_handle(set_param),
-    "ros::param::search": _with_node_handle(search_param),
+    "ros::param::get": _with_node_handle(parameters.get_param),
+    "ros::param::getCached": _with_node_handle(parameters.get_param),
+    "ros::param::param": _with_node_handle(parameters.param),
+    "ros::param::has": _with_node_handle(parameters.has_param),
+    "ros::param::set": _with_node_handle(parameters.set_param),
+    "ros::param::search": _with_node_handle(parameters.search_param),
     "ros::topic::waitForMessage": _wait_for_message,
     "ros::init": _init,
     "ros::removeROSArgs": write_without_remappings,
     "ros::service::call": _call_service,
-    "ros::this_node::getName": _node_name,
-    "ros::this_node::getNamespace": _node_namespace,
+    "ros::this_node::getName": lambda machine, __, ___: av.Scalar(
+        machine.recorder.site.process_name
+    ),
+    "ros::this_node::getNamespace": lambda machine, __, ___: av.Scalar(node_namespace(machine)),
     "ros::names::resolve": _resolve,
     "ros::names::remap": _resolve,
     "ros::names::append": _append,
     "ros::names::clean": return_argument,
-    "ros::AdvertiseServiceOptions::create": create_options,
-    "ros::AdvertiseOptions::create": create_options,
-    "ros::SubscribeOptions::create": create_options,
+    "ros::AdvertiseServiceOptions::create": node_handle.create_options,
+    "ros::AdvertiseOptions::create": node_handle.create_options,
+    "ros::SubscribeOptions::create": node_handle.create_options,
     "ros::ok": returning_unknown("ok"),
 }
 
 ROSCPP_CLASSES: dict[str, av.LibraryClass] = {
-    **HANDLE_CLASSES,
-    **OPTIONS_CLASSES,
+    **node_handle.HANDLE_CLASSES,
     **IMAGE_CLASSES,
     **FILTER_CLASSES,
     **PLUGIN_CLASSES,
@@ -127,6 +106,5 @@ ROSCPP_CLASSES: dict[str, av.LibraryClass] = {
     **MESSAGE_CLASSES,
 }
 ROSCPP_FUNCTION_VALUES = {
-    name: av.LibraryFunction(name, call)
-    for name, call in {**ROSCPP_FUNCTIONS, **EMBEDDED_PYTHON}.items()
+    name: av.LibraryFunction(name, call) for name, call in ROSCPP_FUNCTIONS.items()
 }
