@@ -1,4 +1,4 @@
-"""Methods of lists and of the sequences of C++."""
+"""Methods of lists and of the sequences of C++; the order in which Python sorts."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace

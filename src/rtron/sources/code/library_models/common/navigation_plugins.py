@@ -1,4 +1,4 @@
-"""Plugins of the navigation stacks: what starts them, and what their bases have.
+"""Plugins, and those of the navigation stacks: what starts them, and what their bases have.
 
 Sources: navigation (costmap_2d, nav_core), move_base_flex (mbf_costmap_core) and navigation2
 (nav2_costmap_2d, nav2_core). What these have of their own source counts before.

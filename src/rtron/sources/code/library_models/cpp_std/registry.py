@@ -9,7 +9,7 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.cpp_std import containers, functional, strings
 from rtron.sources.code.library_models.cpp_std.algorithms import ALGORITHMS
-from rtron.sources.code.library_models.cpp_std.files import FILE, make_buffer_iterator
+from rtron.sources.code.library_models.cpp_std.strings import FILE, make_buffer_iterator
 
 _OPTION = 2
 

@@ -1,4 +1,4 @@
-"""Where packages lie: rospkg, roslib, ament_index_python.
+"""Where packages lie: rospkg, roslib, ament_index_python, resource_retriever.
 
 In a workspace a package's share folder is the package itself.
 """
@@ -55,6 +55,21 @@ def _search_paths(machine: AbstractMachine, _: object, __: Arguments) -> av.Valu
     return av.list_of([av.Scalar(f"/install/{name}") for name in names])
 
 
+def _resource_file(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    """`resource_retriever.get_filename("package://p/file", use_protocol=False)`."""
+    protocol = "" if arguments.get(1, "use_protocol") == av.FALSE else "file://"
+
+    def found(one: av.Value) -> av.Value:
+        text = str(one.value) if isinstance(one, av.Scalar) else ""
+        package, _, rest = text.removeprefix("package://").partition("/")
+        folder = _folder(machine, av.Scalar(package))
+        if not text.startswith("package://") or not isinstance(folder, av.Scalar):
+            return av.Unknown(f"path of {av.text_with_holes(one)}")
+        return av.Scalar(f"{protocol}{folder.value}/{rest}")
+
+    return av.map_options(arguments.get(0, "url") or av.NONE, found)
+
+
 _ROSPACK = av.LibraryClass("rospkg.RosPack", methods={"get_path": _package_folder})
 
 
@@ -63,6 +78,7 @@ PACKAGE_PATHS: Mapping[str, Callable[..., av.Value]] = {
     "rospkg.rospack.RosPack": making(_ROSPACK),
     "roslib.packages.get_pkg_dir": _package_folder,
     "roslib.packages.get_dir_pkg": _package_folder,
+    "resource_retriever.get_filename": _resource_file,
     **{
         f"{module}.{name}": call
         for module in ("ament_index_python", "ament_index_python.packages")

@@ -1,4 +1,4 @@
-"""roslaunch's API: the launch files and nodes that a program starts by it (ROS wiki: roslaunch)."""
+"""What a Python program starts: processes, and launch files by roslaunch's API (ROS wiki)."""
 
 from collections.abc import Callable, Iterator, Mapping
 

@@ -7,7 +7,7 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.ros_arguments import without_remappings
+from rtron.sources.code.library_models.common.command_lines import without_remappings
 from rtron.sources.code.library_models.python_std.argument_parsers import (
     ARGUMENT_PARSERS,
     command_line_value,
@@ -15,9 +15,11 @@ from rtron.sources.code.library_models.python_std.argument_parsers import (
 from rtron.sources.code.library_models.python_std.collection_types import PYTHON_COLLECTIONS
 from rtron.sources.code.library_models.python_std.data_classes import DATACLASSES
 from rtron.sources.code.library_models.python_std.data_files import DATA_FILE_FUNCTIONS
-from rtron.sources.code.library_models.python_std.dynamic_code import DYNAMIC_CODE_FUNCTIONS
+from rtron.sources.code.library_models.python_std.dynamic_code import (
+    DYNAMIC_CODE_FUNCTIONS,
+    MODULE_FILES,
+)
 from rtron.sources.code.library_models.python_std.environment import environment_value, getenv
-from rtron.sources.code.library_models.python_std.module_files import MODULE_FILES
 from rtron.sources.code.library_models.python_std.package_paths import PACKAGE_PATHS
 from rtron.sources.code.library_models.python_std.paths import PYTHON_PATHS
 from rtron.sources.code.library_models.python_std.processes import PROCESSES

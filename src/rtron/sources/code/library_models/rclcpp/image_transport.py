@@ -29,7 +29,11 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
     node_parameter_value,
     value_or_default,
 )
-from rtron.sources.code.library_models.ros2_common.qos import DEFAULT_QOS, QOS_PROFILES, read_qos
+from rtron.sources.code.library_models.ros2_common.qos import (
+    DEFAULT_QOS,
+    QOS_PROFILES,
+    read_qos,
+)
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
 

@@ -19,7 +19,11 @@ from rtron.sources.code.library_models.rclcpp.parameters import declare_paramete
 from rtron.sources.code.library_models.ros2_common import endpoints, libraries
 from rtron.sources.code.library_models.ros2_common.nodes import first_node
 from rtron.sources.code.library_models.ros2_common.parameters import note_parameter_callbacks
-from rtron.sources.code.library_models.ros2_common.qos import QOS_PROFILES, is_qos, read_qos
+from rtron.sources.code.library_models.ros2_common.qos import (
+    QOS_PROFILES,
+    is_qos,
+    read_qos,
+)
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
 

@@ -11,17 +11,20 @@ from rtron.sources.code.library_models.common.trivial_functions import (
     return_owner,
     returning_field,
 )
-from rtron.sources.code.library_models.ros2_common import qos_overrides
 from rtron.sources.code.library_models.ros2_common.qos import (
     DEFAULT_QOS,
     DEPTH_FIELD,
     DURABILITY_FIELD,
+    POLICIES_FIELD,
+    POLICY_KINDS,
     QOS_PROFILES,
     RELIABILITY_FIELD,
     is_qos,
+    overriding_options,
     policy_value,
     qos_fields,
     qos_object,
+    with_default_policies,
 )
 from rtron.vocabulary import Durability, Reliability
 
@@ -142,17 +145,17 @@ def _make_overriding_options(_: AbstractMachine, arguments: Arguments) -> av.Val
 
 def _overriding_options(values: Sequence[av.Value]) -> av.Value:
     first = values[0] if values else av.list_of(())
-    if isinstance(first, av.Instance) and qos_overrides.POLICIES_FIELD in first.fields:
+    if isinstance(first, av.Instance) and POLICIES_FIELD in first.fields:
         return first
     if not isinstance(first, av.ListValue):
-        return qos_overrides.overriding_options(_OVERRIDING, av.list_of(tuple(values)), None)
+        return overriding_options(_OVERRIDING, av.list_of(tuple(values)), None)
     identity = values[_ID_AT] if len(values) > _ID_AT else None
-    return qos_overrides.overriding_options(_OVERRIDING, first, identity)
+    return overriding_options(_OVERRIDING, first, identity)
 
 
 def _with_default_policies(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`QosOverridingOptions::with_default_policies(callback, id)`."""
-    return qos_overrides.with_default_policies(_OVERRIDING, arguments.get(1))
+    return with_default_policies(_OVERRIDING, arguments.get(1))
 
 
 ENDPOINT_OPTIONS = av.LibraryClass("rclcpp::PublisherOptions", _make_endpoint_options)
@@ -170,5 +173,5 @@ OVERRIDING_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
 }
 OVERRIDING_CONSTANTS: Mapping[str, av.Value] = {
     f"rclcpp::QosPolicyKind::{kind.title().replace('_', '')}": av.Scalar(kind)
-    for kind in qos_overrides.POLICY_KINDS
+    for kind in POLICY_KINDS
 }

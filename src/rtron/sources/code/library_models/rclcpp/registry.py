@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.command_lines import remove_ros_arguments
 from rtron.sources.code.library_models.common.navigation_plugins import NAVIGATION_CLASSES
-from rtron.sources.code.library_models.common.ros_arguments import remove_ros_arguments
 from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
@@ -18,13 +18,12 @@ from rtron.sources.code.library_models.rclcpp.behavior_tree_ros_nodes import (
     ROS_TREE_FUNCTIONS,
 )
 from rtron.sources.code.library_models.rclcpp.behavior_trees import TREE_CLASSES, TREE_FUNCTIONS
-from rtron.sources.code.library_models.rclcpp.component_manager import COMPONENT_CLASSES
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.hardware import HARDWARE_CLASSES
 from rtron.sources.code.library_models.rclcpp.image_transport import IMAGE_CLASSES, IMAGE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.libraries import CONTROLLER_CLASSES, LIBRARY_CLASSES
 from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES, NAV2_FUNCTIONS
-from rtron.sources.code.library_models.rclcpp.node import NODE_CLASSES
+from rtron.sources.code.library_models.rclcpp.node import COMPONENT_CLASSES, NODE_CLASSES
 from rtron.sources.code.library_models.rclcpp.parameters import PARAMETER_CLASSES
 from rtron.sources.code.library_models.rclcpp.pluginlib import PLUGIN_CLASSES
 from rtron.sources.code.library_models.ros2_common.parameter_types import PARAMETER_TYPE_CONSTANTS

@@ -5,15 +5,17 @@ from collections.abc import Mapping
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.ros2_common import qos_overrides
 from rtron.sources.code.library_models.ros2_common.qos import (
     DEFAULT_QOS,
     DEPTH_FIELD,
     DURABILITY_FIELD,
+    POLICY_KINDS,
     QOS_PROFILES,
     RELIABILITY_FIELD,
+    overriding_options,
     policy_value,
     read_qos,
+    with_default_policies,
 )
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
@@ -86,12 +88,12 @@ _PRESET_PROFILES = av.LibraryClass("rclpy.qos.QoSPresetProfiles")
 def _make_overriding_options(_: AbstractMachine, arguments: Arguments) -> av.Value:
     """`QoSOverridingOptions(policy_kinds, callback=…, entity_id=…)`."""
     policies = arguments.get(0, "policy_kinds") or av.Unknown("policy_kinds")
-    return qos_overrides.overriding_options(_OVERRIDING_OPTIONS, policies, _entity_id(arguments))
+    return overriding_options(_OVERRIDING_OPTIONS, policies, _entity_id(arguments))
 
 
 def _with_default_policies(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`QoSOverridingOptions.with_default_policies(callback=…, entity_id=…)`."""
-    return qos_overrides.with_default_policies(_OVERRIDING_OPTIONS, _entity_id(arguments))
+    return with_default_policies(_OVERRIDING_OPTIONS, _entity_id(arguments))
 
 
 def _entity_id(arguments: Arguments) -> av.Value | None:
@@ -106,8 +108,5 @@ _OVERRIDING_OPTIONS = av.LibraryClass(
 )
 OVERRIDING_CLASSES: Mapping[str, av.Value] = {
     _OVERRIDING_OPTIONS.name: _OVERRIDING_OPTIONS,
-    **{
-        f"rclpy.qos.QoSPolicyKind.{kind.upper()}": av.Scalar(kind)
-        for kind in qos_overrides.POLICY_KINDS
-    },
+    **{f"rclpy.qos.QoSPolicyKind.{kind.upper()}": av.Scalar(kind) for kind in POLICY_KINDS},
 }

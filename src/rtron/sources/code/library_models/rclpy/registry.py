@@ -6,17 +6,17 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.ros_arguments import remove_ros_arguments
+from rtron.sources.code.library_models.common.command_lines import remove_ros_arguments
 from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.rclpy.node import (
     ENDPOINT,
     LIFECYCLE_NODE,
     NODE,
+    PARAMETER,
     declare_endpoint,
     make_node,
 )
-from rtron.sources.code.library_models.rclpy.parameters import PARAMETER
 from rtron.sources.code.library_models.rclpy.qos import OVERRIDING_CLASSES, library_profiles
 from rtron.sources.code.library_models.ros2_common import libraries
 from rtron.sources.declaration import DeclarationKind

@@ -5,9 +5,9 @@ from collections.abc import Callable, Mapping
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.command_lines import write_without_remappings
 from rtron.sources.code.library_models.common.cpp_arguments import message_type_of
 from rtron.sources.code.library_models.common.navigation_plugins import NAVIGATION_CLASSES
-from rtron.sources.code.library_models.common.ros_arguments import write_without_remappings
 from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
