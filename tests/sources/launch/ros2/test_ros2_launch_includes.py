@@ -96,14 +96,11 @@ def test_a_file_included_under_a_condition(python, child):
     [
         ("'/nowhere/x.launch.py'", "is no file", "/nowhere/x.launch.py"),
         ("'/nowhere/x.launch.xml'", "No such file", "/nowhere/x.launch.xml"),
-        (
-            "os.path.join(get_package_share_directory('no'), 'x.py')",
-            "what it includes is not known",
-            "",
-        ),
+        ("os.path.join(get_package_share_directory('no'), 'x.py')", "what it includes is not known",
+         ""),
         ("[LaunchConfiguration('dir'), '/x.py']", "argument 'dir' is not given", ""),
     ],
-)
+)  # fmt: skip
 def test_a_file_that_is_not_here_is_noted_and_the_rest_is_read(python, file, why, missing):
     app = python(f"IncludeLaunchDescription({file}), Node(executable='e', name='n')")
     assert names(app) == ["/n"]
