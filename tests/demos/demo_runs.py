@@ -113,7 +113,6 @@ def corridor_drive(turn_at=None):
                 clearance=max(0.0, y - 0.105),
                 collided=collided,
                 in_area=False,
-                network=True,
                 light="none",
                 pedestrians=(),
                 distance_to_goal=abs(4.5 - x),

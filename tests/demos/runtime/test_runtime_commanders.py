@@ -11,7 +11,6 @@ from rtron.demos.apps.logic.demo_logic.teleop_command import read_command
 from rtron.demos.cases import AGENT
 from rtron.demos.runtime.commanders import person_at
 from rtron.demos.world.robot_base import STEP
-from rtron.demos.world.server.requests import ResetRequest
 from rtron.demos.world.simulation import RobotSimulation
 
 SEEDS = range(1, 7)
@@ -26,7 +25,7 @@ def world():
 
 
 def start_run(world, seed):
-    world.reset(ResetRequest("agent", seed))
+    world.reset("agent", seed)
     world.start()
     return world.scene.as_json()
 

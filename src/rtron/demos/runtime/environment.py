@@ -2,10 +2,9 @@
 
 import json
 import os
-import secrets
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -31,7 +30,6 @@ from rtron.workflows.live_app import master_answers
 _NAME = "/rtron_demo"
 _ANSWER_TIMEOUT_S = 2.0
 _BEGIN_TIMEOUT_S = 20.0
-_LIMIT = 60.0
 
 
 @contextmanager
@@ -245,10 +243,14 @@ def run_world(
 
     SourceError if it does not come up, with what it said.
     """
-    key = secrets.token_hex()
-    command: Command = [sys.executable, "-m", "rtron.demos.world", socket, "--speed", f"{speed:g}"]
+    command: Command = [sys.executable, "-m", "rtron.demos.world", socket, str(speed)]
     with (
-        processes.running(command, {**environ, "DEMO_KEY": key}, name="world"),
-        WorldClient.connect(socket, key, _LIMIT) as owner,
+        processes.running(command, environ, name="world") as world,
+        closing(wait_for(lambda: _become_owner(world, socket), "the world")) as owner,
     ):
         yield owner
+
+
+def _become_owner(world: StartedProcess, socket: Path) -> WorldClient | None:
+    world.check()
+    return WorldClient.connect(socket)

@@ -23,7 +23,6 @@ class GroundTruth:
     clearance: float
     collided: bool
     in_area: bool
-    network: bool
     light: str
     pedestrians: tuple[Position, ...]
     distance_to_goal: float
