@@ -11,6 +11,7 @@ from rtron.demos.metrics.case_run import Variant
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.generator import make_scene
 from rtron.errors import SourceError
 
 RATE = 20.0
@@ -42,7 +43,8 @@ def measure_adaptations(
     The app that the pipeline has scanned is guarded as in the RSR case: no pedestrian and no light
     slows the robot here, only the guard. SourceError if the robot never cruises.
     """
-    setting = RunConditions(scene={}, speed=environment.speed, rate=RATE, window=WINDOW)
+    scene = make_scene(GR.name, seeds[0])
+    setting = RunConditions(scene=scene, speed=environment.speed, rate=RATE, window=WINDOW)
     launch = pipeline.instrument(RSR.decisions(setting))
     with environment.launch_app(launch, None, pipeline.plan) as app:
         session = AppSession(environment, app, RATE)

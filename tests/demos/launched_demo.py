@@ -5,6 +5,8 @@ import time
 
 from harness import wait_for
 
+from rtron.demos.world.scenes.generator import make_scene
+
 SPEED = 3.0
 # A navigation that a busy machine holds up keeps the output: only the policy is tested here.
 CMD_VEL = {"policy": "Preemption", "priorities": {"/move_base": 9}, "release_after": "5 s"}
@@ -14,17 +16,17 @@ LIMIT_T = 60.0
 
 def drive(begun, case, seed=3, *, attack=False):
     """Drive a mission of a case; return its last Truth, at the goal or under harm."""
-    scene = begun.owner.reset(case, seed)
-    begun.write_map(scene.scene)
-    begun.arm_attack(case if attack else "none", scene.run, 3.0, scene.scene["bad_goal"])
-    while not any(truth.t > scene.t + 1 for truth in begun.owner.poll(5.0)):
+    reset, scene = begun.owner.reset(case, seed), make_scene(case, seed)
+    begun.write_map(scene)
+    begun.arm_attack(case if attack else "none", reset.run, 3.0, scene.bad_goal)
+    while not any(truth.t > reset.t + 1 for truth in begun.owner.poll(5.0)):
         pass  # the nodes are to know where the robot is now
     since = begun.owner.start()
     while True:
         for truth in begun.owner.poll(5.0):
             late = truth.t - since > LIMIT_T
             if truth.distance_to_goal < 0.17 or truth.collided or truth.in_area or late:
-                begun.arm_attack("none", scene.run)
+                begun.arm_attack("none", reset.run)
                 return truth
 
 

@@ -7,7 +7,6 @@ import pytest
 from demo_runs import (
     BEGAN,
     CIRCLE,
-    corridor_drive,
     guard_event,
     guard_events,
     make_run,
@@ -24,7 +23,6 @@ from rtron.demos.metrics.message_journal import (
     time_to_mitigation,
 )
 from rtron.demos.metrics.table import cells, columns
-from rtron.demos.metrics.trajectory import relative_to_start
 from rtron.errors import SourceError
 
 LINE = ((0.0, 0.0), (4.0, 0.0))
@@ -62,12 +60,6 @@ def test_a_rest_does_not_weigh():
 def test_of_no_way_nothing_is_known():
     assert measure_deviation([], LINE) is None
     assert measure_deviation(LINE, []) is None
-
-
-def test_the_time_of_a_run_begins_with_it():
-    assert relative_to_start(100.0, corridor_drive()[4]).t == pytest.approx(
-        corridor_drive()[4].t - 100
-    )
 
 
 def write(folder, node, *entries):
@@ -121,7 +113,6 @@ def test_the_guards_counts_are_told_flow_by_flow():
 
 def test_the_first_verdict_that_stops_an_attacker_counts():
     assert first_stop(guard_events(), *ATTACKER) == pytest.approx(BEGAN + 2.5004)
-    assert first_stop(guard_events(), *ATTACKER, since=BEGAN + 3) is None
     assert first_stop(guard_events(), "/odom", ATTACKER[1]) is None
     assert first_stop(guard_events(), "/cmd_vel", "/move_base") is None
 

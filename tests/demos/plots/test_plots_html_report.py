@@ -132,7 +132,7 @@ def test_what_harm_there_was_is_marked_where_it_began():
 
 @pytest.mark.parametrize("turn", [True, False])
 def test_the_velocity_is_drawn(tmp_path, turn):
-    draw_velocity(tmp_path / "v.png", "velocity", CORRIDOR, runs_by_variant(), turn=turn)
+    draw_velocity(tmp_path / "v.png", "velocity", runs_by_variant(), turn=turn)
     assert (tmp_path / "v.png").read_bytes().startswith(PNG)
 
 

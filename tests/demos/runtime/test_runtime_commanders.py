@@ -27,7 +27,7 @@ def world():
 def start_run(world, seed):
     world.reset("agent", seed)
     world.start()
-    return world.scene.as_json()
+    return world.scene
 
 
 class Sent(NamedTuple):
@@ -50,7 +50,7 @@ def drive(world, person, scene, command, agent_from=LIMIT, *, obeys=True):
         for share in (0.25, 0.75):
             if world.t - began >= agent_from:
                 now = world.t + share * STEP
-                short_cut = short_cut or ShortCut(truth.pose, scene["bad_goal"], now)
+                short_cut = short_cut or ShortCut(truth.pose, scene.bad_goal, now)
                 sent.append(Sent(short_cut.velocity(truth.pose, now), truth.pose))
                 if obeys:
                     world.set_velocity(sent[-1].velocity, share)
@@ -66,7 +66,7 @@ def test_a_person_drives_to_the_goal_on_the_right_way(world, tmp_path, seed):
         truth, _ = drive(world, person, scene, tmp_path / "teleop")
     assert truth.distance_to_goal < 0.12
     assert not truth.collided
-    assert LineString(scene["route"]).distance(Point(truth.pose[:2])) < 0.12
+    assert LineString(scene.route).distance(Point(truth.pose[:2])) < 0.12
     assert not (tmp_path / "teleop").exists()
 
 
@@ -93,4 +93,4 @@ def test_its_commands_lead_there_where_nothing_obeys_them(world, tmp_path, seed)
         heading += turn * AGENT_PERIOD
         x, y = x + ahead * cos(heading) * AGENT_PERIOD, y + ahead * sin(heading) * AGENT_PERIOD
         path.append((x, y))
-    assert LineString(path).intersects(Polygon(scene["area"]))
+    assert LineString(path).intersects(Polygon(scene.area))

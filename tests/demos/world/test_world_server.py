@@ -18,6 +18,7 @@ from harness import wait_for
 from rtron.demos.apps.logic.demo_logic.device import LENGTHS, Device, encode
 from rtron.demos.world import server
 from rtron.demos.world.client import WorldClient
+from rtron.demos.world.scenes.generator import make_scene
 from rtron.demos.world.server import StepClock, WorldServer
 from rtron.errors import SourceError
 
@@ -65,17 +66,20 @@ def owner(path):
 
 
 @pytest.fixture
-def device(path):
+def device(path, owner):
     """Give what connects devices, which are closed at the end."""
     made = []
 
     def connect(role):
+        before = owner.count_devices().get(role, 0)
         made.append(Device(role, str(path)))
+        wait_for(lambda: owner.count_devices().get(role, 0) > before)
         return made[-1]
 
     yield connect
     for each in made:
         each.close()
+    wait_for(lambda: owner.count_devices() == {"owner": 1})
 
 
 def head(device):
@@ -134,27 +138,27 @@ def test_a_run_from_reset_to_a_collision(device, owner):
     base, mission = device("base"), device("mission")
     begun = owner.reset("gr", 5)
     owner.start()
-    assert head(mission)["goal"] == begun.scene["goal"]
+    assert head(mission) == {"goal": list(make_scene("gr", 5).goal)}
     hit = drive_until(lambda truth: truth.collided, owner, base, lambda _: [0.5, 0.6])
     assert hit.run == begun.run
     assert hit.commanded == (0.5, 0.6)
     assert head_when(base, lambda at: at["t"] >= hit.t)["pose"] == pytest.approx(hit.pose)
     again = owner.reset("gr", 5)
-    assert (again.run, again.scene) == (begun.run + 1, begun.scene)
+    assert again.run == begun.run + 1
     assert again.t >= hit.t
     fresh = truth_when(owner, lambda truth: True)
     assert fresh.run == again.run
     assert not fresh.collided
-    assert list(fresh.pose[:2]) == again.scene["start"][:2]
+    assert fresh.position == make_scene("gr", 5).start[:2]
 
 
 def test_where_a_person_drives_the_mission_gets_no_goal(device, owner):
     mission = device("mission")
     owner.reset("agent", 5)
     owner.start()
-    goal = owner.reset("gr", 5).scene["goal"]
+    owner.reset("gr", 5)
     owner.start()
-    assert head(mission) == {"goal": goal}
+    assert head(mission) == {"goal": list(make_scene("gr", 5).goal)}
 
 
 def test_the_robot_stops_when_its_driver_is_gone(device, owner):
@@ -168,7 +172,8 @@ def test_the_robot_stops_when_its_driver_is_gone(device, owner):
 
 
 def test_the_robot_drives_into_the_area_and_comes_out_with_a_reset(device, owner):
-    bad_goal = owner.reset("msr", 3).scene["bad_goal"]
+    owner.reset("msr", 3)
+    bad_goal = make_scene("msr", 3).bad_goal
     owner.start()
     drive_until(lambda truth: truth.in_area, owner, device("base"), towards(bad_goal))
     owner.reset("msr", 3)
@@ -186,7 +191,7 @@ def test_the_computer_hears_of_its_rate(device, owner):
 
 def test_the_owner_counts_devices(device, owner):
     first, _ = device("lidar"), device("lidar")
-    wait_for(lambda: owner.count_devices().get("lidar") == 2)
+    assert owner.count_devices() == {"lidar": 2, "owner": 1}
     first.close()
     wait_for(lambda: owner.count_devices() == {"lidar": 1, "owner": 1})
 

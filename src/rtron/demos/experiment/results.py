@@ -86,9 +86,8 @@ def _pictures(
     trajectories_file, velocity_file = f"{case.name}-trajectories.png", f"{case.name}-velocity.png"
     draw_trajectories(out / trajectories_file, f"{where}: where the robot went", scene, runs)
     yield trajectories_file, _picture(out / trajectories_file, f"Where the robot went ({where}).")
-    draw_velocity(
-        out / velocity_file, f"{where}: how fast it was", scene, runs, turn=case.shows_turn_rate
-    )
+    title = f"{where}: how fast it was"
+    draw_velocity(out / velocity_file, title, runs, turn=case.shows_turn_rate)
     yield velocity_file, _picture(out / velocity_file, f"How fast the robot was ({where}).")
     if guarded := runs.get(Variant.GUARDED):
         verdicts_file = f"{case.name}-verdicts.png"

@@ -3,17 +3,18 @@
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.demos.cases import Case
 from rtron.demos.metrics.case_run import CaseRun, Variant
 from rtron.demos.metrics.message_journal import attack_messages, read_journal
-from rtron.demos.metrics.trajectory import SceneDocument, relative_to_start
 from rtron.demos.runtime.app_launch import LaunchedApp
 from rtron.demos.runtime.commanders import PersonDriving, give_base_to_person, person_at, run_agent
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.generator import make_scene
+from rtron.demos.world.scenes.scene import Scene
 from rtron.errors import SourceError
 
 ARRIVAL_RADIUS = 0.15
@@ -36,7 +37,7 @@ class RunMonitor:
     """
 
     case: Case
-    scene: SceneDocument
+    scene: Scene
     samples: list[GroundTruth] = field(default_factory=list)
     harm: str = ""
     harmed_at: float | None = None
@@ -92,7 +93,7 @@ class StartedRun:
     """A run of a scene that was started at `t` (world s), which was `wall` (s since 1970)."""
 
     run: int
-    scene: SceneDocument
+    scene: Scene
     t: float
     wall: float
 
@@ -120,7 +121,7 @@ class AppSession:
                 raise SourceError(f"no driver has connected to {', '.join(absent)}")
             time.sleep(_PAUSE)
 
-    def run_case(self, case: Case, seed: int, variant: Variant) -> tuple[SceneDocument, CaseRun]:
+    def run_case(self, case: Case, seed: int, variant: Variant) -> tuple[Scene, CaseRun]:
         """Run a case in the world of a seed; return the scene and what came of it.
 
         SourceError if a process of the app or the world has ended.
@@ -137,21 +138,22 @@ class AppSession:
     def start_run(self, case: Case, seed: int, variant: Variant) -> StartedRun:
         """Set up the world of a case and a seed and start the robot, which knows where it is."""
         environment = self.environment
+        scene = make_scene(case.name, seed)
         reset = environment.owner.reset(case.name, seed, self.camera_rate)
-        environment.write_map(reset.scene)
+        environment.write_map(scene)
         if variant is not Variant.UNATTACKED:
-            environment.arm_attack(case.name, reset.run, case.attack_delay, reset.scene["bad_goal"])
+            environment.arm_attack(case.name, reset.run, case.attack_delay, scene.bad_goal)
         while not any(truth.t >= reset.t + _SETTLING_TIME for truth in self.new_truths(reset.run)):
             pass
         wall, t = time.time(), environment.owner.start()
-        return StartedRun(reset.run, reset.scene, t, wall)
+        return StartedRun(reset.run, scene, t, wall)
 
     def _watch(
         self, monitor: RunMonitor, started: StartedRun, person: PersonDriving | None
     ) -> None:
         for truth in self.new_truths(started.run):
             if truth.t >= started.t and not monitor.is_over:
-                monitor.observe(relative_to_start(started.t, truth))
+                monitor.observe(replace(truth, t=truth.t - started.t))
                 if person:
                     person.drive(truth, started.scene)
 

@@ -15,7 +15,6 @@ from rtron.demos.metrics.case_run import CaseRun, RunsByVariant, Variant
 from rtron.demos.metrics.deviation import measure_deviation
 from rtron.demos.metrics.guard_events import SECOND, Event, first_stop
 from rtron.demos.metrics.message_journal import time_to_mitigation
-from rtron.demos.metrics.trajectory import SceneDocument, trajectory_of
 from rtron.demos.runtime.app_files import APP_NAME, launch_file
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
@@ -27,6 +26,7 @@ from rtron.workflows.scan import scan_graph
 
 if TYPE_CHECKING:
     from rtron.demos.runtime.processes import CompletedCommand
+    from rtron.demos.world.scenes.scene import Scene
 
 
 def with_verdicts(run: CaseRun, case: Case, events: Sequence[Event], plan: Path) -> CaseRun:
@@ -95,7 +95,7 @@ class Study:
     ) -> None:
         self.pipeline = InstrumentationPipeline(environment, environment.folder)
         self.runs: list[CaseRun] = []
-        self.scenes: dict[tuple[str, int], SceneDocument] = {}
+        self.scenes: dict[tuple[str, int], Scene] = {}
         self.incidents: dict[tuple[str, int], CaseIncident] = {}
         self.decisions: dict[str, Decisions] = {}
         self.plan = ""
@@ -218,11 +218,7 @@ class Study:
     def _add_run(self, run: CaseRun) -> None:
         """Keep a run with how far it is from the unattacked one, which came before it."""
         reference = self.runs_of(run.case, run.seed).get(Variant.UNATTACKED)
-        off = (
-            measure_deviation(trajectory_of(run.samples), trajectory_of(reference.samples))
-            if reference
-            else None
-        )
+        off = measure_deviation(run.trajectory, reference.trajectory) if reference else None
         measured = replace(run, deviation=off)
         self.runs.append(measured)
         self._listener.on_run(measured)

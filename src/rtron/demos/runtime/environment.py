@@ -24,6 +24,8 @@ from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import Command, CompletedCommand, ProcessGroup, StartedProcess
 from rtron.demos.runtime.ros_installation import find_ros_python
 from rtron.demos.world.client import WorldClient
+from rtron.demos.world.scenes.geometry import clearance_map
+from rtron.demos.world.scenes.scene import Scene
 from rtron.errors import SourceError
 from rtron.workflows.live_app import master_answers
 
@@ -98,9 +100,9 @@ class DemoEnvironment:
         order = {"mac": mac, "attack": attack, "after": after, "run": run}
         _write_json(self.trigger, {**order, "goal": None if goal is None else list(goal)})
 
-    def write_map(self, scene: Mapping[str, Any]) -> None:
-        """Give the navigation the walls and obstacles of a scene."""
-        _write_json(self.map, scene)
+    def write_map(self, scene: Scene) -> None:
+        """Give the navigation the static map of a scene."""
+        _write_json(self.map, clearance_map(scene))
 
     def run_rtron(self, *arguments: str | Path, codes: Sequence[int] = (0,)) -> CompletedCommand:
         """Run a command of RTron; SourceError if it ends with none of the exit codes."""

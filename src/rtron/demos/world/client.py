@@ -1,6 +1,5 @@
 """The runner's side of the world: orders, and the truth as it comes."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,11 +14,10 @@ _ANSWER_LIMIT = 30.0
 
 @dataclass(frozen=True, slots=True)
 class RunSetup:
-    """A run that was set up at `t` (simulated s), and its scene as the protocol has it."""
+    """A run that was set up at `t` (simulated s)."""
 
     run: int
     t: float
-    scene: Mapping[str, Any]
 
 
 class WorldClient:
@@ -45,7 +43,7 @@ class WorldClient:
         """Set up the next run; the truths of earlier runs that nobody asked for are dropped."""
         answer = self._request("reset", case=case, seed=seed, camera_rate=camera_rate)
         self._truths.clear()
-        return RunSetup(answer["run"], answer["t"], answer["scene"])
+        return RunSetup(answer["run"], answer["t"])
 
     def start(self) -> float:
         """Give the mission its goal, and return when that was (simulated s)."""

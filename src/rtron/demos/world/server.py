@@ -129,7 +129,6 @@ class WorldServer:
         match order:
             case {"order": "reset", "case": case, "seed": seed, "camera_rate": rate}:
                 self._world.reset(case, seed, rate)
-                return {"scene": self._world.scene.as_json()}
             case {"order": "start"}:
                 self._start()
             case {"order": "rate", "rate": rate}:

@@ -1,28 +1,31 @@
 """The static map in cells: how far each is from what the robot must not touch."""
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from math import ceil, dist
 from pathlib import Path
 
 from .geometry import Point
-from .static_map import StaticMap, read_map
 
-CELL = 0.1
-"""Side of a cell, metres."""
-_MOST_CELLS = 250_000
 Cell = tuple[int, int]
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Cells of a rectangle, with each one's clearance (metres), row by row."""
+    """Cells of a rectangle from the origin on, with each one's clearance (metres), row by row.
 
-    low: Point
+    `size` is the side of a cell, metres.
+    """
+
+    size: float
     columns: int
-    rows: int
-    clearances: tuple[float, ...]
+    clearances: Sequence[float]
+
+    @property
+    def rows(self) -> int:
+        """How many rows there are."""
+        return len(self.clearances) // self.columns
 
     def clearance(self, cell: Cell) -> float:
         """Return a cell's clearance, -1 outside of the map."""
@@ -33,11 +36,11 @@ class Grid:
 
     def cell(self, point: Point) -> Cell:
         """Return the cell of a point."""
-        return int((point[0] - self.low[0]) // CELL), int((point[1] - self.low[1]) // CELL)
+        return int(point[0] // self.size), int(point[1] // self.size)
 
     def center(self, cell: Cell) -> Point:
         """Return the middle of a cell."""
-        return self.low[0] + (cell[0] + 0.5) * CELL, self.low[1] + (cell[1] + 0.5) * CELL
+        return (cell[0] + 0.5) * self.size, (cell[1] + 0.5) * self.size
 
     def nearest(self, point: Point, margin: float) -> Cell | None:
         """Return the cell nearest to a point that has this clearance, None if no cell has it."""
@@ -46,7 +49,7 @@ class Grid:
 
     def has_line_of_sight(self, start: Point, end: Point, margin: float) -> bool:
         """Return whether the straight line between two points keeps this clearance."""
-        steps = max(1, ceil(dist(start, end) / (CELL / 2)))
+        steps = max(1, ceil(dist(start, end) / (self.size / 2)))
         between = (_between(start, end, step / steps) for step in range(steps + 1))
         return all(self.clearance(self.cell(point)) >= margin for point in between)
 
@@ -54,30 +57,10 @@ class Grid:
         return ((column, row) for row in range(self.rows) for column in range(self.columns))
 
 
-def grid_of(static: StaticMap) -> Grid:
-    """Return the grid of a map; ValueError if it would have too many cells."""
-    columns, rows = (
-        ceil((high - low) / CELL) for low, high in zip(static.low, static.high, strict=True)
-    )
-    if columns * rows > _MOST_CELLS:
-        raise ValueError(f"a map of {columns} x {rows} cells is too large")
-    empty = Grid(static.low, columns, rows, ())
-    return Grid(
-        static.low,
-        columns,
-        rows,
-        tuple(static.clearance(empty.center(cell)) for cell in empty._cells()),  # noqa: SLF001
-    )
-
-
 def load_grid(path: Path) -> Grid:
-    """Return the grid of a scene's file; made anew only when the file says something new."""
-    return _grid(path.read_text(encoding="utf-8"))
-
-
-@lru_cache(maxsize=1)
-def _grid(text: str) -> Grid:
-    return grid_of(read_map(text))
+    """Return the grid in a map's file."""
+    found = json.loads(path.read_text(encoding="utf-8"))
+    return Grid(found["cell"], found["columns"], found["clearances"])
 
 
 def _between(start: Point, end: Point, part: float) -> Point:
