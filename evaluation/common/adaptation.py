@@ -8,6 +8,7 @@ from rtron.demos.cases import GR, RSR, RunConditions
 from rtron.demos.cases.rsr import CRUISE, threshold
 from rtron.demos.experiment.session import AppSession, StartedRun
 from rtron.demos.metrics.case_run import Variant
+from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.world.ground_truth import GroundTruth
@@ -46,7 +47,7 @@ def measure_adaptations(
     scene = make_scene(GR.name, seeds[0])
     setting = RunConditions(scene=scene, speed=environment.speed, rate=RATE, window=WINDOW)
     launch = pipeline.instrument(RSR.decisions(setting))
-    with environment.launch_app(launch, None, pipeline.plan) as app:
+    with launch_app(environment, launch, plan=pipeline.plan) as app:
         session = AppSession(environment, app, RATE)
         session.wait_until_connected()
         allowed = threshold(setting) * setting.wall_rate / 2 * _SPARE

@@ -2,9 +2,12 @@
 
 import json
 import time
+from collections import Counter, defaultdict
 
 from harness import wait_for
 
+from rtron.demos.metrics.guard_events import decision_counts
+from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.world.scenes.generator import make_scene
 
 SPEED = 3.0
@@ -41,14 +44,14 @@ def guarded_run(begun, pipeline, service):
     """Guard the app and attack it twice over; return the last Truth and what the guard counted."""
     guarded_launch = pipeline.instrument(DECISIONS)
     with (
-        begun.launch_app(guarded_launch, service.environ(), pipeline.plan) as app,
+        launch_app(begun, guarded_launch, service.environ(), pipeline.plan) as app,
         begun.run_manual_attacker(),
     ):
-        service.history.wait_until_linked(time.time_ns())
+        service.wait_until_linked(time.time_ns())
         since = time.time_ns()
         truth = drive(begun, "gr", attack=True)
         app.check()
-        return truth, service.history.counts(since)["/cmd_vel"]
+        return truth, sums_by_flow(service.events(since, time.time_ns()), "/cmd_vel")
 
 
 def check_guarded(begun, truth, counts):
@@ -58,9 +61,18 @@ def check_guarded(begun, truth, counts):
     for node in ("tb3_safe_control", "safe_control_by_hand"):
         assert len(malicious_entries(begun, node)) > 50
     assert malicious_entries(begun, "turtlebot3_core", "received") == []
-    assert counts["flow2"].dropped > 50
-    assert counts["unapproved"].dropped > 50
-    assert counts["flow1"].passed > 100
+    assert counts["flow2"]["drop"] > 50
+    assert counts["unapproved"]["drop"] > 50
+    assert counts["flow1"]["pass"] > 100
+
+
+def sums_by_flow(events, topic):
+    """Return by flow of a topic how many messages met which decision."""
+    found = defaultdict(Counter)
+    for each in decision_counts(events):
+        if each.topic == topic:
+            found[each.flow].update(each.counts)
+    return found
 
 
 def wait_until_gone(paths):

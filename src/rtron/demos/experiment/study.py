@@ -16,6 +16,7 @@ from rtron.demos.metrics.deviation import measure_deviation
 from rtron.demos.metrics.guard_events import SECOND, Event, first_stop
 from rtron.demos.metrics.message_journal import time_to_mitigation
 from rtron.demos.runtime.app_files import APP_NAME, launch_file
+from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.runtime.service import DemoService
@@ -129,7 +130,7 @@ class Study:
         self.pipeline.scan()
         self.commands = tuple(self.pipeline.commands)
         self._listener.on_activity("starting the app as it is")
-        with self._environment.launch_app(launch_file(self._environment.ros)) as app:
+        with launch_app(self._environment, launch_file(self._environment.ros)) as app:
             session = AppSession(self._environment, app, self._request.camera_rate)
             session.wait_until_connected()
             for case in self._request.cases:
@@ -173,7 +174,7 @@ class Study:
                 self._note_incident(case, run)
         events: Sequence[Event] = ()
         if service:
-            events = service.history.events(began, time.time_ns() + _COUNTS_DELAY)
+            events = service.events(began, time.time_ns() + _COUNTS_DELAY)
             service.upload(self.pipeline.graph)
         for case, run in runs:
             self._add_run(with_verdicts(run, case, events, self.pipeline.plan))
@@ -199,7 +200,7 @@ class Study:
     def _launch(self, launch: Path, more: Mapping[str, str] | None) -> AppSession:
         """Start a guarded app, which runs until the next one does."""
         self._listener.on_activity("starting the guarded app")
-        app = self._environment.launch_app(launch, more, self.pipeline.plan)
+        app = launch_app(self._environment, launch, more, self.pipeline.plan)
         session = AppSession(
             self._environment,
             self._running.enter_context(app),

@@ -3,8 +3,8 @@
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,7 +12,6 @@ from typing import Any
 from uuid import getnode
 
 from rtron.demos.runtime.app_files import APPS, third_party_packages
-from rtron.demos.runtime.app_launch import LaunchedApp, launch_app
 from rtron.demos.runtime.isolation import (
     free_port,
     reserve_domain,
@@ -106,29 +105,9 @@ class DemoEnvironment:
 
     def run_rtron(self, *arguments: str | Path, codes: Sequence[int] = (0,)) -> CompletedCommand:
         """Run a command of RTron; SourceError if it ends with none of the exit codes."""
-        with self.run_rtron_in_background(*arguments, codes=codes) as finished:
-            typed = " ".join(map(_display_argument, arguments))
-            return replace(finished(), command=f"rtron {typed}")
-
-    def run_rtron_in_background(
-        self, *arguments: str | Path, codes: Sequence[int] = (0,)
-    ) -> AbstractContextManager[Callable[[], CompletedCommand]]:
-        """Run a command of RTron beside the block, which waits for its end."""
         command = [self.python, "-m", "rtron", *arguments]
-        return self.processes.run_in_background(
-            command, self.environ, codes, name=str(arguments[0])
-        )
-
-    def launch_app(
-        self, launch: Path, more_environ: Mapping[str, str] | None = None, plan: Path | None = None
-    ) -> AbstractContextManager[LaunchedApp]:
-        """Run the app of a launch file until the end of the block, which starts when all nodes run.
-
-        `more_environ` is added to the environment. With `plan` the block also waits until every
-        path of that plan is closed. An attack that was armed is disarmed.
-        """
-        self.arm_attack("none", 0)
-        return launch_app(self, launch, more_environ or {}, plan)
+        done = self.processes.run_command(command, self.environ, codes, name=str(arguments[0]))
+        return replace(done, command=" ".join(["rtron", *map(_display_argument, arguments)]))
 
     @contextmanager
     def run_manual_attacker(self) -> Iterator[StartedProcess]:
