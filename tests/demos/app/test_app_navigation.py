@@ -9,12 +9,21 @@ import pytest
 from shapely import Point
 
 from rtron.demos.apps.logic.demo_logic.geometry import heading, quaternion, wrap_angle
-from rtron.demos.apps.logic.demo_logic.navigator import Navigator
-from rtron.demos.apps.logic.demo_logic.occupancy_grid import Grid, load_grid
-from rtron.demos.apps.logic.demo_logic.path_planner import ROBOT_RADIUS, SPACING, plan
-from rtron.demos.apps.logic.demo_logic.pure_pursuit import MAX_TURN, REACHED, Tracker, reachable
-from rtron.demos.apps.logic.demo_logic.recognition import PEDESTRIAN, Detection
-from rtron.demos.apps.logic.demo_logic.speed_limit import CRUISE
+from rtron.demos.apps.logic.demo_logic.navigation import (
+    MAX_TURN,
+    REACHED,
+    Navigator,
+    Tracker,
+    reachable,
+)
+from rtron.demos.apps.logic.demo_logic.path_planning import (
+    ROBOT_RADIUS,
+    SPACING,
+    Grid,
+    load_grid,
+    plan,
+)
+from rtron.demos.apps.logic.demo_logic.perception import CRUISE, PEDESTRIAN, Detection
 from rtron.demos.world.scenes.geometry import clearance_map, solid_area
 from rtron.demos.world.scenes.scene import PolygonObstacle, RoundObstacle, Scene, room_walls
 

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import pytest
 from shapely import LineString, Point, Polygon
 
-from rtron.demos.apps.logic.demo_logic.short_cut import ShortCut
-from rtron.demos.apps.logic.demo_logic.teleop_command import read_command
+from rtron.demos.apps.logic.demo_logic.attacks import ShortCut
+from rtron.demos.apps.logic.demo_logic.teleoperation import read_command
 from rtron.demos.cases import AGENT
 from rtron.demos.runtime.commanders import person_at
 from rtron.demos.world.robot_base import STEP
