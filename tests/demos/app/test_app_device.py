@@ -130,22 +130,15 @@ def test_speed(monkeypatch, text, value):
     assert speed() == value
 
 
-@pytest.mark.parametrize("text", ["", "0.24", "8.1", "nan", "inf", "-1", "fast"])
-def test_a_speed_that_no_world_has_is_refused(monkeypatch, text):
-    monkeypatch.setenv("DEMO_SPEED", text)
-    with pytest.raises(CannotRun, match="DEMO_SPEED"):
-        speed()
-
-
 def test_the_journal_of_a_node(monkeypatch, tmp_path):
     monkeypatch.setenv("DEMO_JOURNAL", str(tmp_path))
     journal = Journal("/robot/monitor")
     assert (tmp_path / "robot_monitor.jsonl").read_bytes() == b""
-    journal.sent("/control/max_vel", [2.0], malicious=True)
+    journal.sent("/control/max_vel", [2.0])
     journal.received("/goal", (1.0, 2.0))
     first, second = map(json.loads, (tmp_path / "robot_monitor.jsonl").read_text().splitlines())
     assert first.pop("wall") <= second.pop("wall")
-    assert first == {"what": "sent", "topic": "/control/max_vel", "value": [2.0], "malicious": True}
+    assert first == {"what": "sent", "topic": "/control/max_vel", "value": [2.0]}
     assert second == {"what": "received", "topic": "/goal", "value": [1.0, 2.0]}
 
 

@@ -79,27 +79,6 @@ def test_detections_survive_their_text():
     assert from_json(to_json(seen)) == seen
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "{",
-        "7",
-        "null",
-        "{}",
-        "[1]",
-        '[{"kind": "dog", "area": 1, "bearing": 0}]',
-        '[{"kind": ["pedestrian"], "area": 1, "bearing": 0}]',
-        '[{"kind": "pedestrian", "area": "big", "bearing": 0}]',
-        '[{"kind": "pedestrian", "area": NaN, "bearing": 0}]',
-        '[{"kind": "pedestrian", "area": true, "bearing": 0}]',
-        '[{"kind": "pedestrian", "area": 1}]',
-    ],
-)
-def test_a_text_that_is_no_detection_shows_nothing(text):
-    assert from_json(text) == []
-
-
 @pytest.mark.parametrize(("area", "limit"), [(0.079, CRUISE), (0.08, NEAR_PEOPLE)])
 def test_near_people_it_drives_slowly(area, limit):
     decided = MaxVelocity()

@@ -18,12 +18,10 @@ from rtron.demos.metrics.deviation import measure_deviation
 from rtron.demos.metrics.guard_events import decision_counts, first_stop
 from rtron.demos.metrics.message_journal import (
     Attack,
-    attack_messages,
-    read_journal,
+    read_attack,
     time_to_mitigation,
 )
 from rtron.demos.metrics.table import cells, columns
-from rtron.errors import SourceError
 
 LINE = ((0.0, 0.0), (4.0, 0.0))
 ATTACKER = ("/cmd_vel", "/tb3_safe_control")
@@ -68,8 +66,7 @@ def write(folder, node, *entries):
 
 
 def sent(wall):
-    value = {"wall": wall, "what": "sent", "topic": "/cmd_vel", "value": [0, -0.2]}
-    return value | {"malicious": True}
+    return {"wall": wall, "what": "sent", "topic": "/cmd_vel", "value": [0, -0.2]}
 
 
 def received(wall, *value):
@@ -83,24 +80,17 @@ def is_turn(topic, value):
 def test_the_journal_tells_what_was_sent_and_what_arrived(tmp_path):
     write(tmp_path, "safe", sent(3.0), sent(3.1), sent(1.0))
     write(tmp_path, "core", received(2.9, 0.2, 0), received(3.2, 0, -0.2), received(1.2, 0, -0.2))
-    found = attack_messages(read_journal(tmp_path, since=2.0), is_turn)
+    found = read_attack(tmp_path, (2.0, 9.0), is_turn)
     assert found == Attack(sent=(3.0, 3.1), delivered=(3.2,))
     assert found.began == 3.0
-    assert attack_messages(read_journal(tmp_path, 2.0, 3.1), is_turn) == Attack(sent=(3.0, 3.1))
+    assert read_attack(tmp_path, (2.0, 3.1), is_turn) == Attack(sent=(3.0, 3.1))
 
 
 def test_a_line_that_is_still_being_written_is_left_for_later(tmp_path):
-    write(tmp_path, "core", received(1.0, 0, 0))
+    write(tmp_path, "core", received(1.0, 0, -0.2))
     with (tmp_path / "core.jsonl").open("a") as file:
         file.write('{"wall": 2.0, "wh')
-    assert len(read_journal(tmp_path)) == 1
-
-
-@pytest.mark.parametrize("line", ["{}", "nonsense", "[]", '{"wall": 1, "what": "seen"}'])
-def test_what_is_no_journal_is_told(tmp_path, line):
-    (tmp_path / "core.jsonl").write_text(line + "\n")
-    with pytest.raises(SourceError, match=r"core\.jsonl is no journal"):
-        read_journal(tmp_path)
+    assert read_attack(tmp_path, (0.0, 9.0), is_turn).delivered == (1.0,)
 
 
 def test_the_guards_counts_are_told_flow_by_flow():

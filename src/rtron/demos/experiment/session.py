@@ -8,13 +8,14 @@ from pathlib import Path
 
 from rtron.demos.cases import Case
 from rtron.demos.metrics.case_run import CaseRun, Variant
-from rtron.demos.metrics.message_journal import attack_messages, read_journal
+from rtron.demos.metrics.message_journal import read_attack
 from rtron.demos.runtime.app_launch import LaunchedApp
 from rtron.demos.runtime.commanders import PersonDriving, give_base_to_person, person_at, run_agent
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.world.ground_truth import GroundTruth
 from rtron.demos.world.scenes.generator import make_scene
 from rtron.demos.world.scenes.scene import Scene
+from rtron.demos.world.simulation import CAMERA_RATE
 from rtron.errors import SourceError
 
 ARRIVAL_RADIUS = 0.15
@@ -107,7 +108,7 @@ class AppSession:
 
     environment: DemoEnvironment
     app: LaunchedApp
-    camera_rate: float = 10.0
+    camera_rate: float = CAMERA_RATE
     plan: Path | None = None
 
     def wait_until_connected(self) -> None:
@@ -188,9 +189,8 @@ class AppSession:
         self, monitor: RunMonitor, seed: int, variant: Variant, wall: tuple[float, float]
     ) -> CaseRun:
         environment, case, scene = self.environment, monitor.case, monitor.scene
-        entries = read_journal(environment.journal, *wall)
-        messages = attack_messages(
-            entries, lambda topic, value: case.is_malicious(topic, value, scene)
+        attack = read_attack(
+            environment.journal, wall, lambda topic, value: case.is_malicious(topic, value, scene)
         )
         return CaseRun(
             case=case.name,
@@ -206,5 +206,5 @@ class AppSession:
             harmed_at=monitor.harmed_at,
             start_wall=wall[0],
             samples=tuple(monitor.samples),
-            attack=messages,
+            attack=attack,
         )

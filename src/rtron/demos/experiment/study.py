@@ -20,6 +20,7 @@ from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.runtime.service import DemoService
+from rtron.demos.world.simulation import CAMERA_RATE
 from rtron.planning.plan_file.loader import read_plan
 from rtron.sources.graph_json import GraphFile
 from rtron.vocabulary import Risk, build_streams
@@ -57,19 +58,6 @@ def worlds_by_decisions(
     return found
 
 
-CAMERA_RATE = 10.0
-"""Images a simulated second."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StudyRequest:
-    """Which cases to run in the worlds of which seeds; `camera_rate` is in images a simulated s."""
-
-    cases: Sequence[Case]
-    seeds: Sequence[int]
-    camera_rate: float = CAMERA_RATE
-
-
 @dataclass(frozen=True, slots=True)
 class ProgressListener:
     """Takes what happens now, and each run that is done."""
@@ -84,7 +72,7 @@ _UNGUARDED = (Variant.UNATTACKED, Variant.ATTACKED)
 
 
 class Study:
-    """Runs what is wanted, first without the guard, then with it; `runs` grows meanwhile.
+    """Runs cases in the worlds of seeds, first without the guard, then with it; `runs` grows.
 
     One guarded app stands against all cases. `scenes` and `incidents` are by case and seed,
     `decisions` by case; they, `plan` and `commands`, the commands that led to the guarded app and
@@ -92,7 +80,11 @@ class Study:
     """
 
     def __init__(
-        self, environment: DemoEnvironment, request: StudyRequest, listener: ProgressListener
+        self,
+        environment: DemoEnvironment,
+        cases: Sequence[Case],
+        seeds: Sequence[int],
+        listener: ProgressListener,
     ) -> None:
         self.pipeline = InstrumentationPipeline(environment, environment.folder)
         self.runs: list[CaseRun] = []
@@ -103,7 +95,8 @@ class Study:
         self.commands: Sequence[CompletedCommand] = ()
         self._running = ExitStack()
         self._environment = environment
-        self._request = request
+        self._cases = cases
+        self._seeds = seeds
         self._listener = listener
 
     def runs_of(self, case: str, seed: int) -> RunsByVariant:
@@ -131,10 +124,10 @@ class Study:
         self.commands = tuple(self.pipeline.commands)
         self._listener.on_activity("starting the app as it is")
         with launch_app(self._environment, launch_file(self._environment.ros)) as app:
-            session = AppSession(self._environment, app, self._request.camera_rate)
+            session = AppSession(self._environment, app)
             session.wait_until_connected()
-            for case in self._request.cases:
-                for seed in self._request.seeds:
+            for case in self._cases:
+                for seed in self._seeds:
                     for variant in _UNGUARDED:
                         self._add_run(self._run(session, case, seed, variant))
 
@@ -145,20 +138,18 @@ class Study:
         The last guarded app runs on until the end of the block. With a service the guard's
         decisions are recorded, and become part of the runs; it gets the app's graph, too.
         """
-        request = self._request
         if service:
             service.wait()
         with self._running:
-            for decisions, seeds in worlds_by_decisions(
-                request.cases, request.seeds, self._conditions
-            ):
+            worlds = worlds_by_decisions(self._cases, self._seeds, self._conditions)
+            for decisions, seeds in worlds:
                 self._run_with_decisions(decisions, seeds, service)
             yield
 
     def _conditions(self, case: Case, seed: int) -> RunConditions:
         """Return what decisions of a case may depend on, in a world that was run before."""
         scene, speed = self.scenes[case.name, seed], self._environment.speed
-        return RunConditions(scene=scene, speed=speed, rate=self._request.camera_rate)
+        return RunConditions(scene=scene, speed=speed, rate=CAMERA_RATE)
 
     def _run_with_decisions(
         self, decisions: Decisions, seeds: Sequence[int], service: DemoService | None
@@ -167,7 +158,7 @@ class Study:
         launch = self._instrument(decisions)
         began = time.time_ns()
         session = self._launch(launch, service.environ() if service else None)
-        cases = [(case, seed) for case in self._request.cases for seed in seeds]
+        cases = [(case, seed) for case in self._cases for seed in seeds]
         runs = [(case, self._run(session, case, seed, Variant.GUARDED)) for case, seed in cases]
         for case, run in runs:
             if case.over_bridge:
@@ -192,8 +183,8 @@ class Study:
         if not self.decisions:
             self.commands = tuple(self.pipeline.commands)
             self.plan = self.pipeline.plan.read_text(encoding="utf-8")
-            for case in self._request.cases:
-                setting = self._conditions(case, self._request.seeds[0])
+            for case in self._cases:
+                setting = self._conditions(case, self._seeds[0])
                 self.decisions[case.name] = case.decisions(setting)
         return launch
 
@@ -204,8 +195,7 @@ class Study:
         session = AppSession(
             self._environment,
             self._running.enter_context(app),
-            self._request.camera_rate,
-            self.pipeline.plan,
+            plan=self.pipeline.plan,
         )
         session.wait_until_connected()
         return session
