@@ -57,6 +57,10 @@ msrcn:
   mode: enforce
   policy: Block
   aflows:
+    - topic: /goal
+      type: geometry_msgs/PoseStamped
+      flows: [{name: aflow2, publisher: /mission}]
+      successors: [/move_base]
     - topic: /teleop
       type: geometry_msgs/Twist
       flows: [{name: aflow1, publisher: /stick}]

@@ -12,7 +12,8 @@ from rtron.demos.world.scenes.generator import make_scene
 
 SPEED = 3.0
 # A navigation that a busy machine holds up keeps the output: only the policy is tested here.
-CMD_VEL = {"policy": "Preemption", "priorities": {"/move_base": 9}, "release_after": "5 s"}
+MOVE_BASE = {"/move_base": {"priority": 9}}
+CMD_VEL = {"policy": "Preemption", "flows": MOVE_BASE, "release_after": "5 s"}
 DECISIONS = {"grcn": {"/cmd_vel": CMD_VEL}}
 LIMIT_T = 60.0
 

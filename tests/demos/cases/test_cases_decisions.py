@@ -53,7 +53,7 @@ def test_the_navigation_goes_before_the_safe_control():
     chosen = GR.decisions(setting())["grcn"]["/cmd_vel"]
     assert chosen["policy"] == "Preemption"
     assert chosen["block_unapproved"] is True
-    assert chosen["priorities"]["/move_base"] > chosen["priorities"][GR.attacker]
+    assert chosen["flows"]["/move_base"]["priority"] > chosen["flows"][GR.attacker]["priority"]
 
 
 @pytest.mark.parametrize(("speed", "rate"), [(1.0, 10.0), (1.0, 20.0), (3.0, 10.0), (0.25, 5.0)])

@@ -26,7 +26,7 @@ def _decisions(setting: RunConditions) -> Decisions:
         "grcn": {
             TOPIC: {
                 "policy": "Preemption",
-                "priorities": {"/move_base": 2, ATTACKER: 1},
+                "flows": {"/move_base": {"priority": 2}, ATTACKER: {"priority": 1}},
                 "block_unapproved": True,
             },
             **IMMEDIATE_GOALS,

@@ -25,6 +25,7 @@ from rtron.demos.plots.html_report import CaseFindings, CommandOutput, Picture, 
 from rtron.demos.plots.timeline import draw_timeline
 from rtron.demos.plots.trajectories import draw_trajectories
 from rtron.demos.plots.velocity import draw_velocity
+from rtron.demos.runtime.plan_edits import plain_copy
 from rtron.demos.runtime.processes import CompletedCommand
 
 _INDENT = 1
@@ -113,18 +114,12 @@ def _findings(request: DemoRequest, case: Case, study: Study) -> CaseFindings:
         case=case,
         ros=request.ros,
         runs=[run for run in study.runs if run.case == case.name],
-        decisions=_yaml(decisions) if decisions else "",
+        decisions=yaml.safe_dump(plain_copy(decisions), sort_keys=False) if decisions else "",
     )
 
 
 def _command_output(command: CompletedCommand) -> CommandOutput:
     return CommandOutput(command.command, Text.from_ansi(command.text).plain)
-
-
-def _yaml(decisions: object) -> str:
-    """Return decisions as YAML, without anchors where the same thing occurs twice."""
-    plain = json.loads(json.dumps(decisions))
-    return str(yaml.safe_dump(plain, sort_keys=False))
 
 
 def _plan(out: Path, study: Study) -> Iterator[str]:
