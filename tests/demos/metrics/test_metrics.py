@@ -16,11 +16,7 @@ from demo_runs import (
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.metrics.deviation import measure_deviation
 from rtron.demos.metrics.guard_events import decision_counts, first_stop
-from rtron.demos.metrics.message_journal import (
-    Attack,
-    read_attack,
-    time_to_mitigation,
-)
+from rtron.demos.metrics.message_journal import Attack, read_attack
 from rtron.demos.metrics.table import cells, columns
 
 LINE = ((0.0, 0.0), (4.0, 0.0))
@@ -82,7 +78,6 @@ def test_the_journal_tells_what_was_sent_and_what_arrived(tmp_path):
     write(tmp_path, "core", received(2.9, 0.2, 0), received(3.2, 0, -0.2), received(1.2, 0, -0.2))
     found = read_attack(tmp_path, (2.0, 9.0), is_turn)
     assert found == Attack(sent=(3.0, 3.1), delivered=(3.2,))
-    assert found.began == 3.0
     assert read_attack(tmp_path, (2.0, 3.1), is_turn) == Attack(sent=(3.0, 3.1))
 
 
@@ -110,20 +105,6 @@ def test_the_first_verdict_that_stops_an_attacker_counts():
 def test_whoever_is_not_in_the_plan_is_an_attacker():
     events = [guard_event(5.0, topic="/cmd_vel", flow="unapproved", decision="drop")]
     assert first_stop(events, *ATTACKER) == 5.0
-
-
-@pytest.mark.parametrize(
-    ("messages", "stopped", "after"),
-    [
-        (Attack(), 5.0, None),
-        (Attack(sent=(4.0,)), 4.5, 0.5),
-        (Attack(sent=(4.0,)), None, None),
-        (Attack(sent=(4.0,), delivered=(4.0,)), 4.5, 0.5),
-        (Attack(sent=(4.0,), delivered=(4.0,)), None, None),
-    ],
-)
-def test_the_time_to_mitigation(messages, stopped, after):
-    assert time_to_mitigation(messages, stopped) == after
 
 
 def table_of(runs):

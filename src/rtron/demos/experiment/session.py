@@ -12,6 +12,7 @@ from rtron.demos.metrics.message_journal import read_attack
 from rtron.demos.runtime.app_launch import LaunchedApp
 from rtron.demos.runtime.commanders import PersonDriving, give_base_to_person, person_at, run_agent
 from rtron.demos.runtime.environment import DemoEnvironment
+from rtron.demos.runtime.polling import wait_for
 from rtron.demos.world.ground_truth import GroundTruth
 from rtron.demos.world.scenes.generator import make_scene
 from rtron.demos.world.scenes.scene import Scene
@@ -86,7 +87,6 @@ _NO_TRUTH = 10.0
 _SETTLING_TIME = 1.0
 """Simulated s in which twenty odometries of the new run go out."""
 _CONNECTED_LIMIT = 30.0
-_PAUSE = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,14 +113,11 @@ class AppSession:
 
     def wait_until_connected(self) -> None:
         """Wait until each device of the robot has its driver; SourceError if one has none."""
-        until = time.monotonic() + _CONNECTED_LIMIT
-        while absent := [
-            name for name in DEVICES if not self.environment.owner.count_devices().get(name)
-        ]:
-            self.app.check()
-            if time.monotonic() > until:
-                raise SourceError(f"no driver has connected to {', '.join(absent)}")
-            time.sleep(_PAUSE)
+        wait_for(self._is_connected, f"a driver of each of {', '.join(DEVICES)}", _CONNECTED_LIMIT)
+
+    def _is_connected(self) -> bool:
+        self.app.check()
+        return self.environment.owner.count_devices().keys() >= set(DEVICES)
 
     def run_case(self, case: Case, seed: int, variant: Variant) -> tuple[Scene, CaseRun]:
         """Run a case in the world of a seed; return the scene and what came of it.

@@ -14,7 +14,6 @@ from rtron.demos.experiment.session import AppSession
 from rtron.demos.metrics.case_run import CaseRun, RunsByVariant, Variant
 from rtron.demos.metrics.deviation import measure_deviation
 from rtron.demos.metrics.guard_events import SECOND, Event, first_stop
-from rtron.demos.metrics.message_journal import time_to_mitigation
 from rtron.demos.runtime.app_files import APP_NAME, launch_file
 from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import DemoEnvironment
@@ -36,7 +35,9 @@ def with_verdicts(run: CaseRun, case: Case, events: Sequence[Event], plan: Path)
     ended = run.start_wall + run.ended / run.speed + 1
     run_events = tuple(e for e in events if run.start_wall <= e["at"] / SECOND <= ended)
     stopped = first_stop(run_events, case.topic, case.attacker)
-    after = time_to_mitigation(run.attack, stopped)
+    after = None
+    if run.attack.sent and stopped is not None:
+        after = max(0.0, stopped - run.attack.sent[0])
     return replace(run, events=run_events, mitigated_after=after, publishers=_publishers(plan))
 
 

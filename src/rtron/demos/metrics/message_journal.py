@@ -17,11 +17,6 @@ class Attack:
     sent: tuple[float, ...] = ()
     delivered: tuple[float, ...] = ()
 
-    @property
-    def began(self) -> float | None:
-        """When the first was sent; None without an attack."""
-        return self.sent[0] if self.sent else None
-
 
 def read_attack(folder: Path, times: tuple[float, float], is_malicious: IsMalicious) -> Attack:
     """Return the attack that the nodes' journals tell of, from a wall time until another (s).
@@ -43,13 +38,3 @@ def read_attack(folder: Path, times: tuple[float, float], is_malicious: IsMalici
 def _complete_entries(path: Path) -> Iterator[Mapping[str, Any]]:
     complete_lines, _, _ = path.read_text(encoding="utf-8").rpartition("\n")
     return map(json.loads, complete_lines.splitlines())
-
-
-def time_to_mitigation(attack: Attack, stopped: float | None) -> float | None:
-    """Return the wall s from an attack's first message to the verdict that stopped one first.
-
-    None without an attack, or where no verdict tells when (`stopped` is None).
-    """
-    if attack.began is None or stopped is None:
-        return None
-    return max(0.0, stopped - attack.began)
