@@ -41,6 +41,12 @@ class Base:
     def drive(self, speed):
         self.motor.write(speed)
 
+    def clock(self):
+        return time.monotonic() * 1000
+
+    def pace(self):
+        return self.speed / (time.monotonic() - self.last)
+
     def off(self):
         self.motor.write(0)
 
@@ -63,6 +69,8 @@ CPP_BODY = """
       [this](const geometry_msgs::msg::Twist & m) { on_twist(m); });
     auto timer = create_wall_timer(50ms, std::bind(&N::tick, this));
 """
+CHECKED, NOT, STOPPED = ("checked", None), ("unnoticed", None), ("stopped", 1.0)
+SUM = "self.sum += self.speed\nself.drive(self.speed + self.sum)"
 KEEP = "self.speed = message.linear.x"
 KEEP_WITH_TIME = f"{KEEP}; self.last = now"
 STOP_IN_CALLBACK = f"if now - self.last > 1:\n    self.speed = 0.0\n{KEEP_WITH_TIME}"
@@ -197,6 +205,33 @@ def told(found):
             None,
         ),
         ("self.out.publish(message.linear.x)", "self.out.publish(1.0)", "unnoticed", None),
+        (KEEP, "if self.speed is self.prev: self.drive(b'0')\nself.prev = self.speed", *CHECKED),
+        (KEEP, "if self.speed != self.prev: self.drive(self.speed)\nself.prev = self.speed", *NOT),
+        (KEEP, "if self.speed == self.limit: self.off()\nself.drive(self.speed)", *NOT),
+        (f"{KEEP}\nself.ticks = 5", f"self.ticks = max(0, self.ticks - 1)\n{COUNTED}", *CHECKED),
+        (KEEP, "if self.count_publishers('cmd_vel') == 0: self.off()", *CHECKED),
+        ("self.box.append(message)", "box, self.box = self.box, []\nself.drive(box)", *CHECKED),
+        ("self.box.append(message)", "self.drive(self.box[-1])", *NOT),
+        ("self.box.append(message)", "self.out.publish(self.box[-1])", "repeated", None),
+        ("self.box.__setitem__('a', (now, message))", "self.drive(self.box['a'])", *CHECKED),
+        ("self.drive(message)\ntime.sleep(1)\nself.port.write(b'0')", "pass", *CHECKED),
+        ("self.drive(message)\ntime.sleep(1)\nself.pin.output(4, LOW)", "pass", *CHECKED),
+        ("self.off()\ntime.sleep(1)\nself.drive(message)", "pass", *NOT),
+        ("self.drive(message)\ntime.sleep(1)\nself.port.write(b'x')", "pass", *NOT),
+        (
+            f"{KEEP}\nself.last = self.clock()",
+            "if self.clock() - self.last > 1: self.off()",
+            *STOPPED,
+        ),
+        (f"{KEEP}\nself.last = self.pace()", "if self.pace() - self.last > 1: self.off()", *NOT),
+        (
+            KEEP_WITH_TIME,
+            f"{SUM}\nif now - self.last > 1: self.sum = 0",
+            "checked",
+            1.0,
+        ),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.show_idle_light()", "checked", 1.0),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.sendStopCommand()", *STOPPED),
     ],
 )
 def test_in_python(callback, timer, fate, seconds):
@@ -288,6 +323,16 @@ def test_a_test_that_the_message_itself_runs_stops_nothing(callback, timer, fate
     text = PYTHON.format(
         callback=indented(f"{KEEP_WITH_TIME}\n{callback}"), timer=indented(timer)
     ).replace("    def is_late", UPDATE)
+    assert told(ros1_runs.run_text(text).last_messages)[0] == fate
+
+
+@pytest.mark.parametrize(
+    ("base", "fate"), [("acme.Driver", "checked"), ("Thread", "unnoticed"), ("object", "unnoticed")]
+)
+def test_a_base_that_is_not_read_may_look_at_the_age(base, fate):
+    text = PYTHON.format(callback=indented(KEEP), timer=indented("self.drive(self.speed)"))
+    head = "import acme\nfrom threading import Thread\n"
+    text = head + text.replace("class Base:", f"class Base({base}):")
     assert told(ros1_runs.run_text(text).last_messages)[0] == fate
 
 

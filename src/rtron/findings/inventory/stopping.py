@@ -11,6 +11,7 @@ from rtron.findings.motion.command_timeout import (
     UNCHECKED,
     is_off,
     repeated_topics,
+    watchers,
 )
 from rtron.vocabulary import Endpoint, LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
@@ -152,8 +153,11 @@ def _stopped(node: str, stop: WiringFact) -> Stopping:
 def _of_unchecked(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
     """Return what becomes of the commands of a driver in whose source nothing tells of an age."""
     devices = {fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)}
-    if topics and not devices.isdisjoint(CLEVER_DEVICES):
-        return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
+    if topics and (watching := watchers(app, node, topics)):
+        return Stopping(Stops.UNKNOWN, f"{node} does not by itself; {watching[0]} may stop it")
+    if topics and (clever := sorted(devices & CLEVER_DEVICES.keys())):
+        stops = f"its device may{CLEVER_DEVICES[clever[0]]}"
+        return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; {stops}")
     if topics and devices:
         why = "nothing in the source of"
         where = join_names(topics)

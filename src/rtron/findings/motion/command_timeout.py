@@ -25,7 +25,7 @@ scan sees.
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import inf
 
 from rtron.findings.app_facts import AppFacts
@@ -54,8 +54,17 @@ TIMEOUT_NAMES = (
     "timeout_cmd",
 )
 """Parameters that say how long a command counts."""
-CLEVER_DEVICES = frozenset({"vehicle link", "vendor SDK", "TCP link"})
-"""Devices that mostly stop by themselves: an autopilot, a base with a controller of its own."""
+CLEVER_DEVICES = {
+    "moteus": ", by default after 0.1 s",
+    "VESC": ", by default after 1 s",
+    "Roboteq": ", by default after 1 s",
+    **dict.fromkeys(("vehicle link", "vendor SDK", "TCP link"), ""),
+}
+"""Devices that mostly stop by themselves, and when: an autopilot, a base with its own controller.
+
+Documented are servo.default_timeout_s (mjbots' reference of moteus), APPCONF_TIMEOUT_MSEC (VESC's
+firmware) and RWD (Roboteq's user manual).
+"""
 STREAMS = re.compile(
     r"geometry_msgs/Twist|ackermann_msgs/|sensor_msgs/Joy|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)"
 )
@@ -93,8 +102,22 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
     for node in sorted(devices.keys() - aged.keys()):
         velocities = {end.topic for end in app.graph.subscribed_by(node) if _is_velocity(end)}
         last = set(app.last_messages(node, velocities))
-        if last and last <= UNCHECKED and opened[node].isdisjoint(CLEVER_DEVICES):
+        is_unchecked = bool(last) and last <= UNCHECKED and not watchers(app, node, velocities)
+        if is_unchecked and opened[node].isdisjoint(CLEVER_DEVICES):
             yield node, devices[node]
+
+
+def watchers(app: AppFacts, node: str, topics: Iterable[str]) -> list[str]:
+    """Return the other nodes that look at the age of a node's commands, and send such themselves.
+
+    Who hears a topic and sends it may send a stop when no more come.
+    """
+    return [
+        other
+        for topic in sorted(topics)
+        for other in app.publishers(topic)
+        if other != node and not UNCHECKED.issuperset(app.last_messages(other, {topic}))
+    ]
 
 
 def _repeaters(app: AppFacts) -> Iterator[tuple[str, dict[str, set[str]]]]:
