@@ -173,7 +173,12 @@ def told(found):
         ),
         ("self.box.put(message)", "self.drive(self.box.get(timeout=1))", "checked", None),
         ("self.box.put(message)", "self.drive(self.box.get_nowait())", "checked", None),
+        ("self.box.put(message)", "self.drive(self.box.get(True, 0.5))", *CHECKED),
+        ("self.box.put(message)", "self.drive(self.box.get('speed', 0.5))", *NOT),
         ("self.box.put(message)", "self.drive(self.box.get())", "unnoticed", None),
+        (f"{KEEP}\nself.last = default_timer()", LATE, "stopped", 2.0),
+        (f"{KEEP}\nself.dog.reset()", "self.dog = rospy.Timer(self.limit, self.off)", *CHECKED),
+        (f"{KEEP}\nself.dog.reset()", "self.drive(self.speed)", *NOT),
         (f"{KEEP}\nself.came.set()", "if not self.came.wait(0.5): self.off()", "checked", None),
         (KEEP, "self.other.wait(0.5)\nself.drive(self.speed)", "unnoticed", None),
         (f"{KEEP}\nself.loop.call_later(0.5, self.off)", "pass", "checked", None),
@@ -334,6 +339,23 @@ def test_a_base_that_is_not_read_may_look_at_the_age(base, fate):
     head = "import acme\nfrom threading import Thread\n"
     text = head + text.replace("class Base:", f"class Base({base}):")
     assert told(ros1_runs.run_text(text).last_messages)[0] == fate
+
+
+@pytest.mark.parametrize(
+    ("beside", "fates"),
+    [
+        ("self.create_timer(1, self.check)", ["stopped"]),
+        ("rospy.Timer(rospy.Duration(1), self.tick)", ["checked"]),
+        ("rospy.Subscriber('other', Twist, self.drive)", ["checked", "checked"]),
+    ],
+)
+def test_what_stands_on_one_line(beside, fates):
+    subscription = "rospy.Subscriber('cmd_vel', Twist, self.on_twist)"
+    late = indented("if self.is_late(): self.off()")
+    text = PYTHON.format(callback=indented(KEEP_WITH_TIME), timer="        pass")
+    text = text.replace("    def is_late", f"    def check(self):\n{late}\n\n    def is_late")
+    text = text.replace(subscription, f"{subscription}; {beside}")
+    assert [each.fate.value for each in ros1_runs.run_text(text).last_messages] == fates
 
 
 @pytest.mark.parametrize(("call", "fate"), [("self.update()", "stopped"), ("pass", "checked")])

@@ -73,9 +73,16 @@ def last_messages(machine: AbstractMachine) -> Iterator[LastMessageUse]:
     """Yield what becomes of the last message of each subscription whose callback is known."""
     program = _Program(machine)
     for declared in machine.recorder.declared(DeclarationKind.SUBSCRIBE):
-        callbacks = [f for at in declared.evidence for f in machine.callbacks_at.get(at, ())]
+        given = (f for at in declared.evidence for f in machine.callbacks_at.get(at, ()))
+        callbacks = {each.key: each for each in given if _takes_message(each)}.values()
         if callbacks and not _STATES.match(declared.type):
-            yield program.fate(declared.evidence[0], callbacks)
+            uses = [program.fate(declared.evidence[0], [each]) for each in callbacks]
+            is_one = len({use.fate for use in uses}) == 1  # else: which is whose, on one line
+            yield uses[0] if is_one else replace(uses[0], fate=LastMessageFate.CHECKED)
+
+
+def _takes_message(callback: Function) -> bool:
+    return any(param.name != "self" for param in callback.params)
 
 
 @dataclass

@@ -31,6 +31,8 @@ CLOCKS = frozenset(
     [
         *("now", "time", "time_ns", "monotonic", "monotonic_ns", "perf_counter", "get_time"),
         *("get_rostime", "utcnow", "millis", "micros", "clock_gettime", "gettimeofday", "stamp"),
+        *("default_timer", "perf_counter_ns", "HAL_GetTick", "xTaskGetTickCount", "ticks_ms"),
+        *("esp_timer_get_time", "get_absolute_time", "time_us_64", "rmw_uros_epoch_millis"),
     ]
 )
 """Names of functions and members that tell the time."""
@@ -60,8 +62,11 @@ def may_be_watched(reached: list[FunctionSteps], others: list[FunctionSteps]) ->
     A callback restarts a timer, keeps the time, or sends a stop by itself; or others ask who sends.
     """
     has_question = any(not _SILENCE.isdisjoint(mentioned_names(o.function.body)) for o in others)
-    signs = (_restarts_timer, _keeps_time, _ends_by_itself)
-    return has_question or any(sign(each) for each in reached for sign in signs)
+    members = [pair for each in others for pair in each.members]
+    timers = {name for name, value in members if mentioned_names(value) & _TIMER_MAKERS}
+    restarts = any(_starts_timer(c.function, timers) for each in reached for c in each.calls)
+    signs = (_keeps_time, _ends_by_itself)
+    return has_question or restarts or any(sign(each) for each in reached for sign in signs)
 
 
 def _ends_by_itself(code: FunctionSteps) -> bool:
@@ -115,6 +120,7 @@ def has_timed_wait(reached: list[FunctionSteps], others: list[FunctionSteps]) ->
 def _is_wait(call: Call) -> bool:
     name = last_name(call.function)
     is_timed = any(key == "timeout" for key, _ in call.keywords)
+    is_timed |= len(call.args) > 1 and call.args[0] == Const(value=True)
     return (name in {"get", "wait"} and is_timed) or (name == "wait" and bool(call.args))
 
 
@@ -151,12 +157,9 @@ def is_time(value: Expr, code: FunctionSteps) -> bool:
     )
 
 
-def _restarts_timer(code: FunctionSteps) -> bool:
-    """Return whether a callback starts a timer anew, which stops where nothing comes."""
-    return any(_starts_timer(call.function) for call in code.calls)
-
-
-def _starts_timer(function: Expr) -> bool:
+def _starts_timer(function: Expr, timers: set[str]) -> bool:
+    """Return whether a timer starts anew, which stops something where no more comes."""
     if isinstance(function, Attr) and function.name in _RESTARTS:
-        return any(_TIMERS.search(name) for name in mentioned_names(function.owner))
+        names = mentioned_names(function.owner)
+        return bool(names & timers) or any(map(_TIMERS.search, names))
     return last_name(function) in _TIMER_MAKERS | _ALARMS
