@@ -5,13 +5,12 @@ from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.command_timeout import (
-    CLEVER_DEVICES,
     STREAMS,
     TIMEOUT_NAMES,
     UNCHECKED,
     is_off,
+    other_stop,
     repeated_topics,
-    watchers,
 )
 from rtron.vocabulary import Endpoint, LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
@@ -153,11 +152,8 @@ def _stopped(node: str, stop: WiringFact) -> Stopping:
 def _of_unchecked(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
     """Return what becomes of the commands of a driver in whose source nothing tells of an age."""
     devices = {fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)}
-    if topics and (watching := watchers(app, node, topics)):
-        return Stopping(Stops.UNKNOWN, f"{node} does not by itself; {watching[0]} may stop it")
-    if topics and (clever := sorted(devices & CLEVER_DEVICES.keys())):
-        stops = f"its device may{CLEVER_DEVICES[clever[0]]}"
-        return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; {stops}")
+    if topics and (other := other_stop(app, node, topics)):
+        return Stopping(Stops.UNKNOWN, other)
     if topics and devices:
         why = "nothing in the source of"
         where = join_names(topics)

@@ -96,28 +96,30 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
     """Yield the nodes that obey velocities by a device, and whose source knows no age of them."""
     kinds = (WiringFactKind.DEVICE, WiringFactKind.COMMAND_AGE)
     devices, aged = ({f.subject: f for f in app.graph.wiring if f.kind is kind} for kind in kinds)
-    opened: dict[str, set[str]] = defaultdict(set)
-    for fact in app.graph.wiring:
-        opened[fact.subject].add(fact.value)
     for node in sorted(devices.keys() - aged.keys()):
         velocities = {end.topic for end in app.graph.subscribed_by(node) if _is_velocity(end)}
         last = set(app.last_messages(node, velocities))
-        is_unchecked = bool(last) and last <= UNCHECKED and not watchers(app, node, velocities)
-        if is_unchecked and opened[node].isdisjoint(CLEVER_DEVICES):
+        if last and last <= UNCHECKED and not other_stop(app, node, velocities):
             yield node, devices[node]
 
 
-def watchers(app: AppFacts, node: str, topics: Iterable[str]) -> list[str]:
-    """Return the other nodes that look at the age of a node's commands, and send such themselves.
+def other_stop(app: AppFacts, node: str, topics: Iterable[str]) -> str:
+    """Return what may stop a driver in whose source nothing looks at the age of its commands.
 
-    Who hears a topic and sends it may send a stop when no more come.
+    Another node that hears them, looks at their age, and sends such itself; or its device.
     """
-    return [
+    watchers = {
         other
-        for topic in sorted(topics)
+        for topic in topics
         for other in app.publishers(topic)
         if other != node and not UNCHECKED.issuperset(app.last_messages(other, {topic}))
-    ]
+    }
+    if watchers:
+        return f"{node} does not by itself; {min(watchers)} may stop it"
+    opened = {fact.value for fact in app.graph.wiring if fact.subject == node}
+    clever = next((each for each in CLEVER_DEVICES if each in opened), "")
+    may = f"its device may{CLEVER_DEVICES[clever]}" if clever else ""
+    return may and f"{node} looks at no age of commands; {may}"
 
 
 def _repeaters(app: AppFacts) -> Iterator[tuple[str, dict[str, set[str]]]]:
