@@ -463,11 +463,7 @@ def test_services_of_one_switch_are_one_line():
 def test_a_service_that_nobody_here_offers_stands_for_what_is_called():
     clients = (ServiceClient(node="/mission", name="/e_stop", type="x/srv/EStop"),)
     (command,) = the_mover(LIDAR, clients=clients).commands
-    assert (command.means, command.receivers, command.senders) == (
-        Means.SERVICE,
-        (),
-        ("/mission",),
-    )
+    assert (command.means, command.receivers, command.senders) == (Means.SERVICE, (), ("/mission",))
 
 
 def test_the_motor_of_a_lidar_moves_no_robot():
@@ -929,8 +925,7 @@ def all_names(graph):
 
 
 @pytest.mark.parametrize(
-    ("package", "thing"),
-    [("twist_controller", Thing.ARM), ("diff_drive_controller", Thing.BASE)],
+    ("package", "thing"), [("twist_controller", Thing.ARM), ("diff_drive_controller", Thing.BASE)]
 )
 def test_a_controller_of_no_base_moves_the_arm_beside_it(package, thing):
     text = f"/twist t own\n    sub /twist/commands {TWIST}\n"

@@ -70,6 +70,7 @@ CPP_BODY = """
     auto timer = create_wall_timer(50ms, std::bind(&N::tick, this));
 """
 CHECKED, NOT, STOPPED = ("checked", None), ("unnoticed", None), ("stopped", 1.0)
+CHECKED_AT_1, LATER = ("checked", 1.0), ("stopped", None)
 SUM = "self.sum += self.speed\nself.drive(self.speed + self.sum)"
 KEEP = "self.speed = message.linear.x"
 KEEP_WITH_TIME = f"{KEEP}; self.last = now"
@@ -144,12 +145,7 @@ def told(found):
             "stopped",
             1.0,
         ),
-        (
-            f"{KEEP}\nself.fresh = True",
-            "if not self.fresh: pass\nself.fresh = False",
-            "checked",
-            None,
-        ),
+        (f"{KEEP}\nself.fresh = True", "if not self.fresh: pass\nself.fresh = False", *CHECKED),
         (f"{KEEP}\nself.watchdog.reset()", "pass", "checked", None),
         (f"{KEEP}\nself.t = threading.Timer(0.5, self.off)", "pass", "checked", None),
         (KEEP, "self.out.publish(self.speed)", "repeated", None),
@@ -165,12 +161,7 @@ def told(found):
         (KEEP, "self.drive(self.speed)\nself.speed = None", "checked", None),
         (KEEP, "speed, self.speed = self.speed, None\nself.drive(speed)", "checked", None),
         (KEEP, "self.speed = 0.0", "unnoticed", None),
-        (
-            f"{KEEP}\nself.ticks = 0",
-            "self.ticks += 1\nif self.ticks > 9: self.off()",
-            "checked",
-            None,
-        ),
+        (f"{KEEP}\nself.ticks = 0", "self.ticks += 1\nif self.ticks > 9: self.off()", *CHECKED),
         ("self.box.put(message)", "self.drive(self.box.get(timeout=1))", "checked", None),
         ("self.box.put(message)", "self.drive(self.box.get_nowait())", "checked", None),
         ("self.box.put(message)", "self.drive(self.box.get(True, 0.5))", *CHECKED),
@@ -229,12 +220,7 @@ def told(found):
             *STOPPED,
         ),
         (f"{KEEP}\nself.last = self.pace()", "if self.pace() - self.last > 1: self.off()", *NOT),
-        (
-            KEEP_WITH_TIME,
-            f"{SUM}\nif now - self.last > 1: self.sum = 0",
-            "checked",
-            1.0,
-        ),
+        (KEEP_WITH_TIME, f"{SUM}\nif now - self.last > 1: self.sum = 0", *CHECKED_AT_1),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.show_idle_light()", "checked", 1.0),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.sendStopCommand()", *STOPPED),
     ],
@@ -272,28 +258,13 @@ def test_in_python(callback, timer, fate, seconds):
         (KEEP_CPP, "double s = 0; s = speed_; out_->publish(s);", "repeated", None),
         (KEEP_CPP, "out_->publish(speed_); speed_ = 0;", "checked", None),
         (KEEP_CPP, "out_->publish(std::move(speed_));", "checked", None),
-        (
-            f"{KEEP_CPP} ticks_ = 0;",
-            "if (++ticks_ < 9) out_->publish(speed_);",
-            "checked",
-            None,
-        ),
+        (f"{KEEP_CPP} ticks_ = 0;", "if (++ticks_ < 9) out_->publish(speed_);", *CHECKED),
         (f"if (now() - last_ > limit_) send(0); {KEEP_WITH_TIME_CPP}", "", "unnoticed", None),
         (KEEP_CPP, "double speed = 0; send(speed_);", "unnoticed", None),
         (KEEP_CPP, "auto speed = std::exchange(speed_, 0); send(speed);", "checked", None),
-        (
-            f"{KEEP_CPP} cv_.notify_one();",
-            "cv_.wait_for(lock, 500ms); send(speed_);",
-            "checked",
-            None,
-        ),
+        (f"{KEEP_CPP} cv_.notify_one();", "cv_.wait_for(lock, 500ms); send(speed_);", *CHECKED),
         (f"{KEEP_CPP} timer_.expires_after(500ms);", "send(speed_);", "checked", None),
-        (
-            KEEP_CPP,
-            "options.event_callbacks.deadline_callback = off; send(speed_);",
-            "checked",
-            None,
-        ),
+        (KEEP_CPP, "options.event_callbacks.deadline_callback = off; send(speed_);", *CHECKED),
         (KEEP_CPP, "if ((now() - last_).seconds() > 0.5) speed_ = 0.0;", "unnoticed", None),
         ("auto last = now(); send(message.linear.x);", "", "unnoticed", None),
     ],

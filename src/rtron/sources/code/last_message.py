@@ -26,15 +26,7 @@ from rtron.sources.code.function_steps import (
 )
 from rtron.sources.code.interpreter.abstract_values.value_types import Instance
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.ir import (
-    Assign,
-    Binary,
-    Call,
-    Const,
-    Expr,
-    Function,
-    New,
-)
+from rtron.sources.code.ir import Assign, Binary, Call, Const, Expr, Function, New
 from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.reachability import methods, reachable_functions, unknown_bases
 from rtron.sources.code.repeated_message import (
