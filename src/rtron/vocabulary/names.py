@@ -17,6 +17,12 @@ GATEWAY_NODE = f"{CELL_ROOT}/gateway"
 STOPPER_NODE = f"{CELL_ROOT}/stopper"
 """Who stops the robot in a cell when the guard is gone."""
 _WORD_START = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
+EMERGENCY_STOP = re.compile(
+    r"(?:^|[/_])(?:e_?stop|emergency|run_?stop"
+    r"|(?:stop_(?:all|button|robot)|kill(?:_?switch)?|halt|freeze|(?:base|drive|force|hardware"
+    r"|protective|remote|safe|safety|software|vehicle|wireless)_stop)(?![a-z]))"
+)
+"""What says in the name of a topic, a service or a node that it stops a robot (`snake_case`)."""
 TRANSFORMS = "/tf"
 """The topic of transforms, before remaps; who remaps it remaps /tf_static too."""
 TRANSFORM_TOPICS = (TRANSFORMS, "/tf_static")

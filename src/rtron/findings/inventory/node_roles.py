@@ -9,6 +9,7 @@ from rtron.findings.measurement_names import is_called_sensor, is_measured, may_
 from rtron.findings.motion.network_bridge import carriers
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary import Endpoint, Node, WiringFact, WiringFactKind, normalise_type
+from rtron.vocabulary.names import EMERGENCY_STOP, snake_case
 
 FIRMWARE_PACKAGES = (
     *("rosserial_arduino", "rosserial_python", "rosserial_server", "rosserial_xbee"),
@@ -35,8 +36,6 @@ _LISTENERS = re.compile(
     rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status"
 )
 """Words in the names of nodes that hear commands and obey none."""
-_STOPS = re.compile(r"(?:e_?stop|emergency)(?:_|$)")
-"""How the names of nodes begin that stop a robot and drive none."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
 _SHOWN = frozenset({"sensor_msgs/JointState", "tf2_msgs/TFMessage", "tf/tfMessage"})
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
@@ -181,7 +180,8 @@ class NodeRoles:
 
 def may_drive_unread(node: Node) -> bool:
     """Return whether the names of a node that was not read leave open that it drives something."""
-    return not is_called_sensor(node) and not _STOPS.match(node.name.rpartition("/")[2].lower())
+    name = snake_case(node.name.rpartition("/")[2])
+    return not is_called_sensor(node) and not EMERGENCY_STOP.match(name)
 
 
 def unread_drivers(app: AppFacts) -> list[str]:
