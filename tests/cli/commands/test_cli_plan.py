@@ -194,6 +194,16 @@ def test_a_plan_that_does_not_fit_the_app_is_1(rtron, plan_file, graph_file):
     assert "  error " in ran.out
 
 
+def test_a_check_of_a_plan_that_guards_nothing_says_so_first_and_is_1(rtron, plan_file, graph_file):
+    plan_file.write_text(plan_file.read_text().replace("mode: enforce", "mode: observe"))
+    for words in ((), ("--graph", graph_file)):
+        ran = rtron("check", plan_file, *words)
+        assert ran.code == 1
+        assert ran.out.startswith("This plan guards nothing: ")
+        assert "/cmd_vel" in ran.out
+        assert "its coordination node only observes" in ran.out
+
+
 def test_a_plan_with_a_fault_is_2_with_its_line(rtron, plan_file):
     plan_file.write_text("schema: rtron.plan/1\napp: x\nflws: []\ngrnc: []\n")
     ran = rtron("check", plan_file)
