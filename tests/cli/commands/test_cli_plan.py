@@ -95,6 +95,8 @@ def test_what_no_coordination_node_can_guard_is_told(rtron, graph_file, plan_fil
     words = "emergency stop\n           /kill: a plan cannot guard services"
     assert words in rtron("plan", graph_file).out
     assert words in rtron("check", plan_file, "--graph", graph_file).out
+    (path,) = parse_plan(rtron("plan", graph_file, "-o", "-").out).unguarded
+    assert (path.what, path.why.partition(":")[0]) == ("/kill", "a plan cannot guard services")
 
 
 def without_reader(document):
