@@ -31,6 +31,14 @@ def test_the_frames_for_a_board_are_what_moves_the_wheels():
     assert last_commands(NAV + WHEELS + BOARD, "/board") == {"/board/frames": Thing.BASE}
 
 
+def test_a_vague_command_that_is_made_of_a_velocity_moves_what_that_moves():
+    rover = f"/rover p own\n    sub /cmd_vel {TWIST}\n    pub /cmd_corner p/msg/CornerCommand\n"
+    corners = "/corner_driver p own\n    sub /cmd_corner p/msg/CornerCommand\n"
+    assert last_commands(NAV + rover + corners, "/corner_driver") == {"/cmd_corner": Thing.BASE}
+    alone = rover.replace(f"    sub /cmd_vel {TWIST}\n", "")
+    assert last_commands(alone + corners, "/corner_driver") == {"/cmd_corner": Thing.DEVICE}
+
+
 def test_states_that_a_driver_sends_are_no_command():
     tells = (
         f"/base_driver p own\n    sub /cmd_vel {TWIST}\n    pub /wheel_states p/msg/WheelStates\n"

@@ -429,6 +429,24 @@ def test_doors():
     assert mover.doors == ("/bridge (any client)", "/teleop (web server)")
 
 
+def test_what_says_that_it_commands_goes_before_what_else_a_driver_hears():
+    heard = ("adsb own/Adsb", "debug own/Debug", "wheel own/Angle", "set/desired own/Goal")
+    subs = "".join(f"    sub /pilot/{each}\n" for each in heard)
+    mover = the_mover(f"/base driver own\n    sub /pilot/twist {TWIST}\n{subs}")
+    assert names(mover.commands) == [
+        *("/pilot/twist", "/pilot/set/desired", "/pilot/wheel", "/pilot/adsb", "/pilot/debug"),
+    ]
+
+
+def test_what_nodes_of_several_parts_obey_is_called_after_none_of_them():
+    text = "/mission own own\n    pub /units/command own/Command\n"
+    lift = "/lift_unit own own\n    sub /units/command own/Command\n"
+    facts = tuple(fact("device", node, "CAN") for node in ("/lift_unit", "/wheel_unit"))
+    assert the_mover(text + lift, wiring=facts[:1]).thing is Thing.TOOL
+    both = text + lift + lift.replace("lift", "wheel")
+    assert the_mover(both, wiring=facts).thing is Thing.DEVICE
+
+
 def test_services_of_one_switch_are_one_line():
     services = tuple(
         Service(node=node, name=f"{node}/arm", type="std_srvs/srv/Trigger")

@@ -11,6 +11,7 @@ from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
 from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles, may_drive_unread
 from rtron.findings.inventory.stopping import Stopping, stopping
+from rtron.findings.inventory.things import vagueness
 from rtron.findings.measurement_names import moves_nothing
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
@@ -174,7 +175,8 @@ def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
     """Return commands in the order of harm, since reports tell the first of many only.
 
     What is nearer to the hardware goes first, and of requests those that lead to most others, then
-    to most topics. Mere signals come last, those that stop after those that start.
+    to most topics, then what says more clearly that it moves something. Mere signals come last,
+    those that stop after those that start.
     """
     sent: dict[str, list[Command]] = defaultdict(list)
     for each in commands:
@@ -182,13 +184,14 @@ def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
             sent[node].append(each)
     order = list(Means)
 
-    def harm(command: Command) -> tuple[bool, bool, int, int, int, int]:
+    def harm(command: Command) -> tuple[bool, bool, int, int, int, int, int]:
         is_end = bool(STOPPING.match(snake_case(command.name.rpartition("/")[2])))
         is_signal = command.type in SIGNALS
         led = [] if command.means is Means.TOPIC else _led(command, sent)
         requests = sum(each.means is not Means.TOPIC for each in led)
         means = order.index(command.means)
-        return is_signal, is_signal and is_end, command.hops, means, -requests, -len(led)
+        clear = vagueness(command.name, command.type, command.means)
+        return is_signal, is_signal and is_end, command.hops, means, -requests, -len(led), clear
 
     return tuple(sorted(commands, key=harm))
 

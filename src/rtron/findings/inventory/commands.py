@@ -6,11 +6,11 @@ from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.command_topics import COMMAND_NAMES, CommandTopics
+from rtron.findings.inventory.command_topics import CommandTopics
 from rtron.findings.inventory.forwarding import Forwarding
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.requests import actions, services
-from rtron.findings.inventory.things import thing_of
+from rtron.findings.inventory.things import COMMAND_NAMES, thing_of
 from rtron.vocabulary import ActionRole, Trust
 from rtron.vocabulary.inventory import NO_MOTION, SWITCHES, Command, Means, Thing
 

@@ -38,15 +38,18 @@ class DerivedCommands:
     def find(self, known: Mapping[str, Thing]) -> dict[str, Thing]:
         """Return the topics that nodes make of `known` commands, each with what it moves.
 
-        What is made of several moves the first of `Thing`.
+        What is made of several moves the first of `Thing`. Known commands that do not tell what
+        they move are found, too: they move what they are made of.
         """
         found = dict(self._demanded_states)
         order = list(Thing)
         pending = [(t, x) for t, x in {**known, **found}.items() if x not in NO_MOTION]
         pending.sort(key=lambda each: order.index(each[1]), reverse=True)
+        clear = {topic for topic, thing in known.items() if thing is not Thing.DEVICE}
         while pending:
             topic, thing = pending.pop()
-            for end in self._made_of(topic, known.keys() | found.keys()):
+            done = known.keys() if thing is Thing.DEVICE else clear
+            for end in self._made_of(topic, done | found.keys()):
                 found[end.topic] = self._thing(end, thing)
                 pending.append((end.topic, found[end.topic]))
         return found

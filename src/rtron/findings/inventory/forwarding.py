@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
 
-from rtron.findings.inventory.command_topics import COMMAND_NAMES, CommandTopics
-from rtron.findings.inventory.things import thing_of
+from rtron.findings.inventory.command_topics import CommandTopics
+from rtron.findings.inventory.things import COMMAND_NAMES, thing_of
 from rtron.vocabulary import Endpoint, normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Command, Means
 
