@@ -447,6 +447,23 @@ def test_what_nodes_of_several_parts_obey_is_called_after_none_of_them():
     assert the_mover(both, wiring=facts).thing is Thing.DEVICE
 
 
+def test_a_stop_is_asked_for_where_nobody_here_obeys_what_is_made_of_it():
+    text = "/safety p own\n    sub /estop_request std_msgs/Bool\n    pub /estop std_msgs/Bool\n"
+    mover = the_mover(text)
+    assert (mover.thing, names(mover.last_commands)) == (Thing.STOP, ["/estop_request"])
+    obeyed = text + "/base_driver p own\n    sub /estop std_msgs/Bool\n"
+    assert names(the_mover(obeyed).last_commands) == ["/estop"]
+
+
+def test_a_web_page_that_was_not_read_obeys_no_commands():
+    nav = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
+    found = {
+        name: the_mover(f"{nav}/{name} own own\n", unread=(f"/{name}",)).unread
+        for name in ("phone_gui", "board")
+    }
+    assert found == {"phone_gui": (), "board": ("/board",)}
+
+
 def test_services_of_one_switch_are_one_line():
     services = tuple(
         Service(node=node, name=f"{node}/arm", type="std_srvs/srv/Trigger")
@@ -1241,7 +1258,12 @@ def test_a_joystick_of_an_own_type_stands_behind_what_is_made_of_it():
 
 @pytest.mark.parametrize(
     ("topic", "type", "is_button"),
-    [("/go_home_button", "std_msgs/Bool", True), ("/goal_name", "std_msgs/String", False)],
+    [
+        ("/go_home_button", "std_msgs/Bool", True),
+        ("/goal_name", "std_msgs/String", False),
+        ("/mission/command_json", "std_msgs/String", True),
+        ("/cloud/action", "std_msgs/String", True),
+    ],
 )
 def test_signals_by_which_callers_are_told_stand_behind_what_they_call(topic, type, is_button):
     text = f"/phone own own\n    sub {topic} {type}\n    client /pick own/action/Pick\n"

@@ -24,6 +24,8 @@ TOPIC, SERVICE, ACTION, _ = Means
         ("/a", "robot_msgs/msg/FlapCommand", TOPIC, Thing.DEVICE),
         ("/manual_control", "robot_msgs/msg/ManualControl", TOPIC, Thing.DEVICE),
         ("/manual_control", BOOL, TOPIC, Thing.MODE),
+        ("/run_mission", "own/action/RunMission", ACTION, Thing.DEVICE),
+        ("/cloud/action", "std_msgs/String", TOPIC, Thing.DEVICE),
         ("/arm_controller/joint_trajectory", "trajectory_msgs/JointTrajectory", TOPIC, Thing.ARM),
         ("/x", "control_msgs/action/FollowJointTrajectory", ACTION, Thing.ARM),
         ("/x", "control_msgs/action/GripperCommand", ACTION, Thing.GRIPPER),

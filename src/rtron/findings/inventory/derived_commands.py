@@ -28,6 +28,11 @@ REPORTS = re.compile(
 """Words in the names of what a controller tells of its work."""
 
 
+_DEMANDED = re.compile(
+    r"^(?!.*(?:state|error))(?:.*_)?(?:target|goal|cmd|command|desired|setpoint)"
+)
+
+
 @dataclass(frozen=True)
 class DerivedCommands:
     """Finds the commands that are made of others."""
@@ -91,12 +96,17 @@ class DerivedCommands:
         )
 
     def _leaves(self, end: Endpoint) -> bool:
-        """Return whether nobody here hears numbers whose name moves something."""
-        if self.app.readers(end.topic) or REPORTS.search(end.topic.rpartition("/")[2]):
+        """Return whether nobody here hears numbers whose name moves something.
+
+        So may joints be that a name demands.
+        """
+        if self.app.readers(end.topic):
             return False
-        type = normalise_type(end.type)
+        type, last = normalise_type(end.type), end.topic.rpartition("/")[2]
+        if type == "sensor_msgs/JointState" and _DEMANDED.search(last):
+            return True
         is_number = _NUMBER.fullmatch(type) and self.roles.is_called_driver(end.node)
-        may_leave = bool(_NUMBERS.fullmatch(type) or is_number)
+        may_leave = not REPORTS.search(last) and bool(_NUMBERS.fullmatch(type) or is_number)
         return may_leave and self._named(end) not in {None, Thing.DEVICE, *NO_MOTION}
 
     def _thing(self, end: Endpoint, source: Thing) -> Thing:

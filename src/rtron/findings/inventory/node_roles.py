@@ -32,7 +32,7 @@ _SHOWING = r"lights?|leds?|lcd|sound|display\w*|speech\w*"
 """Words in the names of nodes that show or sound, also where they open hardware for it."""
 _LISTENERS = re.compile(
     r"(?:filter|locali[sz]|odom|estimat|ekf|record|visuali|plot|marker)\w*"
-    rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status"
+    rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status|web(?:site|page|app)?|reports?"
 )
 """Words in the names of nodes that hear commands and obey none."""
 _STOPS = re.compile(r"(?:e_?stop|emergency)(?:_|$)")
@@ -181,7 +181,9 @@ class NodeRoles:
 
 def may_drive_unread(node: Node) -> bool:
     """Return whether the names of a node that was not read leave open that it drives something."""
-    return not is_called_sensor(node) and not _STOPS.match(node.name.rpartition("/")[2].lower())
+    only_listens = _has_word(node, _LISTENERS) and not moves(node.name, node.package)
+    is_stop = _STOPS.match(node.name.rpartition("/")[2].lower())
+    return not (only_listens or is_stop or is_called_sensor(node))
 
 
 def unread_drivers(app: AppFacts) -> list[str]:

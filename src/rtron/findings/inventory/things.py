@@ -80,7 +80,10 @@ _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _ASKING = "get|list|query|is|has|check|read"
-_PREPARING = "save|describe|download|generate|connect|reconnect|compute|create|delete|advertise|plan|register"
+_PREPARING = (
+    "save|describe|download|generate|connect|reconnect|compute|create|delete|advertise|plan"
+    "|register"
+)
 """Verbs that move nothing, whatever their object is; nobody prepares a command."""
 _INSPECTING, _PLACES = re.compile(r"^scan_|calibrat"), re.compile(r"_(?:area|field|room)")
 """Verbs that move what they inspect, if it can move, or the robot about a place."""
@@ -142,9 +145,24 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
         return Thing.ARMING
     named = _by_words(name)
     usual = _by_type(type, _USUAL_TYPES) if named in _VAGUE else None
-    if named is Thing.MODE and means is Means.TOPIC and type not in SIGNALS:
-        named = Thing.DEVICE if _CONTROLS.search(last) else named
-    return usual or named or (Thing.DEVICE if _COMMAND_TYPE.search(type) else None)
+    if named is Thing.MODE and (means is Means.ACTION or _is_control(last, type, means)):
+        named = Thing.DEVICE
+    is_command = _COMMAND_TYPE.search(type) or is_order(name, type)
+    return usual or named or (Thing.DEVICE if is_command else None)
+
+
+def is_order(name: str, type: str) -> bool:
+    """Return whether a topic carries orders in words, which its name says."""
+    last = _last_part(name)
+    return _plain_type(type) == "std_msgs/String" and bool(
+        COMMAND_NAMES.search(last) or last == "action"
+    )
+
+
+def _is_control(last: str, type: str, means: Means) -> bool:
+    """Return whether a topic carries more than a signal, and is called a command of somebody."""
+    is_stream = means is Means.TOPIC and type not in SIGNALS
+    return is_stream and _CONTROLS.search(last) is not None
 
 
 def vagueness(name: str, type: str, means: Means) -> int:
@@ -193,7 +211,8 @@ def may_be_command(name: str, type: str) -> bool:
 
 def may_be_derived(name: str, type: str) -> bool:
     """Return whether what is made of a command may be one: states may be those that wheels get."""
-    return may_be_command(_STATES.sub("", name.rstrip("/")) or name, type)
+    stem = _STATES.sub("", name.rstrip("/")) or name
+    return not is_measured(name) and may_be_command(stem, type)
 
 
 def _is_of_nav2(type: str) -> bool:
