@@ -464,6 +464,25 @@ def test_a_web_page_that_was_not_read_obeys_no_commands():
     assert found == {"phone_gui": (), "board": ("/board",)}
 
 
+@pytest.mark.parametrize(
+    ("node", "device", "thing"),
+    [
+        ("/pilot own own\n", "vehicle link", Thing.VEHICLE),
+        ("/wanderer own own\n", "motor controller", Thing.DEVICE),
+        ("/wanderer own own\n", "serial port", None),
+        ("/imu own own\n    pub /imu sensor_msgs/Imu\n", "vehicle link", None),
+        (f"/base own own\n    sub /cmd_vel {TWIST}\n", "motor controller", Thing.BASE),
+    ],
+)
+def test_a_node_whose_hardware_only_moves_has_a_line_without_a_command(node, device, thing):
+    name = node.partition(" ")[0]
+    movers = inventory(node, wiring=(fact("device", name, device),))
+    assert [(mover.thing, mover.drivers) for mover in movers] == (
+        [(thing, (name,))] if thing else []
+    )
+    assert all((thing is Thing.BASE) == bool(mover.commands) for mover in movers)
+
+
 def test_services_of_one_switch_are_one_line():
     services = tuple(
         Service(node=node, name=f"{node}/arm", type="std_srvs/srv/Trigger")

@@ -9,7 +9,12 @@ from rtron.findings.inventory.command_topics import STOPPING
 from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
-from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles, may_drive_unread
+from rtron.findings.inventory.node_roles import (
+    FIRMWARE_PACKAGES,
+    MOVING_HARDWARE,
+    NodeRoles,
+    may_drive_unread,
+)
 from rtron.findings.inventory.stopping import Stopping, stopping
 from rtron.findings.inventory.things import vagueness
 from rtron.findings.measurement_names import moves_nothing
@@ -45,7 +50,7 @@ def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
     merged = _merged(groups)
     movers = [_mover(app, commands, thing, found) for thing, found in merged]
     movers = _with_limits(movers, limits(app, commands))
-    movers += _unread(app, movers)
+    movers += [*_unread(app, movers), *_moving_alone(app, commands.roles, movers)]
     order = list(Thing)
     return tuple(sorted(movers, key=lambda each: order.index(each.thing)))
 
@@ -78,6 +83,23 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
     has_driver = any(mover.drivers or mover.unread for mover in movers)
     if unread := named or (() if has_driver else tuple(packages)):
         yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread), doors=doors(app, ()))
+
+
+def _moving_alone(app: AppFacts, roles: NodeRoles, movers: list[Mover]) -> Iterator[Mover]:
+    """Yield the nodes with hardware that can only move, which obey nothing of the app that moves.
+
+    They may decide themselves, or obey a joystick or a link of their own.
+    """
+    moving = (mover for mover in movers if mover.thing not in NO_MOTION)
+    listed = {node for mover in moving for node in mover.drivers}
+    for node in filter(roles.moves_hardware, sorted(app.nodes)):
+        hardware = tuple(dict.fromkeys(fact.value for fact in roles.devices((node,))))
+        if node not in listed and not (
+            MOVING_HARDWARE.isdisjoint(hardware) or roles.is_called_sensor(node)
+        ):
+            thing = Thing.VEHICLE if roles.is_autopilot(node) else Thing.DEVICE
+            links = doors(app, (node,))
+            yield Mover(thing=thing, commands=(), drivers=(node,), hardware=hardware, doors=links)
 
 
 def _merged(

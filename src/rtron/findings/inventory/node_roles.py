@@ -37,6 +37,8 @@ _LISTENERS = re.compile(
 """Words in the names of nodes that hear commands and obey none."""
 _STOPS = re.compile(r"(?:e_?stop|emergency)(?:_|$)")
 """How the names of nodes begin that stop a robot and drive none."""
+MOVING_HARDWARE = frozenset({"motor controller", "vehicle link", "servo bus", "EtherCAT"})
+"""What a node opens to move something, and seldom only to read."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
 _SHOWN = frozenset({"sensor_msgs/JointState", "tf2_msgs/TFMessage", "tf/tfMessage"})
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
