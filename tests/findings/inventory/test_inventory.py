@@ -438,6 +438,12 @@ def test_what_says_that_it_commands_goes_before_what_else_a_driver_hears():
     ]
 
 
+def test_what_somebody_sends_goes_before_what_nobody_sends():
+    heard = "".join(f"    sub /motor/{each} std_msgs/Float64\n" for each in ("brake", "cmd", "rpm"))
+    text = f"/motor_driver p own\n{heard}/nav nav own\n    pub /motor/rpm std_msgs/Float64\n"
+    assert names(the_mover(text).commands) == ["/motor/rpm", "/motor/cmd", "/motor/brake"]
+
+
 def test_what_nodes_of_several_parts_obey_is_called_after_none_of_them():
     text = "/mission own own\n    pub /units/command own/Command\n"
     lift = "/lift_unit own own\n    sub /units/command own/Command\n"

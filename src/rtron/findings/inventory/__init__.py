@@ -197,8 +197,8 @@ def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
     """Return commands in the order of harm, since reports tell the first of many only.
 
     What is nearer to the hardware goes first, and of requests those that lead to most others, then
-    to most topics, then what says more clearly that it moves something. Mere signals come last,
-    those that stop after those that start.
+    to most topics; of topics those that somebody sends. Then comes what says more clearly that it
+    moves something. Mere signals come last, those that stop after those that start.
     """
     sent: dict[str, list[Command]] = defaultdict(list)
     for each in commands:
@@ -206,14 +206,16 @@ def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
             sent[node].append(each)
     order = list(Means)
 
-    def harm(command: Command) -> tuple[bool, bool, int, int, int, int, int]:
+    def harm(command: Command) -> tuple[int, ...]:
         is_end = bool(STOPPING.match(snake_case(command.name.rpartition("/")[2])))
         is_signal = command.type in SIGNALS
-        led = [] if command.means is Means.TOPIC else _led(command, sent)
+        is_topic = command.means is Means.TOPIC
+        led = [] if is_topic else _led(command, sent)
         requests = sum(each.means is not Means.TOPIC for each in led)
-        means = order.index(command.means)
-        clear = vagueness(command.name, command.type, command.means)
-        return is_signal, is_signal and is_end, command.hops, means, -requests, -len(led), clear
+        first = (is_signal, is_signal and is_end, command.hops, order.index(command.means))
+        is_open = is_topic and not command.senders
+        vague = vagueness(command.name, command.type, command.means)
+        return *first, -requests, -len(led), is_open, vague
 
     return tuple(sorted(commands, key=harm))
 
