@@ -158,6 +158,7 @@ from rtron.vocabulary.plan import (
     StopSources,
     Supervision,
     Transform,
+    UnguardedPath,
     WatchedFlow,
 )
 from rtron.vocabulary.reason import visible_text

@@ -21,6 +21,7 @@ from rtron.vocabulary import (
     PolicyName,
     Sharing,
     StreamKind,
+    UnguardedPath,
     WatchedFlow,
 )
 
@@ -76,6 +77,8 @@ msrcn:
   eflows: [{name: eflow1, topic: /odom, publisher: /base, present: 2 s}]
 fps_monitor:
   - {node: /face_finder, topic: /faces}
+unguarded:
+  - {what: /kill, why: "a service: whoever reaches it can call it"}
 accept_unenforceable: ["/gazebo: a plugin, says the developer"]
 """
 
@@ -167,6 +170,7 @@ def test_everything_that_a_plan_can_hold():
             ),
         ),
         fps_monitor=(FpsMonitor(id="fps_face_finder", node="/face_finder", topic="/faces"),),
+        unguarded=(UnguardedPath(what="/kill", why="a service: whoever reaches it can call it"),),
         accept_unenforceable=("/gazebo: a plugin, says the developer",),
     )
 
