@@ -690,6 +690,18 @@ def frame_facts(*facts):
     return small_graph(SCAN, wiring=wiring)
 
 
+@pytest.mark.parametrize(
+    ("meant", "said"), [("/odom", "in the wrong direction"), ("/m/odom", "which no plugin has")]
+)
+def test_a_bridge_past_its_plugin_or_the_other_way(meant, said):
+    finding = the_finding(
+        "bridge_mismatch", with_fact("bridge_mismatch", "/odom", meant, "/bridge")
+    )
+    assert finding.summary.startswith("/bridge connects Gazebo's /odom")
+    assert said in finding.summary
+    assert finding.level is FindingLevel.REGULAR
+
+
 def test_a_loop_of_frames_is_one_finding_with_all_of_them():
     kind = WiringFactKind.FRAME_LOOP
     facts = tuple(

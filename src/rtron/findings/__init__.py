@@ -18,6 +18,7 @@ from rtron.findings.motion import (
 from rtron.findings.rule import FindingRule, finding_page
 from rtron.findings.severity import shown_at
 from rtron.findings.wiring import (
+    bridge_mismatch,
     bypassed_node,
     double_frame,
     duplicate_node,
@@ -76,6 +77,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     unread_parameter.RULE,
     mistyped_parameter.RULE,
     topic_parameter.RULE,
+    bridge_mismatch.RULE,
     bypassed_node.RULE,
     mixed_odometry.RULE,
     shared_output.RULE,

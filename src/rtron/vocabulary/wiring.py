@@ -25,6 +25,9 @@ class WiringFactKind(StringEnum):
     """A name with parameters that no node has; others have near names and no parameters."""
     MALFORMED_PARAMETER_FILE = "malformed_parameter_file"
     """A file that others, nodes, are given, with values and none below `ros__parameters`."""
+    BRIDGE_MISMATCH = "bridge_mismatch"
+    """A topic of Gazebo that others, bridges, carry where they should carry the value, or in the
+    wrong direction if it is the same."""
     TOPIC_PARAMETER = "topic_parameter"
     """A parameter whose value is a topic that nobody uses; others are near topics in use."""
     MISSPELT_PARAMETER = "misspelt_parameter"
