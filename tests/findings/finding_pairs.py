@@ -181,6 +181,10 @@ PAIRS = {
         with_fact("double_frame", "base_link", "odom", "/ekf", "/base"),
         small_graph(SCAN),
     ),
+    "leaked_argument": (
+        with_fact("leaked_argument", "topic", "front/scan", "rear.xml", "front.xml", "rear/scan"),
+        small_graph(SCAN),
+    ),
     "bridge_mismatch": (
         with_fact("bridge_mismatch", "/model/bot/cmd_vel", "/cmd_vel", "/bridge"),
         small_graph(SCAN),

@@ -702,6 +702,21 @@ def test_a_bridge_past_its_plugin_or_the_other_way(meant, said):
     assert finding.level is FindingLevel.REGULAR
 
 
+@pytest.mark.parametrize(
+    ("kind", "before", "said", "level"),
+    [
+        ("leaked_argument", "/l/front.xml", "front.xml", FindingLevel.REGULAR),
+        ("possible_leaked_argument", "/l/rear.xml", "its inclusion before", FindingLevel.PEDANTIC),
+    ],
+)
+def test_an_argument_of_a_file_before(kind, before, said, level):
+    graph = with_fact(kind, "topic", "front/scan", "/l/rear.xml", before, "rear/scan")
+    finding = the_finding("leaked_argument", graph)
+    assert (finding.subject, finding.level) == ("rear.xml:topic", level)
+    assert finding.summary == f"rear.xml gets topic from {said}"
+    assert f"topic is front/scan since {said}, and not rear/scan" in finding.cause
+
+
 def test_a_loop_of_frames_is_one_finding_with_all_of_them():
     kind = WiringFactKind.FRAME_LOOP
     facts = tuple(

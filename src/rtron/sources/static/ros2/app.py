@@ -86,7 +86,9 @@ def scan_ros2_app(
         assembly.add_wiring(*malformed_files(starts))
         assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes), models.own_names))
     assembly.add_wiring_facts()
-    assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
+    for launch in app_launches:
+        assembly.add_unresolved(*launch.unresolved)
+        assembly.add_wiring(*launch.wiring)
     passed = {name for _, given in launches for name in given}
     declared = {name for launch in app_launches for name in launch.declared}
     assembly.add_unresolved(*undeclared_arguments(passed, declared))
