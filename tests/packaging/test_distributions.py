@@ -126,6 +126,7 @@ def test_the_project_links_are_of_one_repository(metadata):
 
 
 def test_the_readme_s_installation_works_as_pasted(tmp_path):
+    """Long: pip installs the project into a new venv."""
     (block,) = re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     clone = tmp_path / "rtron"
     subprocess.run(["git", "clone", "--quiet", ROOT, clone], check=True)
