@@ -397,6 +397,32 @@ class TestNoServer:
         correct = text.replace("to_pos ", "to_pose ")
         assert not found("no_server", small_graph(correct, ros=1))
 
+    @pytest.mark.parametrize(
+        ("served", "more", "is_meant"),
+        [
+            ("/arm/follow", "", True),
+            ("/b1_arm/follow", "", False),
+            ("/arm/follow", "/third third own\n server /other/follow c/action/Follow\n", False),
+            ("/arm/follow", "/third third own\n client /other/follow c/action/Follow\n", False),
+            ("/arm/follow", "/third third own\n client /arm/follow c/action/Follow\n", False),
+        ],
+    )
+    def test_the_only_action_of_a_type_is_likely_meant(self, served, more, is_meant):
+        text = f"/paint paint own\n client /b2_arm/follow c/action/Follow\n{more}"
+        text += f"/host host own\n server {served} c/action/Follow\n pub /states a_msgs/msg/B\n"
+        found_now = found("no_server", small_graph(text))
+        expected = [f"did you mean {served}?"] * is_meant
+        assert [each.remedy for each in found_now if "b2" in each.subject] == expected
+        service = (Service(node="/laser", name="/map/keep", type="a/srv/Save"),)
+        assert not found("no_server", small_graph(SCAN, clients=self.CALL, services=service))
+
+    def test_an_action_whose_name_is_known_in_part_is_no_other(self):
+        client = Action(
+            node="/paint", name="/arm/follow", type="c/action/Follow", role=ActionRole.CLIENT
+        )
+        server = replace(client, node="/host", name="/{?}", role=ActionRole.SERVER)
+        assert not found("no_server", small_graph(SCAN, actions=(client, server)))
+
     def test_a_service_does_not_serve_an_action(self):
         client = Action(node="/slam", name="/map/save", role=ActionRole.CLIENT)
         service = Service(node="/laser", name="/map/save")

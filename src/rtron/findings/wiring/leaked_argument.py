@@ -41,7 +41,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 
 def _finding(fact: WiringFact) -> Finding:
-    path, other_path, default = fact.others
+    path, other_path, default, *_ = (*fact.others, "", "", "")
     file, other = (PurePath(each).name for each in (path, other_path))
     before = "its inclusion before" if path == other_path else other
     return fact_finding(
