@@ -716,6 +716,15 @@ def frame_facts(*facts):
     return small_graph(SCAN, wiring=wiring)
 
 
+@pytest.mark.parametrize("others", [(), ("arm", "base")])
+def test_a_controller_without_a_type(others):
+    graph = with_fact("untyped_controller", "/arms", "/spawner_arms", *others)
+    finding = the_finding("missing_program", graph)
+    assert finding.summary == "/spawner_arms cannot load the controller /arms"
+    assert ("did you mean arm?" in finding.remedy) is bool(others)
+    assert finding.level is FindingLevel.REGULAR
+
+
 @pytest.mark.parametrize(
     ("meant", "said"), [("/odom", "in the wrong direction"), ("/m/odom", "which no plugin has")]
 )

@@ -25,6 +25,8 @@ class WiringFactKind(StringEnum):
     """A name with parameters that no node has; others have near names and no parameters."""
     MALFORMED_PARAMETER_FILE = "malformed_parameter_file"
     """A file that others, nodes, are given, with values and none below `ros__parameters`."""
+    UNTYPED_CONTROLLER = "untyped_controller"
+    """A controller that the value, a spawner, asks for, and that has no type; others have one."""
     LEAKED_ARGUMENT = "leaked_argument"
     """An argument with the value; others are the file that declares it, the file before, whose
     value it is, and its own default."""

@@ -76,7 +76,9 @@ def scan_ros2_app(
         assembly.add_wiring(*duplicate_nodes(parts))
         parts += gazebo_servers.plugin_nodes.parts(parts)
         parts += gazebo_servers.parts(node_builder.gazebo_servers)
-        loaded = [*ControllerParts(models, files).parts(parts)]
+        controllers = ControllerParts(models, files)
+        loaded = [*controllers.parts(parts)]
+        assembly.add_wiring(*controllers.untyped(parts))
         loaded += HardwareParts(models, files).parts(parts)
         resolved = resolver.resolve_parts([part for part in loaded if part.task])
         for part in (*parts, *(part for part in loaded if not part.task), *resolved):
