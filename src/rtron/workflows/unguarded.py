@@ -114,7 +114,7 @@ def _reasons(
     firmware = NodeRoles(app).firmware
     for driver in () if mover.last_commands else mover.drivers:
         unread = _FIRMWARE if driver in firmware else _UNREAD
-        names[_ALONE if mover.hardware else unread].append(driver)
+        names[_UNCOMMANDED if mover.hardware else unread].append(driver)
     for each in _passed_on(mover, modes):
         who = f"{join_names(each.receivers)} {conjugate(each.receivers, 'act')}"
         names[f"not guarded: {who} on what any node sends there"].append(each.name)
@@ -181,7 +181,7 @@ _OBSERVED = "its coordination node only observes: `mode: enforce` guards it"
 _NOTHING_MOVES = "nothing that was read moves a robot: give the launch file and source of what does"
 _LOOK = "look at its subscriptions while the robot runs"
 _FIRMWARE = f"what that firmware obeys is not known: {_LOOK}"
-_ALONE = "it decides itself, or obeys a device or link of its own: no topic leads there"
+_UNCOMMANDED = "it decides itself, or obeys a device or link of its own: no topic leads there"
 _UNREAD = "not read, so what moves it is not known: give its source"
 _WHY_UNGUARDED = {
     Means.TOPIC: "no coordination node enforces who commands it",
