@@ -29,18 +29,21 @@ LIMIT = 20.0
 @contextmanager
 def serving(path):
     """Serve a world until the end of the block."""
-    loop = asyncio.new_event_loop()
-    task = loop.create_task(WorldServer(SPEED).run(path))
+    running = []
+
+    async def serve():
+        running.extend([asyncio.get_running_loop(), asyncio.current_task()])
+        await WorldServer(SPEED).run(path)
 
     def run():
         with pytest.raises(asyncio.CancelledError):
-            loop.run_until_complete(task)
-        loop.close()
+            asyncio.run(serve())
 
     thread = Thread(target=run, daemon=True)
     thread.start()
     wait_for(path.exists)
     yield path
+    loop, task = running
     loop.call_soon_threadsafe(task.cancel)
     thread.join(LIMIT)
     assert not thread.is_alive()
