@@ -111,15 +111,6 @@ def test_an_incident_is_drawn_told_and_copied(tmp_path, fake_study):
     assert case["without_guard"] == {1: sentence}
 
 
-def test_earlier_results_are_replaced(tmp_path, fake_study):
-    (tmp_path / "rsr-velocity.png").write_text("of an earlier demo")
-    (tmp_path / "report.html").symlink_to(tmp_path / "elsewhere")
-    write_results(tmp_path, WISH, fake_study)
-    assert not (tmp_path / "rsr-velocity.png").exists()
-    assert not (tmp_path / "elsewhere").exists()
-    assert not (tmp_path / "report.html").is_symlink()
-
-
 def test_the_results_have_every_moment(tmp_path, fake_study):
     write_results(tmp_path, WISH, fake_study)
     results = json.loads((tmp_path / "results.json").read_text())
