@@ -40,7 +40,6 @@ class FakeStudy:
 
     def __init__(self, folder, runs):
         self.runs = runs
-        self.scenes = {("gr", 1): CORRIDOR}
         self.decisions = {"gr": GR.decisions(RunConditions(scene=CORRIDOR, speed=2.0, rate=10.0))}
         self.plan = "app: tb3\n"
         self.commands = [CompletedCommand("rtron scan", 1, "\x1b[1mrisks\x1b[0m")]

@@ -19,6 +19,7 @@ from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.runtime.service import DemoService
+from rtron.demos.world.scenes.generator import make_scene
 from rtron.demos.world.simulation import CAMERA_RATE
 from rtron.planning.plan_file.loader import read_plan
 from rtron.sources.graph_json import GraphFile
@@ -27,7 +28,6 @@ from rtron.workflows.scan import scan_graph
 
 if TYPE_CHECKING:
     from rtron.demos.runtime.processes import CompletedCommand
-    from rtron.demos.world.scenes.scene import Scene
 
 
 def with_verdicts(run: CaseRun, case: Case, events: Sequence[Event], plan: Path) -> CaseRun:
@@ -75,9 +75,9 @@ _UNGUARDED = (Variant.UNATTACKED, Variant.ATTACKED)
 class Study:
     """Runs cases in the worlds of seeds, first without the guard, then with it; `runs` grows.
 
-    One guarded app stands against all cases. `scenes` and `incidents` are by case and seed,
-    `decisions` by case; they, `plan` and `commands`, the commands that led to the guarded app and
-    what they printed, are those of the first world, where each has its own.
+    One guarded app stands against all cases. `incidents` are by case and seed, `decisions` by
+    case; they, `plan` and `commands`, the commands that led to the guarded app and what they
+    printed, are those of the first world, where each has its own.
     """
 
     def __init__(
@@ -89,7 +89,6 @@ class Study:
     ) -> None:
         self.pipeline = InstrumentationPipeline(environment, environment.folder)
         self.runs: list[CaseRun] = []
-        self.scenes: dict[tuple[str, int], Scene] = {}
         self.incidents: dict[tuple[str, int], CaseIncident] = {}
         self.decisions: dict[str, Decisions] = {}
         self.plan = ""
@@ -148,8 +147,8 @@ class Study:
             yield
 
     def _conditions(self, case: Case, seed: int) -> RunConditions:
-        """Return what decisions of a case may depend on, in a world that was run before."""
-        scene, speed = self.scenes[case.name, seed], self._environment.speed
+        """Return what decisions of a case may depend on in the world of a seed."""
+        scene, speed = make_scene(case.name, seed), self._environment.speed
         return RunConditions(scene=scene, speed=speed, rate=CAMERA_RATE)
 
     def _run_with_decisions(
@@ -203,9 +202,7 @@ class Study:
 
     def _run(self, session: AppSession, case: Case, seed: int, variant: Variant) -> CaseRun:
         self._listener.on_activity(f"{case.name}, world {seed}: {variant}")
-        scene, run = session.run_case(case, seed, variant)
-        self.scenes[case.name, seed] = scene
-        return run
+        return session.run_case(case, seed, variant)
 
     def _add_run(self, run: CaseRun) -> None:
         """Keep a run with how far it is from the unattacked one, which came before it."""
