@@ -157,13 +157,6 @@ def test_without_any_ros_it_says_what_is_lacking(monkeypatch):
         demo_session.choose_ros(RosGeneration.AUTO)
 
 
-def test_the_last_world_is_known():
-    last = demo_session.LAST_SEED
-    assert demo_session.world_seeds(last - 1, 2) == range(last - 1, last + 1)
-    with pytest.raises(InputError, match="the last world is 2147483647"):
-        demo_session.world_seeds(last, 2)
-
-
 def test_the_console_shows_only_what_was_guarded():
     with pytest.raises(InputError, match="both --console and --no-guard"):
         demo(CaseName.GR, guard=False, console=True)

@@ -132,14 +132,13 @@ class Study:
                         self._add_run(self._run(session, case, seed, variant))
 
     @contextmanager
-    def guarded_session(self, service: DemoService | None = None) -> Iterator[None]:
+    def guarded_session(self, service: DemoService) -> Iterator[None]:
         """Attack the guarded app: each case in each world. Call `run_unguarded` before.
 
-        The last guarded app runs on until the end of the block. With a service the guard's
-        decisions are recorded, and become part of the runs; it gets the app's graph, too.
+        The last guarded app runs on until the end of the block. The service records the guard's
+        decisions, which become part of the runs; it gets the app's graph, too.
         """
-        if service:
-            service.wait()
+        service.wait()
         with self._running:
             worlds = worlds_by_decisions(self._cases, self._seeds, self._conditions)
             for decisions, seeds in worlds:
@@ -152,21 +151,19 @@ class Study:
         return RunConditions(scene=scene, speed=speed, rate=CAMERA_RATE)
 
     def _run_with_decisions(
-        self, decisions: Decisions, seeds: Sequence[int], service: DemoService | None
+        self, decisions: Decisions, seeds: Sequence[int], service: DemoService
     ) -> None:
         self._running.close()
         launch = self._instrument(decisions)
         began = time.time_ns()
-        session = self._launch(launch, service.environ() if service else None)
+        session = self._launch(launch, service.environ())
         cases = [(case, seed) for case in self._cases for seed in seeds]
         runs = [(case, self._run(session, case, seed, Variant.GUARDED)) for case, seed in cases]
         for case, run in runs:
             if case.over_bridge:
                 self._note_incident(case, run)
-        events: Sequence[Event] = ()
-        if service:
-            events = service.events(began, time.time_ns() + _COUNTS_DELAY)
-            service.upload(self.pipeline.graph)
+        events = service.events(began, time.time_ns() + _COUNTS_DELAY)
+        service.upload(self.pipeline.graph)
         for case, run in runs:
             self._add_run(with_verdicts(run, case, events, self.pipeline.plan))
 
@@ -188,7 +185,7 @@ class Study:
                 self.decisions[case.name] = case.decisions(setting)
         return launch
 
-    def _launch(self, launch: Path, more: Mapping[str, str] | None) -> AppSession:
+    def _launch(self, launch: Path, more: Mapping[str, str]) -> AppSession:
         """Start a guarded app, which runs until the next one does."""
         self._listener.on_activity("starting the guarded app")
         app = launch_app(self._environment, launch, more, self.pipeline.plan)
