@@ -40,7 +40,6 @@ class FakeStudy:
 
     def __init__(self, folder, runs):
         self.runs = runs
-        self.scenes = {("gr", 1): CORRIDOR}
         self.decisions = {"gr": GR.decisions(RunConditions(scene=CORRIDOR, speed=2.0, rate=10.0))}
         self.plan = "app: tb3\n"
         self.commands = [CompletedCommand("rtron scan", 1, "\x1b[1mrisks\x1b[0m")]
@@ -111,15 +110,6 @@ def test_an_incident_is_drawn_told_and_copied(tmp_path, fake_study):
     assert case["without_guard"] == {1: sentence}
 
 
-def test_earlier_results_are_replaced(tmp_path, fake_study):
-    (tmp_path / "rsr-velocity.png").write_text("of an earlier demo")
-    (tmp_path / "report.html").symlink_to(tmp_path / "elsewhere")
-    write_results(tmp_path, WISH, fake_study)
-    assert not (tmp_path / "rsr-velocity.png").exists()
-    assert not (tmp_path / "elsewhere").exists()
-    assert not (tmp_path / "report.html").is_symlink()
-
-
 def test_the_results_have_every_moment(tmp_path, fake_study):
     write_results(tmp_path, WISH, fake_study)
     results = json.loads((tmp_path / "results.json").read_text())
@@ -165,13 +155,6 @@ def test_without_any_ros_it_says_what_is_lacking(monkeypatch):
     )
     with pytest.raises(SourceError, match="no ROS 2; no ROS 1"):
         demo_session.choose_ros(RosGeneration.AUTO)
-
-
-def test_the_last_world_is_known():
-    last = demo_session.LAST_SEED
-    assert demo_session.world_seeds(last - 1, 2) == range(last - 1, last + 1)
-    with pytest.raises(InputError, match="the last world is 2147483647"):
-        demo_session.world_seeds(last, 2)
 
 
 def test_the_console_shows_only_what_was_guarded():

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtron.cli.support.demo_session import (
-    LAST_SEED,
     choose_ros,
     preserve_logs,
     require_demo_packages,
     show_console,
     show_demo_progress,
-    world_seeds,
 )
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json, print_part
@@ -52,9 +50,7 @@ def demo(  # noqa: PLR0913 - one for each option
     console: Annotated[
         bool, typer.Option("--console", help="Show the run in the console afterwards.")
     ] = False,
-    seed: Annotated[
-        int, typer.Option(min=0, max=LAST_SEED, metavar="N", help="The seed of the first world.")
-    ] = 1,
+    seed: Annotated[int, typer.Option(min=0, metavar="N", help="The seed of the first world.")] = 1,
     runs: Annotated[int, typer.Option(min=1, metavar="N", help="The number of worlds.")] = 1,
     speed: Annotated[
         float, typer.Option(**_SPEEDS, metavar="X", help="Simulated seconds in a second.")
@@ -99,13 +95,17 @@ def demo(  # noqa: PLR0913 - one for each option
 
     cases = list(CASES.values()) if case is CaseName.ALL else [CASES[case.value]]
     request = DemoRequest(
-        cases=cases, seeds=world_seeds(seed, runs), ros=choose_ros(ros), speed=speed, guard=guard
+        cases=cases,
+        seeds=range(seed, seed + runs),
+        ros=choose_ros(ros),
+        speed=speed,
+        guard=guard,
     )
     out, runs_so_far = prepare_results_folder(output), []
 
     def finish(study: "Study", service: "DemoService | None") -> None:
         runs_so_far.extend(study.runs)
-        progress.stop()
+        bar.stop()
         _print_report(request, study, out, format)
         if console and service:
             show_console(service, to_stderr=format is TextOrJson.JSON)
@@ -113,9 +113,9 @@ def demo(  # noqa: PLR0913 - one for each option
     with (
         TemporaryDirectory(prefix="rtron-demo-") as folder,
         preserve_logs(Path(folder), out),
-        show_demo_progress(request.runs) as progress,
+        show_demo_progress(request.runs) as (listener, bar),
     ):
-        run_demo(request, Path(folder), progress.listener, finish)
+        run_demo(request, Path(folder), listener, finish)
     return Outcome("", OK if are_as_expected(runs_so_far) else FINDINGS)
 
 

@@ -6,7 +6,6 @@ import threading
 import webbrowser
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
 
 _NEEDED = ("irsim", "matplotlib", "numpy", "shapely")
 _SCREENS = ("DISPLAY", "WAYLAND_DISPLAY")
-LAST_SEED = 2**31 - 1
 _NO_ROS = "`make setup` in a checkout installs one"
 
 
@@ -52,14 +50,6 @@ def choose_ros(ros: RosGeneration) -> int:
     return present[0]
 
 
-def world_seeds(seed: int, runs: int) -> range:
-    """Return the seeds of the worlds to run in; InputError if the last is none."""
-    if seed + runs - 1 > LAST_SEED:
-        help = "start with an earlier world, or take fewer"
-        raise InputError(f"the last world is {LAST_SEED}", help=help)
-    return range(seed, seed + runs)
-
-
 @contextmanager
 def preserve_logs(work: Path, out: Path) -> Iterator[None]:
     """Copy the logs from the folder of work to `out` if the block fails, and say where they are."""
@@ -73,21 +63,9 @@ def preserve_logs(work: Path, out: Path) -> Iterator[None]:
         raise
 
 
-@dataclass(frozen=True, slots=True)
-class DemoProgress:
-    """What shows how far a demonstration is, until it is stopped."""
-
-    listener: "ProgressListener"
-    bar: "Progress"
-
-    def stop(self) -> None:
-        """Show it no more."""
-        self.bar.stop()
-
-
 @contextmanager
-def show_demo_progress(runs: int) -> Iterator[DemoProgress]:
-    """Show on standard error what happens now, and how many of the runs are done.
+def show_demo_progress(runs: int) -> "Iterator[tuple[ProgressListener, Progress]]":
+    """Show on standard error what happens now, and how many of the runs are done; give the bar.
 
     Nothing is shown where that is no terminal.
     """
@@ -110,7 +88,7 @@ def show_demo_progress(runs: int) -> Iterator[DemoProgress]:
         def done(_: "CaseRun") -> None:
             bar.advance(task)
 
-        yield DemoProgress(ProgressListener(now, done), bar)
+        yield ProgressListener(now, done), bar
 
 
 def show_console(service: "DemoService", *, to_stderr: bool = False) -> None:

@@ -25,6 +25,7 @@ from rtron.demos.plots.timeline import draw_timeline
 from rtron.demos.plots.trajectories import draw_trajectories
 from rtron.demos.plots.velocity import draw_velocity
 from rtron.demos.runtime.plan_edits import plain_copy
+from rtron.demos.world.scenes.generator import make_scene
 
 _INDENT = 1
 _SCALES = "The highest bar of each row is its own busiest second."
@@ -84,7 +85,7 @@ def _findings(out: Path, request: DemoRequest, case: Case, study: Study) -> Case
 def _pictures(out: Path, request: DemoRequest, case: Case, study: Study) -> Iterator[Picture]:
     """Draw the runs of a case in the first world."""
     seed = request.seeds[0]
-    scene, runs = study.scenes[case.name, seed], study.runs_of(case.name, seed)
+    scene, runs = make_scene(case.name, seed), study.runs_of(case.name, seed)
     where = f"{case.name.upper()}, ROS {request.ros}, world {seed}"
 
     trajectories = out / f"{case.name}-trajectories.png"

@@ -119,8 +119,8 @@ class AppSession:
         self.app.check()
         return self.environment.owner.count_devices().keys() >= set(DEVICES)
 
-    def run_case(self, case: Case, seed: int, variant: Variant) -> tuple[Scene, CaseRun]:
-        """Run a case in the world of a seed; return the scene and what came of it.
+    def run_case(self, case: Case, seed: int, variant: Variant) -> CaseRun:
+        """Run a case in the world of a seed; return what came of it.
 
         SourceError if a process of the app or the world has ended.
         """
@@ -131,7 +131,7 @@ class AppSession:
                 self._watch(monitor, started, person)
             wall = started.wall, time.time()
             self.environment.arm_attack("none", started.run)
-        return started.scene, self._measure_run(monitor, seed, variant, wall)
+        return self._measure_run(monitor, seed, variant, wall)
 
     def start_run(self, case: Case, seed: int, variant: Variant) -> StartedRun:
         """Set up the world of a case and a seed and start the robot, which knows where it is."""

@@ -19,6 +19,7 @@ from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.runtime.service import DemoService
+from rtron.demos.world.scenes.generator import make_scene
 from rtron.demos.world.simulation import CAMERA_RATE
 from rtron.planning.plan_file.loader import read_plan
 from rtron.sources.graph_json import GraphFile
@@ -27,7 +28,6 @@ from rtron.workflows.scan import scan_graph
 
 if TYPE_CHECKING:
     from rtron.demos.runtime.processes import CompletedCommand
-    from rtron.demos.world.scenes.scene import Scene
 
 
 def with_verdicts(run: CaseRun, case: Case, events: Sequence[Event], plan: Path) -> CaseRun:
@@ -75,9 +75,9 @@ _UNGUARDED = (Variant.UNATTACKED, Variant.ATTACKED)
 class Study:
     """Runs cases in the worlds of seeds, first without the guard, then with it; `runs` grows.
 
-    One guarded app stands against all cases. `scenes` and `incidents` are by case and seed,
-    `decisions` by case; they, `plan` and `commands`, the commands that led to the guarded app and
-    what they printed, are those of the first world, where each has its own.
+    One guarded app stands against all cases. `incidents` are by case and seed, `decisions` by
+    case; they, `plan` and `commands`, the commands that led to the guarded app and what they
+    printed, are those of the first world, where each has its own.
     """
 
     def __init__(
@@ -89,7 +89,6 @@ class Study:
     ) -> None:
         self.pipeline = InstrumentationPipeline(environment, environment.folder)
         self.runs: list[CaseRun] = []
-        self.scenes: dict[tuple[str, int], Scene] = {}
         self.incidents: dict[tuple[str, int], CaseIncident] = {}
         self.decisions: dict[str, Decisions] = {}
         self.plan = ""
@@ -133,14 +132,13 @@ class Study:
                         self._add_run(self._run(session, case, seed, variant))
 
     @contextmanager
-    def guarded_session(self, service: DemoService | None = None) -> Iterator[None]:
+    def guarded_session(self, service: DemoService) -> Iterator[None]:
         """Attack the guarded app: each case in each world. Call `run_unguarded` before.
 
-        The last guarded app runs on until the end of the block. With a service the guard's
-        decisions are recorded, and become part of the runs; it gets the app's graph, too.
+        The last guarded app runs on until the end of the block. The service records the guard's
+        decisions, which become part of the runs; it gets the app's graph, too.
         """
-        if service:
-            service.wait()
+        service.wait()
         with self._running:
             worlds = worlds_by_decisions(self._cases, self._seeds, self._conditions)
             for decisions, seeds in worlds:
@@ -148,26 +146,24 @@ class Study:
             yield
 
     def _conditions(self, case: Case, seed: int) -> RunConditions:
-        """Return what decisions of a case may depend on, in a world that was run before."""
-        scene, speed = self.scenes[case.name, seed], self._environment.speed
+        """Return what decisions of a case may depend on in the world of a seed."""
+        scene, speed = make_scene(case.name, seed), self._environment.speed
         return RunConditions(scene=scene, speed=speed, rate=CAMERA_RATE)
 
     def _run_with_decisions(
-        self, decisions: Decisions, seeds: Sequence[int], service: DemoService | None
+        self, decisions: Decisions, seeds: Sequence[int], service: DemoService
     ) -> None:
         self._running.close()
         launch = self._instrument(decisions)
         began = time.time_ns()
-        session = self._launch(launch, service.environ() if service else None)
+        session = self._launch(launch, service.environ())
         cases = [(case, seed) for case in self._cases for seed in seeds]
         runs = [(case, self._run(session, case, seed, Variant.GUARDED)) for case, seed in cases]
         for case, run in runs:
             if case.over_bridge:
                 self._note_incident(case, run)
-        events: Sequence[Event] = ()
-        if service:
-            events = service.events(began, time.time_ns() + _COUNTS_DELAY)
-            service.upload(self.pipeline.graph)
+        events = service.events(began, time.time_ns() + _COUNTS_DELAY)
+        service.upload(self.pipeline.graph)
         for case, run in runs:
             self._add_run(with_verdicts(run, case, events, self.pipeline.plan))
 
@@ -189,7 +185,7 @@ class Study:
                 self.decisions[case.name] = case.decisions(setting)
         return launch
 
-    def _launch(self, launch: Path, more: Mapping[str, str] | None) -> AppSession:
+    def _launch(self, launch: Path, more: Mapping[str, str]) -> AppSession:
         """Start a guarded app, which runs until the next one does."""
         self._listener.on_activity("starting the guarded app")
         app = launch_app(self._environment, launch, more, self.pipeline.plan)
@@ -203,9 +199,7 @@ class Study:
 
     def _run(self, session: AppSession, case: Case, seed: int, variant: Variant) -> CaseRun:
         self._listener.on_activity(f"{case.name}, world {seed}: {variant}")
-        scene, run = session.run_case(case, seed, variant)
-        self.scenes[case.name, seed] = scene
-        return run
+        return session.run_case(case, seed, variant)
 
     def _add_run(self, run: CaseRun) -> None:
         """Keep a run with how far it is from the unattacked one, which came before it."""

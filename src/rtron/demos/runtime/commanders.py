@@ -13,8 +13,8 @@ from pathlib import Path
 from shapely import LineString, Point
 
 from rtron.bridge.rights.tokens import new_token, token_hash
-from rtron.demos.runtime.app_files import APPS, third_party_packages
-from rtron.demos.runtime.environment import DemoEnvironment, has_started
+from rtron.demos.runtime.app_files import APPS
+from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.isolation import free_port
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import Command, StartedProcess
@@ -43,20 +43,18 @@ clients:
 def run_agent(environment: DemoEnvironment, plan: Path | None) -> Iterator[None]:
     """Run the agent until the end of the block; with the plan of a guard behind RTron's bridge."""
     port, token = free_port(), new_token() if plan else ""
-    command = _guarded_way(environment, plan, port, token) if plan else _open_way(environment, port)
+    command = environment.third_party_command("tb3_web", "rosbridge_websocket", str(port))
+    if plan:
+        command = _guarded_way(environment, plan, port, token)
     agent_environ = {
         **environment.environ,
         "DEMO_BRIDGE": f"ws://{_HOST}:{port}/",
         "DEMO_TOKEN": token,
     }
-    journal = environment.journal / f"{NAME}.jsonl"
-    journal.unlink(missing_ok=True)
-    processes = environment.processes
-    with processes.running(command, environment.environ, name="bridge") as bridge:
+    with environment.processes.running(command, environment.environ, name="bridge") as bridge:
         wait_for(lambda: _listens(bridge, port), "the bridge")
-        script: Command = [sys.executable, APPS / "agent" / NAME]
-        with processes.running(script, agent_environ, name=NAME) as agent:
-            wait_for(lambda: has_started(agent, journal), "the agent")
+        agent: Command = [sys.executable, APPS / "agent" / NAME]
+        with environment.run_attacker(NAME, agent, agent_environ):
             yield
 
 
@@ -64,11 +62,6 @@ def give_base_to_person(environment: DemoEnvironment, plan: Path) -> None:
     """Give the lease of the base to the teleoperation, as a person beside the robot does."""
     why = ("--reason", "a person drives")
     environment.run_rtron("lease", "give", "base", "/teleop", *why, "--plan", plan)
-
-
-def _open_way(environment: DemoEnvironment, port: int) -> Command:
-    script = third_party_packages(environment.ros) / "tb3_web" / "scripts" / "rosbridge_websocket"
-    return [script, str(port)] if environment.ros == 1 else [environment.python, script, str(port)]
 
 
 def _guarded_way(environment: DemoEnvironment, plan: Path, port: int, token: str) -> Command:

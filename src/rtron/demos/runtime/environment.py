@@ -4,7 +4,7 @@ import json
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -30,7 +30,7 @@ from rtron.workflows.live_app import master_answers
 
 _NAME = "/rtron_demo"
 _ANSWER_TIMEOUT_S = 2.0
-_BEGIN_TIMEOUT_S = 20.0
+_ATTEMPTS, _BEGIN_TIMEOUT_S = 3, 40.0
 
 
 @contextmanager
@@ -109,28 +109,35 @@ class DemoEnvironment:
         done = self.processes.run_command(command, self.environ, codes, name=str(arguments[0]))
         return replace(done, command=" ".join(["rtron", *map(_display_argument, arguments)]))
 
-    @contextmanager
-    def run_manual_attacker(self) -> Iterator[StartedProcess]:
-        """Run the malicious node of tb3_safe_control by hand, under another node name.
+    def third_party_command(self, package: str, script: str, *arguments: str) -> Command:
+        """Return what starts a script of a third-party package."""
+        path = third_party_packages(self.ros) / package / "scripts" / script
+        return [path, *arguments] if self.ros == 1 else [self.python, path, *arguments]
 
-        It is begun again if it hears no scan: Fast DDS 3.2 may never give a node an endpoint.
+    @contextmanager
+    def run_attacker(
+        self, name: str, command: Command, environ: Mapping[str, str]
+    ) -> Iterator[None]:
+        """Run an attacker that is not of the app until the end of the block.
+
+        It is begun again if it hears nothing: Fast DDS 3.2 may never give a node an endpoint.
         """
-        script = (
-            third_party_packages(self.ros) / "tb3_safe_control" / "scripts" / "tb3_safe_control"
-        )
-        renamed: list[str | Path] = [script, f"__name:={MANUAL_ATTACKER}"]
-        if self.ros != 1:
-            renamed = [self.python, script, "--ros-args", "-r", f"__node:={MANUAL_ATTACKER}"]
-        journal = self.journal / f"{MANUAL_ATTACKER}.jsonl"
-        with ExitStack() as stack:
-            for is_last in (False, False, True):
-                journal.unlink(missing_ok=True)
-                running = self.processes.running(renamed, self.environ, name=MANUAL_ATTACKER)
-                started = stack.enter_context(running)
-                if _has_begun(started, journal, is_last=is_last):
-                    break
-                stack.close()
-            yield started
+        journal = self.journal / f"{name}.jsonl"
+        for _ in range(_ATTEMPTS):
+            journal.unlink(missing_ok=True)
+            with self.processes.running(command, environ, name=name) as started:
+                if _begins_journal(started, journal):
+                    yield
+                    return
+        raise SourceError(f"{name} hears nothing of the robot")
+
+    def run_manual_attacker(self) -> AbstractContextManager[None]:
+        """Run the malicious node of tb3_safe_control by hand, under another node name."""
+        renamed = {1: [f"__name:={MANUAL_ATTACKER}"]}
+        renamed[2] = ["--ros-args", "-r", f"__node:={MANUAL_ATTACKER}"]
+        script = "tb3_safe_control"
+        command = self.third_party_command(script, script, *renamed[self.ros])
+        return self.run_attacker(MANUAL_ATTACKER, command, self.environ)
 
 
 @contextmanager
@@ -190,21 +197,15 @@ def _ros_environ(
     return found
 
 
-def has_started(started: StartedProcess, journal: Path) -> bool:
-    """Tell whether a node of ours has begun its journal; SourceError if it has ended."""
-    started.check()
-    return journal.exists()
+def _begins_journal(started: StartedProcess, journal: Path) -> bool:
+    """Wait until a node begins its journal; tell whether it has. SourceError if it has ended."""
 
+    def has_begun() -> bool:
+        started.check()
+        return journal.exists()
 
-def _has_begun(started: StartedProcess, journal: Path, *, is_last: bool) -> bool:
-    """Wait until a node begins its journal, and in the last try as long as for any other.
-
-    Return whether it has begun; SourceError if it has ended, or in the last try has not.
-    """
-    if is_last:
-        return wait_for(lambda: has_started(started, journal), journal.stem)
     with suppress(SourceError):
-        return wait_for(lambda: has_started(started, journal), journal.stem, _BEGIN_TIMEOUT_S)
+        return wait_for(has_begun, journal.stem, _BEGIN_TIMEOUT_S)
     started.check()
     return False
 

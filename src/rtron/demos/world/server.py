@@ -18,6 +18,9 @@ _LOG = logging.getLogger(__name__)
 _LATE = 0.5
 """Wall s; a world that is later lets simulated time go slower, and does not run after it."""
 
+_MAX_UNSENT = 64 * 1024
+"""Bytes that may wait for a client; one that is more behind gets no states meanwhile."""
+
 
 class StepClock:
     """Counts steps of `step` simulated s at `speed` simulated s a wall s, without drift."""
@@ -83,9 +86,7 @@ class WorldServer:
             self._world.set_velocity(ZERO_VELOCITY, 0.0)
         self._world.step()
         for role in self._streams.due():
-            behind = [w for w in self._clients(role) if w.transport.get_write_buffer_size()]
-            listening = [w for w in self._clients(role) if w not in behind]
-            if listening:
+            if listening := [w for w in self._clients(role) if not _is_behind(w)]:
                 self._send(listening, self._streams.frame(role))
 
     def _clients(self, role: str) -> list[StreamWriter]:
@@ -145,6 +146,10 @@ class WorldServer:
         scene = self._world.scene
         if not scene.is_teleoperated:
             self._send(self._clients("mission"), encode({"goal": scene.goal}))
+
+
+def _is_behind(writer: StreamWriter) -> bool:
+    return writer.transport.get_write_buffer_size() > _MAX_UNSENT
 
 
 async def _read_head(reader: StreamReader) -> Head:

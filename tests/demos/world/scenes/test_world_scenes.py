@@ -1,54 +1,33 @@
 """The scenes of the case studies: drivable over all seeds, and with room for what happens."""
 
-import heapq
 from dataclasses import replace
 from functools import cache
-from math import cos, dist, hypot, pi, sin
+from math import cos, dist, pi, sin
 
 import pytest
-import shapely
 from shapely import LineString, Point, Polygon, box
 
+from rtron.demos.apps.logic.demo_logic.path_planning import Grid, plan
 from rtron.demos.world.robot_base import PEDESTRIAN_RADIUS, RADIUS
 from rtron.demos.world.scenes import generator as drawn
-from rtron.demos.world.scenes.geometry import solid_area
+from rtron.demos.world.scenes.geometry import clearance_map, solid_area
 from rtron.demos.world.scenes.scene import PolygonObstacle
 
 SEEDS = range(50)
 CASES = ("gr", "rsr", "msr", "agent")
 WITH_AREA = ("msr", "agent")
-CELL = 0.1
-MARGIN = 0.05
-STEPS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j]
 scenes = pytest.mark.parametrize("case", CASES)
 make_scene = cache(drawn.make_scene)
 
 
 @cache
 def planned(scene, goal):
-    """Return a shortest way on a grid whose obstacles are inflated, as the robot plans it."""
-    columns, rows = (int(side / CELL) + 1 for side in scene.size)
-    cells = [(i, j) for i in range(columns) for j in range(rows)]
-    points = shapely.points([(i * CELL, j * CELL) for i, j in cells])
-    far = shapely.distance(solid_area(scene), points)
-    free = {cell for cell, clear in zip(cells, far, strict=True) if clear > RADIUS + MARGIN}
-    begin, end = (tuple(round(x / CELL) for x in place) for place in (scene.start[:2], goal))
-    before, cost, queue = {begin: None}, {begin: 0.0}, [(0.0, begin)]
-    while queue:
-        _, cell = heapq.heappop(queue)
-        if cell == end:
-            break
-        for step in STEPS:
-            other = (cell[0] + step[0], cell[1] + step[1])
-            new = cost[cell] + hypot(*step)
-            if other in free and new < cost.get(other, 1e9):
-                cost[other], before[other] = new, cell
-                heapq.heappush(queue, (new + dist(other, end), other))
-    assert end in before, (scene.case, scene.seed)
-    way = [end]
-    while before[way[-1]]:
-        way.append(before[way[-1]])
-    return LineString([(i * CELL, j * CELL) for i, j in way])
+    """Return the way that the robot plans."""
+    found = clearance_map(scene)
+    grid = Grid(found["cell"], found["columns"], found["clearances"])
+    way = plan(grid, scene.start[:2], goal)
+    assert way, (scene.case, scene.seed)
+    return LineString(way)
 
 
 @scenes

@@ -1,7 +1,7 @@
 """The scene of a case and a seed: the same two make the same scene, on every machine."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import atan2, cos, sin
 from random import Random
 
@@ -9,10 +9,8 @@ from rtron.demos.world.ground_truth import Position
 from rtron.demos.world.scenes.geometry import mission_length, rectangle
 from rtron.demos.world.scenes.network_outage import agent_outage, network_outage
 from rtron.demos.world.scenes.scene import (
-    Crossing,
     Obstacle,
     PolygonObstacle,
-    Pose,
     RoundObstacle,
     Scene,
     room_walls,
@@ -22,60 +20,39 @@ from rtron.demos.world.scenes.street import street
 _DIGITS = 3
 
 
-@dataclass(frozen=True, slots=True)
-class Flip:
-    """Flips a room of `size` along x, along y, or both."""
+def place_scene(drawn: Scene, chance: Random) -> Scene:
+    """Return a drawn scene as it lies in the world, by chance flipped, with walls around it."""
+    flips_x, flips_y = chance.choice((True, False)), chance.choice((True, False))
+    width, height = drawn.size
 
-    size: tuple[float, float]
-    flip_x: bool
-    flip_y: bool
-
-    def position(self, point: Position) -> Position:
+    def placed(point: Position) -> Position:
         """Return where a place of the drawing lies, to the millimetre."""
         x, y = point
-        width, height = self.size
-        flipped = (width - x if self.flip_x else x, height - y if self.flip_y else y)
+        flipped = width - x if flips_x else x, height - y if flips_y else y
         return round(flipped[0], _DIGITS), round(flipped[1], _DIGITS)
 
-    def positions(self, points: tuple[Position, ...]) -> tuple[Position, ...]:
-        """Return where places of the drawing lie."""
-        return tuple(map(self.position, points))
+    def obstacle(drawn: Obstacle) -> Obstacle:
+        if isinstance(drawn, RoundObstacle):
+            return RoundObstacle(placed(drawn.center), round(drawn.radius, _DIGITS))
+        return PolygonObstacle(tuple(map(placed, drawn.polygon)))
 
-    def pose(self, pose: Pose) -> Pose:
-        """Return how a pose of the drawing lies."""
-        x = -cos(pose[2]) if self.flip_x else cos(pose[2])
-        y = -sin(pose[2]) if self.flip_y else sin(pose[2])
-        return (
-            *self.position((pose[0], pose[1])),
-            atan2(y + 0.0, x),
-        )  # no -0.0, which is -180 degrees
-
-    def obstacle(self, obstacle: Obstacle) -> Obstacle:
-        """Return how an obstacle of the drawing lies."""
-        if isinstance(obstacle, RoundObstacle):
-            return RoundObstacle(self.position(obstacle.center), round(obstacle.radius, _DIGITS))
-        return PolygonObstacle(self.positions(obstacle.polygon))
-
-    def crossing(self, crossing: Crossing) -> Crossing:
-        """Return how a pedestrian's walk of the drawing lies."""
-        start, stand = self.position(crossing.start), self.position(crossing.stand)
-        return replace(crossing, start=start, stand=stand)
-
-
-def place_scene(drawn: Scene, chance: Random) -> Scene:
-    """Return a drawn scene as it lies in the world, with the walls around it."""
-    laid = Flip(drawn.size, chance.choice((True, False)), chance.choice((True, False)))
+    x, y, heading = drawn.start
+    ahead = -cos(heading) if flips_x else cos(heading)
+    aside = -sin(heading) if flips_y else sin(heading)
     return replace(
         drawn,
         walls=room_walls(*drawn.size),
-        obstacles=tuple(map(laid.obstacle, drawn.obstacles)),
-        start=laid.pose(drawn.start),
-        goal=laid.position(drawn.goal),
-        route=laid.positions(drawn.route),
-        area=laid.positions(drawn.area) if drawn.area else None,
-        bad_goal=laid.position(drawn.bad_goal) if drawn.bad_goal else None,
-        light=laid.position(drawn.light) if drawn.light else None,
-        crossings=tuple(map(laid.crossing, drawn.crossings)),
+        obstacles=tuple(map(obstacle, drawn.obstacles)),
+        start=(*placed((x, y)), atan2(aside + 0.0, ahead)),  # no -0.0, which is -180 degrees
+        goal=placed(drawn.goal),
+        route=tuple(map(placed, drawn.route)),
+        area=tuple(map(placed, drawn.area)) if drawn.area else None,
+        bad_goal=placed(drawn.bad_goal) if drawn.bad_goal else None,
+        light=placed(drawn.light) if drawn.light else None,
+        crossings=tuple(
+            replace(each, start=placed(each.start), stand=placed(each.stand))
+            for each in drawn.crossings
+        ),
     )
 
 
