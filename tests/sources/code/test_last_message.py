@@ -232,12 +232,7 @@ def test_in_python(callback, timer, fate, seconds):
         (KEEP_CPP, "double s = 0; s = speed_; out_->publish(s);", "repeated", None),
         (KEEP_CPP, "out_->publish(speed_); speed_ = 0;", "checked", None),
         (KEEP_CPP, "out_->publish(std::move(speed_));", "checked", None),
-        (
-            f"{KEEP_CPP} ticks_ = 0;",
-            "if (++ticks_ < 9) out_->publish(speed_);",
-            "checked",
-            None,
-        ),
+        (f"{KEEP_CPP} ticks_ = 0;", "if (++ticks_ < 9) out_->publish(speed_);", "checked", None),
         (f"if (now() - last_ > limit_) send(0); {KEEP_WITH_TIME_CPP}", "", "unnoticed", None),
         (KEEP_CPP, "double speed = 0; send(speed_);", "unnoticed", None),
         (KEEP_CPP, "auto speed = std::exchange(speed_, 0); send(speed);", "checked", None),
