@@ -43,12 +43,7 @@ def test_plugins_of_world_model_sensor_and_gui(world):
         '</gui><model name="m"><plugin filename="libc.so"/><model name="n"><plugin '
         'filename="libd.so"/></model></model></world>'
     )
-    assert facts(found) == [
-        ("a", "", ""),
-        ("b", "", ""),
-        ("c", "m", ""),
-        ("d", "m::n", ""),
-    ]
+    assert facts(found) == [("a", "", ""), ("b", "", ""), ("c", "m", ""), ("d", "m::n", "")]
 
 
 @pytest.mark.parametrize("by", ["package", "environment"])

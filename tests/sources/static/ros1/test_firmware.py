@@ -66,8 +66,7 @@ def test_a_sketch_is_what_the_bridge_joins(scan):
 
 
 @pytest.mark.parametrize(
-    ("names", "bridges"),
-    [(["a/a.ino", "b/b.ino"], ["board"]), (["a/a.ino"], ["left", "right"])],
+    ("names", "bridges"), [(["a/a.ino", "b/b.ino"], ["board"]), (["a/a.ino"], ["left", "right"])]
 )
 def test_which_sketch_is_whose_is_not_guessed(scan, names, bridges):
     found = scan(dict.fromkeys(names, SKETCH), bridges)

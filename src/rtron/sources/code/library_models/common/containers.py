@@ -47,6 +47,7 @@ def _comparable(key: av.Value) -> Any:  # noqa: ANN401
 
 
 MAX_ITEMS = 1024
+_FIRST = av.Scalar(0)
 LibraryMethods = Mapping[str, Callable[..., av.Value]]
 
 
@@ -180,14 +181,6 @@ def is_empty(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.Value:
     return av.Unknown("empty") if filled is None else av.Scalar(not filled)
 
 
-def _at(_: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
-    return av.element(owner, arguments.get(0) or av.Scalar(0))
-
-
-def _last(_: AbstractMachine, owner: av.ListValue, __: Arguments) -> av.Value:
-    return av.element(owner, av.Scalar(-1))
-
-
 def _resize(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     count, fill = arguments.get(0), arguments.get(1)
     if not (isinstance(count, av.Scalar) and isinstance(count.value, int)):
@@ -199,10 +192,6 @@ def _resize(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments)
     return _write(machine, owner, (*owner.items, *added)[:size])
 
 
-def _copy(_: AbstractMachine, owner: av.ListValue, __: Arguments) -> av.Value:
-    return replace(owner, fields=dict(owner.fields))
-
-
 def _sort(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     machine.escape(arguments.get(0))
     if owner.open:
@@ -211,36 +200,30 @@ def _sort(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -
 
 
 LIST_METHODS: LibraryMethods = {
-    "append": _append,
-    "add": _append,
+    **dict.fromkeys(("append", "add"), _append),
     "appendleft": lambda machine, owner, arguments: _write(
         machine, owner, (arguments.get(0) or av.NONE, *owner.items)
     ),
-    "push_back": _push,
-    "emplace_back": _push,
-    "push_front": _push_front,
-    "emplace_front": _push_front,
+    **dict.fromkeys(("push", "push_back", "emplace_back"), _push),
+    **dict.fromkeys(("push_front", "emplace_front"), _push_front),
     "emplace": _emplace,
-    "push": _push,
-    "extend": _extend,
-    "update": _extend,
+    **dict.fromkeys(("extend", "update"), _extend),
     "insert": _insert,
     "assign": _assign,
     "swap": _swap,
-    "pop": _pop,
+    **dict.fromkeys(("pop", "pop_back"), _pop),
     "clear": _clear,
     "size": size,
     "empty": is_empty,
-    "at": _at,
-    "front": _at,
-    "back": _last,
-    "top": _last,
+    **dict.fromkeys(
+        ("at", "front"), lambda _, owner, arguments: av.element(owner, arguments.get(0) or _FIRST)
+    ),
+    **dict.fromkeys(("back", "top"), lambda _, owner, __: av.element(owner, av.Scalar(-1))),
     "resize": _resize,
-    "copy": _copy,
-    "data": _copy,
-    "remove": _remove_item,
-    "discard": _remove_item,
-    "pop_back": _pop,
+    **dict.fromkeys(
+        ("copy", "data"), lambda _, owner, __: replace(owner, fields=dict(owner.fields))
+    ),
+    **dict.fromkeys(("remove", "discard"), _remove_item),
     "pop_front": lambda machine, owner, arguments: _pop(
         machine, owner, arguments.with_values(av.Scalar(0))
     ),

@@ -156,34 +156,27 @@ def _find_pair(machine: AbstractMachine, owner: av.MapValue, arguments: Argument
 
 DICT_METHODS: containers.LibraryMethods = {
     "get": _get,
-    "keys": _keys,
-    "values": _values,
-    "items": _items,
-    "iterkeys": _keys,
-    "itervalues": _values,
-    "iteritems": _items,
+    **dict.fromkeys(("keys", "iterkeys"), _keys),
+    **dict.fromkeys(("values", "itervalues"), _values),
+    **dict.fromkeys(("items", "iteritems"), _items),
     "update": _update,
     "setdefault": _set_default,
-    "has_key": _has_key,
+    **dict.fromkeys(("has_key", "__contains__"), _has_key),
     "pop": _pop_entry,
     "clear": _clear_map,
     "copy": lambda _, owner, ___: av.MapValue(
         dict(owner.fields), owner.iterates_pairs, owner.default_factory
     ),
-    "__contains__": _has_key,
 }
 CPP_MAP_METHODS: containers.LibraryMethods = {
     "at": _get,
     "count": _count,
-    "contains": _has_key,
-    "insert": _insert_pair,
-    "emplace": _insert_pair,
-    "try_emplace": _insert_pair,
+    **dict.fromkeys(("contains", "hasMember"), _has_key),
+    **dict.fromkeys(("insert", "emplace", "try_emplace"), _insert_pair),
     "insert_or_assign": _assign,
     "find": _find_pair,
     "size": containers.size,
     "empty": containers.is_empty,
-    "hasMember": _has_key,
     "erase": _pop_entry,
     "clear": _clear_map,
 }

@@ -134,11 +134,8 @@ def _quantify(machine: AbstractMachine, arguments: Arguments, *, decides: bool) 
     answers = set(_predicate_results(machine, arguments, [item for _, item in found[0]]))
     if decides in answers:
         return av.Scalar(decides)
-    return (
-        (av.FALSE if decides else av.TRUE)
-        if found[1] and None not in answers
-        else av.Unknown("any_of")
-    )
+    unsure = not found[1] or None in answers
+    return av.Unknown("any_of") if unsure else av.Scalar(not decides)
 
 
 def _predicate_results(

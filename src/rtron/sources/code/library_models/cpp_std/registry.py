@@ -44,14 +44,10 @@ COMMAND_LINE: Mapping[str, Callable[..., av.Value]] = {
     "rcutils_cli_get_option": _option_value,
 }
 
-_NUMBER_DEFAULTS: Mapping[str, object] = {
-    **dict.fromkeys(
-        ("int", "long", "short", "size_t", "unsigned", "uint32_t", "int32_t", "uint8_t"), 0
-    ),
-    **dict.fromkeys(("double", "float"), 0.0),
-    "bool": False,
-}
-
+_NUMBERS = (
+    *("int", "long", "short", "size_t", "unsigned", "uint32_t", "int32_t", "uint8_t", "double"),
+    *("float", "bool"),
+)
 PARAMETER_TYPE_PREFIX = "XmlRpc::XmlRpcValue::Type"
 
 
@@ -69,8 +65,7 @@ def parameter_type_of(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.
 
 def _classes() -> dict[str, av.LibraryClass]:
     classes = {
-        name: av.LibraryClass(name, partial(strings.make_number_value, name))
-        for name in _NUMBER_DEFAULTS
+        name: av.LibraryClass(name, partial(strings.make_number_value, name)) for name in _NUMBERS
     }
     for name, make in _CONSTRUCTORS.items():
         for space in ("", "std::", "boost::", "boost::unordered::"):
@@ -137,9 +132,7 @@ _STD_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     "stod": partial(strings.parse_number, float),
     **ALGORITHMS,
     **strings.BOOST_STRINGS,
-    "exit": functional.end_program,
-    "abort": functional.end_program,
-    "quick_exit": functional.end_program,
+    **dict.fromkeys(("exit", "abort", "quick_exit"), functional.end_program),
     **dict.fromkeys(
         ("make_tuple", "tie", "forward_as_tuple"),
         lambda machine, _, arguments: containers.make_tuple(machine, arguments),
@@ -175,26 +168,14 @@ _GLOBAL_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     **dict.fromkeys(("getenv", "std::getenv"), functional.getenv),
     **dict.fromkeys(("system", "std::system", "popen"), functional.run_system),
     **dict.fromkeys(("std::format", "fmt::format"), strings.format_fields),
-    **dict.fromkeys(("FMT_STRING", "FMT_COMPILE"), return_argument),
-    "QString::fromStdString": return_argument,
-    "std::ref": return_argument,
+    **dict.fromkeys(
+        ("FMT_STRING", "FMT_COMPILE", "QString::fromStdString", "std::ref"), return_argument
+    ),
 }
 
 
-def _functions() -> dict[str, av.LibraryFunction]:
-    functions = {
-        f"{space}{name}": av.LibraryFunction(name, call)
-        for name, call in _STD_FUNCTIONS.items()
-        for space in ("std::", "boost::", "boost::algorithm::", "boost::this_thread::")
-    }
-    return functions | {
-        name: av.LibraryFunction(name, call) for name, call in _GLOBAL_FUNCTIONS.items()
-    }
-
-
 CONSTANTS: Mapping[str, av.Value] = {
-    "std::string::npos": av.Scalar(-1),
-    "string::npos": av.Scalar(-1),
+    **dict.fromkeys(("std::string::npos", "string::npos"), av.Scalar(-1)),
     "std::nullopt": av.NONE,
 }
 
@@ -206,4 +187,12 @@ PLACEHOLDERS = {
 
 CPP_STD_CLASSES = _classes()
 
-CPP_STD_FUNCTIONS = _functions()
+CPP_STD_FUNCTIONS = {
+    f"{space}{name}": av.LibraryFunction(name, call)
+    for spaces, functions in (
+        (("std::", "boost::", "boost::algorithm::", "boost::this_thread::"), _STD_FUNCTIONS),
+        (("",), _GLOBAL_FUNCTIONS),
+    )
+    for name, call in functions.items()
+    for space in spaces
+}

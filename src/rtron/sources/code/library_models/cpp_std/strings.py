@@ -17,12 +17,9 @@ def make_string(_: AbstractMachine, arguments: Arguments) -> av.Value:
     given, letter = arguments.get(0), arguments.get(1)
     if isinstance(given, av.ListValue):
         return av.Unknown("text")
-    if (
-        isinstance(given, av.Scalar)
-        and isinstance(given.value, int)
-        and isinstance(letter, av.Scalar)
-    ):
-        return av.Scalar(str(letter.value) * max(0, min(given.value, 256)))
+    count = given.value if isinstance(given, av.Scalar) else None
+    if isinstance(count, int) and isinstance(letter, av.Scalar):
+        return av.Scalar(str(letter.value) * max(0, min(count, 256)))
     return av.Scalar("") if given is None else given
 
 
@@ -62,9 +59,8 @@ def choose_number(
     numbers = [value.value for value in values if isinstance(value, av.Scalar)]
     known = len(numbers) == len(values) and all(isinstance(one, (int, float)) for one in numbers)
     tainted = any(map(av.is_tainted, values))
-    return (
-        av.Scalar(choose(numbers), tainted) if numbers and known else av.Unknown("number", tainted)
-    )
+    is_known = bool(numbers) and known
+    return av.Scalar(choose(numbers), tainted) if is_known else av.Unknown("number", tainted)
 
 
 def parse_number(

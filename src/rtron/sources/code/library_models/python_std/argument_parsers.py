@@ -73,11 +73,8 @@ def _namespace(
 ) -> tuple[av.Value, list[av.Value]]:
     """Return the values of all options, and the words that none of them takes."""
     options = [option for option in owner.fields.values() if isinstance(option, av.Instance)]
-    parser, found, marked = (
-        _ScriptArgumentParser(add_help=False),
-        argparse.Namespace(),
-        list(_with_stand_ins(words)),
-    )
+    parser, found = _ScriptArgumentParser(add_help=False), argparse.Namespace()
+    marked = list(_with_stand_ins(words))
     marks = dict(marked)
     dests = {_add_to_parser(parser, option): option for option in options}
     try:

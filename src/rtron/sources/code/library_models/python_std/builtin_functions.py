@@ -17,7 +17,7 @@ from rtron.sources.code.library_models.python_std.dynamic_code import (
     DYNAMIC_CODE_BUILTINS,
     get_member,
 )
-from rtron.sources.code.library_models.python_std.iteration import ITERATION_FUNCTIONS
+from rtron.sources.code.library_models.python_std.list_methods import ITERATION_FUNCTIONS
 
 MAX_RANGE = 256
 FILE = av.LibraryClass("file")
@@ -37,12 +37,10 @@ def _number(
     def made(value: av.Value) -> av.Value:
         if not isinstance(value, av.Scalar):
             return value
+        if not is_known:
+            return av.Unknown("number")
         try:
-            return (
-                av.Scalar(make(value.value, *rest), value.tainted)
-                if is_known
-                else av.Unknown("number")
-            )
+            return av.Scalar(make(value.value, *rest), value.tainted)
         except (TypeError, ValueError, OverflowError):
             return av.Unknown("number")
 
@@ -97,13 +95,8 @@ def _isinstance(machine: AbstractMachine, _: object, arguments: Arguments) -> av
         calls = [arguments.with_values(given, one) for one in expected_class.items]
         found = [_isinstance(machine, None, call) for call in calls]
         answers = [av.truth(one) for one in found]
-        return (
-            av.TRUE
-            if True in answers
-            else av.Unknown("isinstance")
-            if None in answers
-            else av.FALSE
-        )
+        unsure = None in answers
+        return av.TRUE if True in answers else av.Unknown("isinstance") if unsure else av.FALSE
     if isinstance(value, av.Instance) and isinstance(expected_class, av.ClassValue):
         return av.Scalar(any(cls is expected_class for cls in machine.runtime.lineage(value.type)))
     kinds = {"list": "list", "tuple": "tuple", "set": "set"}
@@ -199,19 +192,14 @@ def _unknown(name: str, machine: AbstractMachine, _: object, arguments: Argument
 _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     **ITERATION_FUNCTIONS,
     **DYNAMIC_CODE_BUILTINS,
-    "str": _str,
-    "unicode": _str,
+    **dict.fromkeys(("str", "unicode"), _str),
     "repr": lambda _, __, arguments: av.concat((av.repr_of(arguments.get(0) or av.NONE),)),
-    "int": partial(_number, int),
     "long": partial(_number, int),
-    "float": partial(_number, float),
-    "abs": partial(_number, abs),
+    **{make.__name__: partial(_number, make) for make in (int, float, abs, round, chr, ord)},
     "pow": lambda _, __, arguments: av.binary("**", arguments.value(0), arguments.value(1)),
-    "round": partial(_number, round),
     "bool": _bool,
     "len": _len,
-    "range": _range,
-    "xrange": _range,
+    **dict.fromkeys(("range", "xrange"), _range),
     "open": lambda _, __, arguments: av.Instance(
         FILE, {"path": arguments.get(0, "file") or av.Unknown("path")}
     ),
@@ -224,8 +212,6 @@ _BUILTIN_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     "super": _super,
     "type": _type,
     "callable": _callable,
-    "chr": partial(_number, chr),
-    "ord": partial(_number, ord),
     **dict.fromkeys(("exit", "quit"), _exit),
     **{name: partial(_unknown, name) for name in ("input", "raw_input", "id", "print")},
 }

@@ -15,7 +15,7 @@ from rtron.sources.code.library_models.common.maps import keyword_fields
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.code.library_models.python_std.data_classes import ENUM
-from rtron.sources.code.library_models.python_std.iteration import fold
+from rtron.sources.code.library_models.python_std.list_methods import fold
 
 MAX_ROWS = 256
 _MAX_DEPTH = 8

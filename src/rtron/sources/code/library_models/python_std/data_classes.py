@@ -6,7 +6,6 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import OPEN_KEYWORD, Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
-from rtron.sources.code.ir import Class
 
 
 def add_enum_members(cls: av.ClassValue) -> av.ClassValue:
@@ -25,25 +24,7 @@ def enum_member(cls: av.ClassValue, value: av.Value) -> av.Value:
     return av.Unknown(cls.name)
 
 
-def _make_enum(_: AbstractMachine, arguments: Arguments) -> av.Value:
-    """`Enum("Name", "LEFT RIGHT")`, `Enum("Name", ["LEFT", "RIGHT"])` or with a dict."""
-    name = av.text_with_holes(arguments.get(0) or av.Unknown("Enum"))
-    definition = Class(name=name, file=arguments.frame.file, line=arguments.line)
-    fields = _enum_values(arguments.value(1, "names"))
-    return add_enum_members(av.ClassValue(definition, (ENUM,), fields))
-
-
-def _enum_values(names: av.Value) -> dict[str, av.Value]:
-    if isinstance(names, av.MapValue):
-        return {str(key): value for key, value in names.entries.items()}
-    if isinstance(names, av.ListValue):
-        words = [av.text_with_holes(item) for item in names.items]
-    else:
-        words = av.text_with_holes(names).replace(",", " ").split()
-    return {word: av.Scalar(number) for number, word in enumerate(words, start=1)}
-
-
-ENUM = av.LibraryClass("enum.Enum", _make_enum)
+ENUM = av.LibraryClass("enum.Enum")
 
 NAMED_TUPLE = av.ExternalSymbol("typing.NamedTuple")
 _DATACLASS = av.LibraryClass("dataclass")
@@ -108,10 +89,6 @@ def _fields(machine: AbstractMachine, owner: av.Instance) -> list[tuple[str, av.
     return list(found.items())
 
 
-def _make_field(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return av.Instance(_FIELD, dict(arguments.keywords))
-
-
 def iterate_fields(machine: AbstractMachine, owner: av.Instance) -> tuple[av.Value, ...]:
     """Return the items of a NamedTuple."""
     names = [name for name, _ in _fields(machine, owner)]
@@ -120,5 +97,7 @@ def iterate_fields(machine: AbstractMachine, owner: av.Instance) -> tuple[av.Val
 
 DATACLASSES: Mapping[str, av.Value] = {
     "dataclasses.dataclass": av.LibraryFunction("dataclass", _decorate_class),
-    "dataclasses.field": av.LibraryFunction("field", _make_field),
+    "dataclasses.field": av.LibraryFunction(
+        "field", lambda _, __, arguments: av.Instance(_FIELD, dict(arguments.keywords))
+    ),
 }

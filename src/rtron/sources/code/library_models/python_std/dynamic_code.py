@@ -143,10 +143,7 @@ def _init_node(machine: AbstractMachine, _: object, arguments: Arguments) -> av.
 
 
 _REGISTRATION_METHODS = (
-    "registerPublisher",
-    "registerSubscriber",
-    "registerService",
-    "publisherUpdate",
+    *("registerPublisher", "registerSubscriber", "registerService", "publisherUpdate"),
     "requestTopic",
 )
 _MASTER_PROXY = av.LibraryClass(
@@ -167,10 +164,12 @@ _ROSPY_INTERNALS = (
     "rospy.impl.registration.get_service_manager",
     "rospy.service.get_service_manager",
 )
+_PROGRAM_KINDS = ("v", "vp", "ve", "vpe", "l", "lp", "le", "lpe")
 _CODE_RUNNERS = (
     *("builtins.exec", "code.InteractiveInterpreter", "ctypes.CDLL", "ctypes.PyDLL"),
     *("ctypes.cdll.LoadLibrary", "imp.load_module"),
     *("runpy.run_module", "runpy.run_path"),
+    *(f"os.{run}{kind}" for run in ("exec", "spawn") for kind in _PROGRAM_KINDS),
 )
 DYNAMIC_CODE_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     "builtins.eval": _eval,

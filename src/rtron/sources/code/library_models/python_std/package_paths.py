@@ -15,14 +15,9 @@ _PATH_OF = "path of "
 
 
 def _folder(machine: AbstractMachine, name: av.Value) -> av.Value:
-    path = (
-        machine.runtime.files.package_path(str(name.value)) if isinstance(name, av.Scalar) else None
-    )
-    return (
-        av.Unknown(f"{_PATH_OF}{av.text_with_holes(name)}")
-        if path is None
-        else av.Scalar(str(path))
-    )
+    files = machine.runtime.files
+    path = files.package_path(str(name.value)) if isinstance(name, av.Scalar) else None
+    return av.Scalar(str(path)) if path else av.Unknown(f"{_PATH_OF}{av.text_with_holes(name)}")
 
 
 def missing_package(path: av.Value) -> str:

@@ -54,14 +54,6 @@ def _path(text: str) -> av.Scalar:
     return av.Scalar(PathString(PurePosixPath(text)))
 
 
-def _absolute(_: AbstractMachine, owner: av.Scalar, __: Arguments) -> av.Value:
-    return _path(os.path.normpath(str(owner.value)))
-
-
-def _text(_: AbstractMachine, owner: av.Scalar, __: Arguments) -> av.Value:
-    return av.Scalar(str(owner.value))
-
-
 def _change_path(name: str, _: AbstractMachine, owner: av.Scalar, arguments: Arguments) -> av.Value:
     """`with_suffix(text)`, `with_name(text)`, `with_stem(text)`, `relative_to(path)`."""
     argument = arguments.get(0)
@@ -78,14 +70,6 @@ def _read(machine: AbstractMachine, owner: av.Scalar, _: Arguments) -> av.Value:
     return av.Unknown("file") if text is None else av.Scalar(text, tainted=True)
 
 
-def _unknown_listing(_: AbstractMachine, __: av.Scalar, ___: Arguments) -> av.Value:
-    return av.list_of((), certain=False)
-
-
-def _path_exists(_: AbstractMachine, owner: av.Scalar, __: Arguments) -> av.Value:
-    return _existence(owner)
-
-
 def _existence(path: av.Value) -> av.Value:
     """Return whether a path is there; what is not may be made by a build, or at run time."""
     if not isinstance(path, av.Scalar):
@@ -96,21 +80,22 @@ def _existence(path: av.Value) -> av.Value:
         return av.Unknown("exists")
 
 
-def _exists_function(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
-    return av.map_options(arguments.get(0, "path") or av.NONE, _existence)
-
-
 _PATHS, _TEXTS = frozenset({"parent"}), frozenset({"name", "stem", "suffix"})
 _METHODS: Mapping[str, Callable[..., av.Value]] = {
     "joinpath": _join_to_path,
-    **dict.fromkeys(("absolute", "resolve", "expanduser"), _absolute),
-    **dict.fromkeys(("as_posix", "__str__", "__fspath__"), _text),
+    **dict.fromkeys(
+        ("absolute", "resolve", "expanduser"),
+        lambda _, owner, __: _path(os.path.normpath(str(owner.value))),
+    ),
+    **dict.fromkeys(
+        ("as_posix", "__str__", "__fspath__"), lambda _, owner, __: av.Scalar(str(owner.value))
+    ),
     **{
         name: partial(_change_path, name)
         for name in ("with_suffix", "with_name", "with_stem", "relative_to")
     },
-    **dict.fromkeys(("exists", "is_file", "is_dir"), _path_exists),
-    **dict.fromkeys(("glob", "rglob", "iterdir"), _unknown_listing),
+    **dict.fromkeys(("exists", "is_file", "is_dir"), lambda _, owner, __: _existence(owner)),
+    **dict.fromkeys(("glob", "rglob", "iterdir"), lambda *_: av.list_of((), certain=False)),
     "open": lambda _, owner, ___: av.Instance(FILE, {"path": owner}),
     "read_text": _read,
 }
@@ -121,6 +106,9 @@ PYTHON_PATHS: Mapping[str, av.Value] = {
     ),
     **dict.fromkeys(
         ("os.path.exists", "os.path.isfile", "os.path.isdir"),
-        av.LibraryFunction("exists", _exists_function),
+        av.LibraryFunction(
+            "exists",
+            lambda _, __, arguments: av.map_options(arguments.value(0, "path"), _existence),
+        ),
     ),
 }

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 
 from rtron.sources.code.interpreter import abstract_values as av
-from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.command_lines import record_started, shell_words
 from rtron.sources.code.library_models.common.trivial_functions import making, return_none
@@ -33,32 +33,6 @@ def _run_command(machine: AbstractMachine, _: object, arguments: Arguments) -> a
 def _run_arguments(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`create_subprocess_exec("roslaunch", …)`."""
     run_words(machine, arguments.values, arguments)
-    return av.Unknown("process")
-
-
-def _become_list(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`os.execvp(file, words)`: the program goes no further."""
-    words, certain = av.items_of(arguments.value(1))
-    run_words(machine, (arguments.value(0), *words[1:]), arguments, certain=certain)
-    raise ThrownError("SystemExit")
-
-
-def _become_words(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`os.execlp(file, word, …)`."""
-    run_words(machine, (arguments.value(0), *arguments.values[2:]), arguments)
-    raise ThrownError("SystemExit")
-
-
-def _spawn_list(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`os.spawnvp(mode, file, words)`."""
-    words, certain = av.items_of(arguments.value(2))
-    run_words(machine, (arguments.value(1), *words[1:]), arguments, certain=certain)
-    return av.Unknown("process")
-
-
-def _spawn_words(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`os.spawnlp(mode, file, word, …)`."""
-    run_words(machine, (arguments.value(1), *arguments.values[3:]), arguments)
     return av.Unknown("process")
 
 
@@ -171,10 +145,6 @@ _LAUNCH_NAMES = (*("roslaunch.scriptapi.ROSLaunch", "roslaunch.ROSLaunch"),)
 PROCESSES: Mapping[str, Callable[..., av.Value]] = {
     **dict.fromkeys(_RUNNERS, _run_command),
     "asyncio.create_subprocess_exec": _run_arguments,
-    **{f"os.exec{kind}": _become_list for kind in ("v", "vp", "ve", "vpe")},
-    **{f"os.exec{kind}": _become_words for kind in ("l", "lp")},
-    **{f"os.spawn{kind}": _spawn_list for kind in ("v", "vp", "ve", "vpe")},
-    **{f"os.spawn{kind}": _spawn_words for kind in ("l", "lp")},
     "roslaunch.main": _main,
     **dict.fromkeys(
         ("roslaunch.parent.ROSLaunchParent", "roslaunch.ROSLaunchParent"), _launch_parent

@@ -42,18 +42,12 @@ def _call_path_function(
     del machine
     texts = _known_texts(arguments.values)
     if texts is None:
-        return (
-            av.concat(_with_slashes(arguments.values))
-            if function is os.path.join
-            else av.Unknown("path")
-        )
+        joined = function is os.path.join
+        return av.concat(_with_slashes(arguments.values)) if joined else av.Unknown("path")
     try:
         found = function(*texts)
-        return (
-            av.list_of(map(av.Scalar, found), "tuple")
-            if isinstance(found, tuple)
-            else av.Scalar(found)
-        )
+        is_pair = isinstance(found, tuple)
+        return av.list_of(map(av.Scalar, found), "tuple") if is_pair else av.Scalar(found)
     except (TypeError, ValueError):
         return av.Unknown("path")
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
@@ -11,50 +12,28 @@ from rtron.sources.code.library_models.common.trivial_functions import return_ar
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 
 
-def _escape_target(
+def _run_target(
+    keyword: str,
+    positions: tuple[int, int, int],
     machine: AbstractMachine,
-    target: av.Value | None,
-    args: av.Value | None,
-    named: av.Value | None,
-    at: Arguments,
-) -> None:
-    given = av.items_of(args)[0] if args is not None else ()
-    keywords = (
-        {str(k): v for k, v in named.entries.items()} if isinstance(named, av.MapValue) else {}
-    )
-    for option in av.options(target):
+    _: object,
+    arguments: Arguments,
+) -> av.Value:
+    """Run a function beside the program; `positions` are its own, that of its values and words."""
+    at, args, kwargs = positions
+    given = av.items_of(arguments.get(args, "args") or av.NONE)[0]
+    named = arguments.get(kwargs, "kwargs")
+    keywords = {str(k): v for k, v in getattr(named, "entries", {}).items()}
+    for option in av.options(arguments.get(at, keyword)):
         if isinstance(option, (av.LibraryFunction, av.ClassValue)):
-            dispatch(machine, option, replace(at, values=given, keywords=keywords))
+            dispatch(machine, option, replace(arguments, values=given, keywords=keywords))
         elif isinstance(option, av.Instance):
             machine.escape(option)
         elif isinstance(option, av.FunctionValue):
+            values = (*option.bound_arguments, *given)
             passed = {**option.bound_keywords, **keywords}
-            machine.escape(
-                replace(
-                    option, bound_arguments=(*option.bound_arguments, *given), bound_keywords=passed
-                )
-            )
-
-
-def _make_thread_target(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`Thread(group, target, name, args, kwargs)`."""
-    args, named = arguments.get(3, "args"), arguments.get(4, "kwargs")
-    _escape_target(machine, arguments.get(1, "target"), args, named, arguments)
+            machine.escape(replace(option, bound_arguments=values, bound_keywords=passed))
     return av.NONE
-
-
-def _make_timer_target(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`Timer(interval, function, args, kwargs)`."""
-    args, named = arguments.get(2, "args"), arguments.get(3, "kwargs")
-    _escape_target(machine, arguments.get(1, "function"), args, named, arguments)
-    return av.NONE
-
-
-def _start_new_thread(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    """`thread.start_new_thread(function, args, kwargs)`."""
-    given = (arguments.get(1), arguments.get(2))
-    _escape_target(machine, arguments.get(0), *given, arguments)
-    return av.Unknown("thread")
 
 
 def _start_thread(machine: AbstractMachine, owner: av.Instance, _: Arguments) -> av.Value:
@@ -63,14 +42,15 @@ def _start_thread(machine: AbstractMachine, owner: av.Instance, _: Arguments) ->
     return av.NONE
 
 
-def _make_thread(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    _make_thread_target(machine, None, arguments)
-    return av.Instance(THREAD)
+def _thread_class(name: str, keyword: str, positions: tuple[int, int, int]) -> av.LibraryClass:
+    run = partial(_run_target, keyword, positions)
 
+    def make(machine: AbstractMachine, arguments: Arguments) -> av.Value:
+        run(machine, None, arguments)
+        return av.Instance(made)
 
-def _make_timer(machine: AbstractMachine, arguments: Arguments) -> av.Value:
-    _make_timer_target(machine, None, arguments)
-    return av.Instance(_TIMER)
+    made: av.LibraryClass = av.LibraryClass(name, make, {"__init__": run, "start": _start_thread})
+    return made
 
 
 def _submit(machine: AbstractMachine, _: av.Instance, arguments: Arguments) -> av.Value:
@@ -79,30 +59,22 @@ def _submit(machine: AbstractMachine, _: av.Instance, arguments: Arguments) -> a
     return av.Instance(_FUTURE, {"result": av.LibraryFunction("result", lambda *_: made)})
 
 
-def _map(machine: AbstractMachine, _: av.Instance, arguments: Arguments) -> av.Value:
-    return dispatch(machine, BUILTINS["map"], arguments)
-
-
-def _make_executor(_: AbstractMachine, __: Arguments) -> av.Value:
-    return av.Instance(_EXECUTOR)
-
-
 _FUTURE = av.LibraryClass("concurrent.futures.Future")
-_EXECUTOR = av.LibraryClass(
-    "concurrent.futures.Executor", _make_executor, {"submit": _submit, "map": _map}
+_EXECUTOR: av.LibraryClass = av.LibraryClass(
+    "concurrent.futures.Executor",
+    lambda _machine, _arguments: av.Instance(_EXECUTOR),
+    {
+        "submit": _submit,
+        "map": lambda machine, _, arguments: dispatch(machine, BUILTINS["map"], arguments),
+    },
 )
-THREAD = av.LibraryClass(
-    "threading.Thread", _make_thread, {"__init__": _make_thread_target, "start": _start_thread}
-)
-_TIMER = av.LibraryClass(
-    "threading.Timer", _make_timer, {"__init__": _make_timer_target, "start": _start_thread}
-)
+THREAD = _thread_class("threading.Thread", "target", (1, 3, 4))
+_START = av.LibraryFunction("thread.start_new_thread", partial(_run_target, "function", (0, 1, 2)))
 THREADS: Mapping[str, av.Value] = {
     "threading.Thread": THREAD,
-    "threading.Timer": _TIMER,
+    "threading.Timer": _thread_class("threading.Timer", "function", (1, 2, 3)),
     "multiprocessing.Process": THREAD,
     **{f"concurrent.futures.{kind}PoolExecutor": _EXECUTOR for kind in ("Thread", "Process")},
     "asyncio.run": av.LibraryFunction("asyncio.run", return_argument),
-    "thread.start_new_thread": av.LibraryFunction("thread.start_new_thread", _start_new_thread),
-    "_thread.start_new_thread": av.LibraryFunction("thread.start_new_thread", _start_new_thread),
+    **dict.fromkeys(("thread.start_new_thread", "_thread.start_new_thread"), _START),
 }

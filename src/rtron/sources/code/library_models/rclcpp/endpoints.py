@@ -26,11 +26,7 @@ from rtron.sources.code.library_models.ros2_common.nodes import (
     node_name,
     resolve_at_node,
 )
-from rtron.sources.code.library_models.ros2_common.qos import (
-    QosOverrides,
-    is_qos,
-    read_qos,
-)
+from rtron.sources.code.library_models.ros2_common.qos import QosOverrides, is_qos, read_qos
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
 

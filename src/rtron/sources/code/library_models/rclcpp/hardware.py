@@ -9,10 +9,7 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.trivial_functions import (
-    returning_field,
-    returning_unknown,
-)
+from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.rclcpp.node import make_node
 from rtron.sources.declaration import NodeSite
 
@@ -70,7 +67,6 @@ HARDWARE_CLASSES: Mapping[str, av.LibraryClass] = {
         {
             "on_init": _on_init,
             "get_node": _get_node,
-            "get_hardware_info": returning_field(_INFO, av.Unknown("info")),
             **dict.fromkeys(HARDWARE_CALLBACKS[1:], returning_unknown("CallbackReturn::SUCCESS")),
         },
         _LATER_CALLBACKS,

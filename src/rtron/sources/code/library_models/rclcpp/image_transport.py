@@ -17,11 +17,7 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
     register_callbacks,
 )
 from rtron.sources.code.library_models.common.trivial_functions import returning_field
-from rtron.sources.code.library_models.rclcpp.endpoints import (
-    ENDPOINT,
-    qos_argument,
-    split_node,
-)
+from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT, qos_argument, split_node
 from rtron.sources.code.library_models.ros2_common import endpoints
 from rtron.sources.code.library_models.ros2_common.names import name_below, namespace_of
 from rtron.sources.code.library_models.ros2_common.nodes import first_node, resolve_at_node
@@ -29,11 +25,7 @@ from rtron.sources.code.library_models.ros2_common.parameters import (
     node_parameter_value,
     value_or_default,
 )
-from rtron.sources.code.library_models.ros2_common.qos import (
-    DEFAULT_QOS,
-    QOS_PROFILES,
-    read_qos,
-)
+from rtron.sources.code.library_models.ros2_common.qos import DEFAULT_QOS, QOS_PROFILES, read_qos
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
 
@@ -136,24 +128,16 @@ def _make_hints(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     return av.Instance(_HINTS, {"transport": chosen, "truth": av.TRUE})
 
 
-def _image_transport(_: AbstractMachine, arguments: Arguments) -> av.Value:
-    """`image_transport::ImageTransport(node)`."""
+def _make_transport(name: str, _: AbstractMachine, arguments: Arguments) -> av.Value:
+    """`image_transport::ImageTransport(node)`, and that of point clouds."""
     node = first_node(arguments.values)
-    return av.Instance(_TRANSPORT, dict(node.fields) if node is not None else {})
-
-
-def _cloud_transport(_: AbstractMachine, arguments: Arguments) -> av.Value:
-    """`point_cloud_transport::PointCloudTransport(node)`."""
-    node = first_node(arguments.values)
-    return av.Instance(_CLOUD_TRANSPORT, dict(node.fields) if node is not None else {})
+    return av.Instance(IMAGE_CLASSES[name], dict(node.fields) if node is not None else {})
 
 
 def _make_filter(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`image_transport::SubscriberFilter(node, topic, transport)`."""
     made = av.Instance(_FILTER, {"truth": av.TRUE})
-    if arguments.values:
-        _create_image_endpoint(_SUBSCRIBE, machine, av.Scalar(None), arguments)
-    return made
+    return _filter_subscribe(machine, made, arguments) if arguments.values else made
 
 
 def _filter_subscribe(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
@@ -169,7 +153,7 @@ _ENDPOINT_FACTORIES: Mapping[str, Callable[..., av.Value]] = {
 }
 _TRANSPORT = av.LibraryClass(
     "image_transport::ImageTransport",
-    _image_transport,
+    partial(_make_transport, "image_transport::ImageTransport"),
     {
         "advertise": _ENDPOINT_FACTORIES["publisher"],
         "advertiseCamera": _ENDPOINT_FACTORIES["camera_publisher"],
@@ -179,7 +163,7 @@ _TRANSPORT = av.LibraryClass(
 )
 _CLOUD_TRANSPORT = av.LibraryClass(
     "point_cloud_transport::PointCloudTransport",
-    _cloud_transport,
+    partial(_make_transport, "point_cloud_transport::PointCloudTransport"),
     {
         "advertise": partial(_create_image_endpoint, _PUBLISH, type=_CLOUD),
         "subscribe": partial(_create_image_endpoint, _SUBSCRIBE, type=_CLOUD),

@@ -19,25 +19,12 @@ from rtron.sources.code.library_models.rclcpp.parameters import declare_paramete
 from rtron.sources.code.library_models.ros2_common import endpoints, libraries
 from rtron.sources.code.library_models.ros2_common.nodes import first_node
 from rtron.sources.code.library_models.ros2_common.parameters import note_parameter_callbacks
-from rtron.sources.code.library_models.ros2_common.qos import (
-    QOS_PROFILES,
-    is_qos,
-    read_qos,
-)
+from rtron.sources.code.library_models.ros2_common.qos import QOS_PROFILES, is_qos, read_qos
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _NO_OWNER = av.Scalar(None)
-
-
-def _name_arguments(arguments: Arguments) -> list[av.Value]:
-    """Return the arguments that are, or may be, texts."""
-    return [
-        value
-        for value in arguments.values
-        if any(av.is_text(o) or isinstance(o, av.Unknown) for o in av.options(value))
-    ]
 
 
 def _construct(
@@ -86,7 +73,7 @@ def _subscribe(machine: AbstractMachine, filter_: av.Instance, arguments: Argume
 
 def _declare_marker_server(machine: AbstractMachine, arguments: Arguments) -> None:
     """`InteractiveMarkerServer(topic_namespace, node)`."""
-    space = next(iter(_name_arguments(arguments)), av.Unknown("topic_namespace"))
+    space = next(iter(cpp_arguments.name_arguments(arguments)), av.Unknown("topic_namespace"))
     libraries.declare_below(libraries.MARKER_ENDPOINTS, machine, space, arguments)
 
 
@@ -149,17 +136,9 @@ _PLANNING = "moveit::planning_interface"
 _MOVE_GROUP_OPTIONS = av.LibraryClass(
     f"{_PLANNING}::MoveGroupInterface::Options", _move_group_options
 )
-_NAMESPACES = {
-    **dict.fromkeys(("TransformListener", "TransformBroadcaster"), "tf2_ros"),
-    **dict.fromkeys(("StaticTransformBroadcaster", "Buffer"), "tf2_ros"),
-    "Updater": "diagnostic_updater",
-    "CameraInfoManager": "camera_info_manager",
-    "ParameterEventHandler": "rclcpp",
-}
 _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
     **{
-        f"{_NAMESPACES[name]}::{name}": declare
-        for name, declare in libraries.LIBRARY_DECLARATIONS.items()
+        name.replace(".", "::"): declare for name, declare in libraries.LIBRARY_DECLARATIONS.items()
     },
     "bond::Bond": declare_bond,
     "interactive_markers::InteractiveMarkerServer": _declare_marker_server,
@@ -192,13 +171,8 @@ _BASES = ("ControllerInterfaceBase", "ControllerInterface", "ChainableController
 
 def _make_controller(name: str, machine: AbstractMachine, arguments: Arguments) -> av.Instance:
     """Make a controller's node, which its spawner names; it has no services of its lifecycle."""
-    words = (
-        av.Scalar("controller"),
-        av.Scalar(""),
-        controller_options(machine, arguments),
-        av.FALSE,
-    )
-    given = arguments.with_values(*words)
+    options = controller_options(machine, arguments)
+    given = arguments.with_values(av.Scalar("controller"), av.Scalar(""), options, av.FALSE)
     node = make_node(machine, given, lifecycle=True)
     return av.Instance(CONTROLLER_CLASSES[name], {_NODE: node})
 

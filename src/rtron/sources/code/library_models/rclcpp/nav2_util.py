@@ -10,11 +10,7 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.rclcpp.endpoints import (
-    NO_OWNER,
-    create_endpoint,
-    split_node,
-)
+from rtron.sources.code.library_models.rclcpp.endpoints import NO_OWNER, create_endpoint, split_node
 from rtron.sources.code.library_models.rclcpp.libraries import declare_bond
 from rtron.sources.code.library_models.rclcpp.node import LIFECYCLE_NODE, make_node
 from rtron.sources.code.library_models.rclcpp.parameters import declare_parameter

@@ -39,13 +39,10 @@ _FLAGS: Mapping[str, av.Value] = {
 def make_options(_: AbstractMachine, arguments: Arguments) -> av.Instance:
     """`rclcpp::NodeOptions()`, or a copy of others."""
     given = arguments.get(0)
-    before = (
-        given.fields
-        if isinstance(given, av.Instance) and _USES_GLOBAL_ARGUMENTS in given.fields
-        else {}
-    )
-    fields: dict[object, av.Value] = {_ARGUMENTS: av.list_of(()), _OVERRIDES: av.list_of(())}
-    return av.Instance(OPTIONS, {**fields, **_flags(_FLAGS), **before})
+    fields = given.fields if isinstance(given, av.Instance) else {}
+    before = fields if _USES_GLOBAL_ARGUMENTS in fields else {}
+    made = {_ARGUMENTS: av.list_of(()), _OVERRIDES: av.list_of(())}
+    return av.Instance(OPTIONS, {**made, **_flags(_FLAGS), **before})
 
 
 def _flags(values: Mapping[str, av.Value]) -> dict[object, av.Value]:
@@ -110,19 +107,14 @@ def make_node(
     machine: AbstractMachine, arguments: Arguments, *, lifecycle: bool = False
 ) -> av.Instance:
     """`Node(name[, namespace][, options])`."""
-    given = [
-        v
-        for v in arguments.values
-        if isinstance(v, av.Instance) and _USES_GLOBAL_ARGUMENTS in v.fields
-    ]
-    chosen = given[0] if given else make_options(machine, arguments.with_values())
+    objects = (v for v in arguments.values if isinstance(v, av.Instance))
+    given = next((v for v in objects if _USES_GLOBAL_ARGUMENTS in v.fields), None)
+    chosen = given or make_options(machine, arguments.with_values())
     words = _node_arguments(arguments, chosen)
-    fields: dict[object, av.Value] = {nodes.NAME_FIELD: nodes.full_name(machine, words)}
-    fields |= {
+    fields: dict[object, av.Value] = {
+        nodes.NAME_FIELD: nodes.full_name(machine, words),
         _OPTIONS: chosen,
         nodes.GLOBAL_ARGUMENTS_FIELD: av.Scalar(words.uses_global_arguments),
-    }
-    fields |= {
         OVERRIDES_FIELD: _parameter_overrides(chosen),
         AUTOMATIC_FIELD: chosen.fields[f"options.{_AUTOMATIC}"],
     }

@@ -14,10 +14,7 @@ from rtron.sources.code.library_models.common.navigation_plugins import (
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.cpp_std.functional import hold_by_pointer
 
-_CREATE = (
-    *("createInstance", "createSharedInstance", "createUniqueInstance"),
-    "createUnmanagedInstance",
-)
+_CREATE = [f"create{kind}Instance" for kind in ("", "Shared", "Unique", "Unmanaged")]
 
 
 def _make_loader(_: AbstractMachine, arguments: Arguments) -> av.Value:

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.command_lines import remove_ros_arguments
 from rtron.sources.code.library_models.common.navigation_plugins import NAVIGATION_CLASSES
 from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
 from rtron.sources.code.library_models.common.trivial_functions import (
@@ -47,9 +46,8 @@ def _replace_in_string(machine: AbstractMachine, _: object, arguments: Arguments
 def _package_share(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`ament_index_cpp::get_package_share_directory(package)`: where its source lies."""
     name = arguments.get(0)
-    path = (
-        machine.runtime.files.package_path(str(name.value)) if isinstance(name, av.Scalar) else None
-    )
+    files = machine.runtime.files
+    path = files.package_path(str(name.value)) if isinstance(name, av.Scalar) else None
     return av.Unknown("package_share") if path is None else av.Scalar(str(path))
 
 
@@ -58,10 +56,6 @@ NAMESPACE_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
         f"rclcpp::node_interfaces::get_node_{name}_interface": return_argument
         for name in _INTERFACES
     },
-    **dict.fromkeys(
-        ("rclcpp::remove_ros_arguments", "rclcpp::init_and_remove_ros_arguments"),
-        remove_ros_arguments,
-    ),
     "rclcpp::ok": returning_unknown("ok"),
     **{
         f"ament_index_cpp::get_package_share_{what}": _package_share

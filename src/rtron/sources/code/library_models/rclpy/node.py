@@ -58,10 +58,8 @@ def _declare_all(machine: AbstractMachine, owner: av.Value, arguments: Arguments
     for item in items:
         words = av.items_of(item)[0]
         name, value = (*words, av.UNKNOWN, None)[:2]
-        full, default = (
-            parameters.prefixed_name(space, name or av.UNKNOWN),
-            _declared_default(value),
-        )
+        full = parameters.prefixed_name(space, name or av.UNKNOWN)
+        default = _declared_default(value)
         call = arguments.with_values(full, *words[1:], *(() if flag is None else (flag,)))
         record_mistyped(machine, owner, call, type_name(default))
         declared = parameters.declare_node_parameter(machine, owner, full, default)

@@ -6,7 +6,6 @@ from functools import partial
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.command_lines import remove_ros_arguments
 from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.rclpy.node import (
@@ -65,11 +64,7 @@ def _declare_marker_server(machine: AbstractMachine, arguments: Arguments) -> No
 
 
 _DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
-    **{
-        f"tf2_ros.{name}": libraries.LIBRARY_DECLARATIONS[name]
-        for name in ("TransformListener", "Buffer", *BROADCASTERS)
-    },
-    "diagnostic_updater.Updater": libraries.LIBRARY_DECLARATIONS["Updater"],
+    **libraries.LIBRARY_DECLARATIONS,
     "interactive_markers.InteractiveMarkerServer": _declare_marker_server,
     "rclpy.parameter_client.AsyncParameterClient": _declare_parameters_client,
     **dict.fromkeys(
@@ -123,10 +118,6 @@ def _launch_service(machine: AbstractMachine, _: object, arguments: Arguments) -
     return av.Unknown("LaunchService")
 
 
-def _create_node(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    return make_node(machine, arguments)
-
-
 def rclpy_library() -> dict[str, av.Value]:
     """Return what RTron knows of rclpy, for one program."""
     return {
@@ -137,11 +128,9 @@ def rclpy_library() -> dict[str, av.Value]:
         **dict.fromkeys(("rclpy.node.Node", "rclpy.Node"), NODE),
         **dict.fromkeys(("rclpy.lifecycle.Node", "rclpy.lifecycle.LifecycleNode"), LIFECYCLE_NODE),
         "rclpy.Parameter": PARAMETER,
-        "rclpy.create_node": av.LibraryFunction("rclpy.create_node", _create_node),
-        "launch.LaunchService": av.LibraryFunction("launch.LaunchService", _launch_service),
-        **dict.fromkeys(
-            ("rclpy.utilities.remove_ros_args", "rclpy.remove_ros_args"),
-            av.LibraryFunction("remove_ros_args", remove_ros_arguments),
+        "rclpy.create_node": av.LibraryFunction(
+            "rclpy.create_node", lambda machine, _, arguments: make_node(machine, arguments)
         ),
+        "launch.LaunchService": av.LibraryFunction("launch.LaunchService", _launch_service),
         "rclpy.ok": av.LibraryFunction("rclpy.ok", returning_unknown("ok")),
     }

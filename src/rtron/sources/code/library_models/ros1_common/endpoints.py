@@ -7,16 +7,9 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.move_group import move_group_endpoints
-from rtron.sources.code.library_models.ros1_common.names import remap_name, resolve_name
+from rtron.sources.code.library_models.ros1_common.names import resolve_name
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Evidence
-
-TRANSPORTS = {
-    "compressed": "sensor_msgs/CompressedImage",
-    "compressedDepth": "sensor_msgs/CompressedImage",
-    "theora": "theora_image_transport/Packet",
-}
-"""The plugins of image_transport_plugins (ROS wiki: image_transport)."""
 
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _SERVICE, _TF = DeclarationKind.SERVICE, "tf2_msgs/TFMessage"
@@ -123,36 +116,6 @@ def declare_library(
     for kind, name, type, implicit, latched in _LIBRARIES[library]:
         full = resolve_name(machine, av.Scalar(name), base) if name else base or av.UNKNOWN
         declare_endpoint(machine, kind, full, type, at, implicit=implicit, latched=latched)
-
-
-def declare_image_publisher(machine: AbstractMachine, name: av.Value, at: Arguments) -> None:
-    """Record what image_transport advertises: the image, and what its plugins add to it."""
-    declare_endpoint(machine, _PUBLISH, name, "sensor_msgs/Image", at)
-    base = remap_name(machine, name)
-    for transport, type in TRANSPORTS.items():
-        topic = name_below(base, transport)
-        declare_endpoint(machine, _PUBLISH, topic, type, at, implicit=True)
-        declare_library(machine, _RECONFIGURE, at, topic)
-
-
-def declare_image_subscriber(
-    machine: AbstractMachine, name: av.Value, transport: av.Value | None, at: Arguments
-) -> None:
-    """Record what image_transport subscribes: the image itself, or one transport of it."""
-    chosen = transport.value if isinstance(transport, av.Scalar) else "raw"
-    if chosen in TRANSPORTS:
-        topic = name_below(remap_name(machine, name), str(chosen))
-        declare_endpoint(machine, _SUBSCRIBE, topic, TRANSPORTS[str(chosen)], at)
-    else:
-        declare_endpoint(machine, _SUBSCRIBE, name, "sensor_msgs/Image", at)
-
-
-def camera_info_topic(machine: AbstractMachine, image: av.Value) -> av.Value:
-    """Return where the camera info of an image topic is (image_transport: getCameraInfoTopic)."""
-    name = remap_name(machine, image)
-    if isinstance(name, av.Scalar):
-        return av.Scalar(str(name.value).rpartition("/")[0] + "/camera_info", name.tainted)
-    return name_below(name, "..", "camera_info")
 
 
 def resolve_private(machine: AbstractMachine) -> av.Value:

@@ -77,6 +77,17 @@ def _one_parameter(machine: AbstractMachine, name: av.Value) -> av.Value | None:
     return None if site.parameters_complete else av.Unknown(short_name(machine, full), tainted=True)
 
 
+def is_set(found: av.Value | None) -> av.Value:
+    """Return whether a parameter is set; an Unknown where it may be."""
+    unknown = isinstance(found, av.Unknown)
+    return av.FALSE if found is None else av.Unknown("is_set") if unknown else av.TRUE
+
+
+def tainted_default(value: av.Value) -> av.Value:
+    """Return a default marked as a parameter's, which the launch may change."""
+    return av.Scalar(value.value, tainted=True) if isinstance(value, av.Scalar) else value
+
+
 def short_name(machine: AbstractMachine, name: str) -> str:
     """Return an absolute name as a node's author would write it: `~topic` for a private one."""
     private = machine.recorder.site.name + "/"

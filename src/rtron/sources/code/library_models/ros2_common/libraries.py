@@ -93,15 +93,17 @@ _BUFFER = ImplicitEndpoint(_SERVICE, "tf2_frames", "tf2_msgs/srv/FrameGraph")
 _CALIBRATION = ImplicitEndpoint(_SERVICE, "~/set_camera_info", "sensor_msgs/srv/SetCameraInfo")
 _EVENTS = ImplicitEndpoint(_SUBSCRIBE, "/parameter_events", "rcl_interfaces/msg/ParameterEvent")
 LIBRARY_DECLARATIONS: Mapping[str, Callable[[AbstractMachine, Arguments], None]] = {
-    "TransformListener": _declare_listener,
-    "TransformBroadcaster": partial(_declare, [_BROADCASTER], missing="TransformBroadcaster"),
-    "StaticTransformBroadcaster": partial(
+    "tf2_ros.TransformListener": _declare_listener,
+    "tf2_ros.TransformBroadcaster": partial(
+        _declare, [_BROADCASTER], missing="TransformBroadcaster"
+    ),
+    "tf2_ros.StaticTransformBroadcaster": partial(
         _declare, [_STATIC_BROADCASTER], missing="TransformBroadcaster"
     ),
-    "Buffer": partial(_declare, [_BUFFER]),
-    "Updater": partial(_declare, [_DIAGNOSTICS]),
-    "CameraInfoManager": partial(_declare, [_CALIBRATION]),
-    "ParameterEventHandler": partial(_declare, [_EVENTS]),
+    "tf2_ros.Buffer": partial(_declare, [_BUFFER]),
+    "diagnostic_updater.Updater": partial(_declare, [_DIAGNOSTICS]),
+    "camera_info_manager.CameraInfoManager": partial(_declare, [_CALIBRATION]),
+    "rclcpp.ParameterEventHandler": partial(_declare, [_EVENTS]),
 }
 """What making an object of a class declares (docs.ros.org: tf2_ros, diagnostic_updater, rclcpp)."""
 MARKER_ENDPOINTS = (

@@ -37,11 +37,8 @@ def parameter_type(value: av.Value) -> av.Value:
     else:
         items = value.items if isinstance(value, av.ListValue) else ()
         first = items[0] if items else None
-        name = (
-            f"{_SCALAR_TYPES.get(type(first.value))}_ARRAY"
-            if isinstance(first, av.Scalar)
-            else None
-        )
+        kind = _SCALAR_TYPES.get(type(first.value)) if isinstance(first, av.Scalar) else None
+        name = f"{kind}_ARRAY"
     return _PARAMETER_TYPES[name] if name in _PARAMETER_TYPES else av.Unknown("get_type")
 
 

@@ -16,6 +16,13 @@ from rtron.sources.code.library_models.roscpp.node_handle import (
 )
 from rtron.sources.declaration import DeclarationKind
 
+TRANSPORTS = {
+    "compressed": "sensor_msgs/CompressedImage",
+    "compressedDepth": "sensor_msgs/CompressedImage",
+    "theora": "theora_image_transport/Packet",
+}
+"""The plugins of image_transport_plugins (ROS wiki: image_transport)."""
+_IMAGE = "sensor_msgs/Image"
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
@@ -24,11 +31,19 @@ def _image_transport(machine: AbstractMachine, arguments: Arguments) -> av.Value
     return av.Instance(_TRANSPORT, {"namespace": owner.fields["namespace"]})
 
 
-def _advertise_image(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
+def _advertise_image(
+    machine: AbstractMachine, owner: av.Value, arguments: Arguments
+) -> av.Instance:
+    """`advertise(topic, queue_size)`: the image, and what the plugins add to it."""
     name = cpp_arguments.resolve_in_handle(machine, owner, arguments.get(0))
-    endpoints.declare_image_publisher(machine, name, arguments)
+    endpoints.declare_endpoint(machine, _PUBLISH, name, _IMAGE, arguments)
+    base = remap_name(machine, name)
+    for transport, type in TRANSPORTS.items():
+        topic = endpoints.name_below(base, transport)
+        endpoints.declare_endpoint(machine, _PUBLISH, topic, type, arguments, implicit=True)
+        endpoints.declare_library(machine, "dynamic_reconfigure", arguments, topic)
     cpp_arguments.escape_functions(machine, arguments)
-    return av.Instance(ENDPOINT, {"name": remap_name(machine, name)})
+    return av.Instance(ENDPOINT, {"name": base})
 
 
 def _declare_camera(
@@ -36,17 +51,25 @@ def _declare_camera(
 ) -> av.Value:
     """`advertiseCamera(…)`, `subscribeCamera(…)`: an image, and the camera's info beside it."""
     made = (_advertise_image if kind is _PUBLISH else _subscribe_image)(machine, owner, arguments)
-    info = endpoints.camera_info_topic(
-        machine, cpp_arguments.resolve_in_handle(machine, owner, arguments.get(0))
-    )
+    image = made.fields["name"]
+    info = endpoints.name_below(image, "..", "camera_info")
+    if isinstance(image, av.Scalar):
+        info = av.Scalar(str(image.value).rpartition("/")[0] + "/camera_info", image.tainted)
     endpoints.declare_endpoint(machine, kind, info, "sensor_msgs/CameraInfo", arguments)
     return made
 
 
-def _subscribe_image(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
-    name = cpp_arguments.resolve_in_handle(machine, owner, arguments.get(0))
-    transport = _hinted_transport(machine, arguments)
-    endpoints.declare_image_subscriber(machine, name, transport, arguments)
+def _subscribe_image(
+    machine: AbstractMachine, owner: av.Value, arguments: Arguments
+) -> av.Instance:
+    """`subscribe(topic, queue_size, callback, …, hints)`: the image, or one transport of it."""
+    name = topic = cpp_arguments.resolve_in_handle(machine, owner, arguments.get(0))
+    chosen = _hinted_transport(machine, arguments)
+    transport = str(chosen.value) if isinstance(chosen, av.Scalar) else "raw"
+    if transport in TRANSPORTS:
+        topic = endpoints.name_below(remap_name(machine, name), transport)
+    type = TRANSPORTS.get(transport, _IMAGE)
+    endpoints.declare_endpoint(machine, _SUBSCRIBE, topic, type, arguments)
     cpp_arguments.escape_functions(machine, arguments)
     return av.Instance(ENDPOINT, {"name": remap_name(machine, name)})
 

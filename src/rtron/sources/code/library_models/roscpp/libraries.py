@@ -12,6 +12,7 @@ from rtron.sources.code.library_models.common.cpp_arguments import (
     name_arguments,
     register_callbacks,
     resolve_in_handle,
+    template_message_type,
 )
 from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.ros1_common import endpoints
@@ -35,8 +36,7 @@ def _make(library: str, machine: AbstractMachine, arguments: Arguments) -> av.Va
 
 def _make_below(library: str, machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """Make what declares something below the first name that it is given."""
-    names = name_arguments(arguments)
-    base = resolve_name(machine, names[0] if names else av.UNKNOWN)
+    base = resolve_name(machine, next(iter(name_arguments(arguments)), av.UNKNOWN))
     endpoints.declare_library(machine, library, arguments, base)
     return av.Instance(ENDPOINT)
 
@@ -51,13 +51,19 @@ def _make_in_handle(
     return av.Instance(ENDPOINT)
 
 
+def _declare(
+    machine: AbstractMachine, kind: DeclarationKind, name: av.Value, type: str, at: Arguments
+) -> av.Value:
+    """Record a name in a handle that is among the arguments, or the node's own."""
+    full = resolve_in_handle(machine, handle_argument_or_default(machine, at), name)
+    endpoints.declare_endpoint(machine, kind, full, type, at)
+    return av.Instance(ENDPOINT, {"name": remap_name(machine, full)})
+
+
 def _make_action(kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`SimpleActionServer<T>([handle,] name, …)`, `SimpleActionClient<T>([handle,] name, …)`."""
-    names = name_arguments(arguments)
-    if names:
-        name = resolve_in_handle(machine, handle_argument_or_default(machine, arguments), names[0])
-        type = message_type_of(machine, arguments.types[0] if arguments.types else None, arguments)
-        endpoints.declare_endpoint(machine, kind, name, type, arguments)
+    for name in name_arguments(arguments)[:1]:
+        _declare(machine, kind, name, template_message_type(machine, arguments), arguments)
     escape_functions(machine, arguments)
     return av.Instance(_ACTION)
 
@@ -71,21 +77,13 @@ def _reconfigure(machine: AbstractMachine, arguments: Arguments) -> av.Value:
 
 def _realtime_publisher(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`realtime_tools::RealtimePublisher<T>(handle, topic, queue, latched)`."""
-    topic = resolve_in_handle(
-        machine, handle_argument_or_default(machine, arguments), arguments.get(1)
-    )
-    type = message_type_of(machine, arguments.types[0] if arguments.types else None, arguments)
-    endpoints.declare_endpoint(machine, _PUBLISH, topic, type, arguments)
-    return av.Instance(ENDPOINT, {"name": remap_name(machine, topic)})
+    type = template_message_type(machine, arguments)
+    return _declare(machine, _PUBLISH, arguments.value(1), type, arguments)
 
 
 def _shape_shifter(machine: AbstractMachine, _: av.Value, arguments: Arguments) -> av.Value:
     """`ShapeShifter::advertise(handle, topic, queue)`: any message type."""
-    topic = resolve_in_handle(
-        machine, handle_argument_or_default(machine, arguments), arguments.get(1)
-    )
-    endpoints.declare_endpoint(machine, _PUBLISH, topic, "*", arguments)
-    return av.Instance(ENDPOINT, {"name": remap_name(machine, topic)})
+    return _declare(machine, _PUBLISH, arguments.value(1), "*", arguments)
 
 
 def _move_group_options(machine: AbstractMachine, arguments: Arguments) -> av.Value:
@@ -156,12 +154,9 @@ def _filter_subscriber(machine: AbstractMachine, arguments: Arguments) -> av.Val
 
 
 def _subscribe(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
-    names = name_arguments(arguments)
-    topic = resolve_in_handle(
-        machine, handle_argument_or_default(machine, arguments), names[0] if names else None
-    )
+    name = next(iter(name_arguments(arguments)), av.UNKNOWN)
     type = message_type_of(machine, owner.types[0] if owner.types else None, arguments)
-    endpoints.declare_endpoint(machine, DeclarationKind.SUBSCRIBE, topic, type, arguments)
+    _declare(machine, DeclarationKind.SUBSCRIBE, name, type, arguments)
     return owner
 
 
@@ -171,11 +166,8 @@ _FILTER_SUBSCRIBER = av.LibraryClass(
     {"subscribe": _subscribe, "registerCallback": register_callbacks},
 )
 _SYNCHRONIZERS = (
-    "message_filters::Synchronizer",
-    "message_filters::TimeSynchronizer",
-    "tf::MessageFilter",
-    "tf2_ros::MessageFilter",
-    "message_filters::Cache",
+    *("message_filters::Synchronizer", "message_filters::TimeSynchronizer"),
+    *("message_filters::Cache", "tf::MessageFilter", "tf2_ros::MessageFilter"),
 )
 
 FILTER_CLASSES = {

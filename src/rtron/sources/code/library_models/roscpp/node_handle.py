@@ -7,18 +7,107 @@ from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common import cpp_arguments
+from rtron.sources.code.library_models.common.cpp_arguments import resolve_in_handle
 from rtron.sources.code.library_models.common.trivial_functions import (
     returning_field,
     returning_unknown,
 )
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import (
+    is_set,
     node_namespace,
+    parameter_value,
     remap_name,
     resolve_name,
+    search_parameter,
+    tainted_default,
 )
-from rtron.sources.code.library_models.roscpp import parameters
 from rtron.sources.declaration import DeclarationKind
+
+_NAME_AND_DEFAULT = 2
+
+
+def param(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
+    """`param("name", variable, default)`, `param<T>("name", default)`."""
+    written = len(arguments.values) > _NAME_AND_DEFAULT
+    default = arguments.get(2 if written else 1) or av.UNKNOWN
+    name = resolve_in_handle(machine, owner, arguments.get(0))
+    found = _cpp_value(parameter_value(machine, name))
+    value = value_or_default(found, default)
+    slot = arguments.slot(1)
+    if not written:
+        return value
+    if slot is not None:
+        machine.undo_log.set(*slot, value)
+    return av.FALSE if found is None else av.TRUE
+
+
+def _cpp_value(value: av.Value | None) -> av.Value | None:
+    """Return a parameter as C++ holds it: a struct is a map, whose items are pairs."""
+    if isinstance(value, av.MapValue):
+        inner = {key: _cpp_value(entry) or av.NONE for key, entry in value.fields.items()}
+        return av.MapValue(inner, iterates_pairs=True)
+    if isinstance(value, av.ListValue):
+        return av.list_of([_cpp_value(item) or av.NONE for item in value.items])
+    return value
+
+
+def value_or_default(found: av.Value | None, default: av.Value) -> av.Value:
+    """Return a parameter's value, the default where it is not set, both where that is unknown."""
+    if found is None:
+        return tainted_default(default)
+    return av.join((tainted_default(default), found)) if isinstance(found, av.Unknown) else found
+
+
+def get_param(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
+    """`getParam("name", variable)`: whether it is set; the variable stays where it is not."""
+    name = resolve_in_handle(machine, owner, arguments.get(0))
+    found = _cpp_value(parameter_value(machine, name))
+    slot = arguments.slot(1)
+    if found is None:
+        return av.FALSE
+    if slot is not None:
+        before = slot.holder.get(slot.key)
+        kept = before if isinstance(before, av.Scalar) and before.value else found
+        value = tainted_default(kept) if isinstance(found, av.Unknown) else found
+        machine.undo_log.set(*slot, value)
+    return is_set(found)
+
+
+def has_param(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
+    """`hasParam("name")`."""
+    found = parameter_value(machine, resolve_in_handle(machine, owner, arguments.get(0)))
+    return is_set(found)
+
+
+def set_param(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
+    """`setParam("name", value)`."""
+    name = resolve_in_handle(machine, owner, arguments.get(0))
+    if isinstance(name, av.Scalar):
+        machine.undo_log.set(machine.parameters, str(name.value), arguments.value(1))
+    return av.Unknown("setParam")
+
+
+def search_param(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
+    """`searchParam("name", found)` (ROS wiki: Parameter Server)."""
+    namespace = resolve_in_handle(machine, owner, av.Scalar(""))
+    found = search_parameter(machine, arguments.value(0), namespace)
+    slot = arguments.slot(1)
+    if found is None:
+        return av.FALSE
+    if slot is not None:
+        machine.undo_log.set(*slot, found)
+    return is_set(found)
+
+
+FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
+    "param": param,
+    "get": get_param,
+    "has": has_param,
+    "set": set_param,
+    "search": search_param,
+}
+"""The functions of `ros::param`; the methods of a handle are called like them."""
 
 
 def make_handle(machine: AbstractMachine, arguments: Arguments) -> av.Value:
@@ -101,8 +190,7 @@ def _make_firmware_endpoint(
         cpp_arguments.escape_functions(machine, arguments)
         return av.Instance(ENDPOINT)
     given = message.type if isinstance(message, av.Unknown) else None
-    type = cpp_arguments.template_message_type(machine, arguments)
-    type = type or cpp_arguments.callback_message_type(machine, arguments, 1)
+    type = _message_type(machine, arguments)
     type = _service_type(type or cpp_arguments.message_type_of(machine, given, arguments))
     owner = handle(av.Scalar(node_namespace(machine)))
     return _declare_endpoint(kind, machine, owner, arguments, type)
@@ -110,29 +198,30 @@ def _make_firmware_endpoint(
 
 def advertise(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`advertise<T>(topic, queue_size, …, latch)`, `advertise(AdvertiseOptions)`."""
-    latched = av.TRUE in arguments.values[2:] or _has_latch(arguments.get(0))
+    options = getattr(arguments.get(0), "fields", {})
+    latched = av.TRUE in (*arguments.values[2:], options.get("latch"))
     type = cpp_arguments.template_message_type(machine, arguments)
     kind = DeclarationKind.PUBLISH
     return _declare_endpoint(kind, machine, owner, arguments, type, latched=latched)
 
 
-def _has_latch(options: av.Value | None) -> bool:
-    return isinstance(options, av.Instance) and options.fields.get("latch") == av.TRUE
-
-
 def subscribe(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`subscribe<T>(topic, queue_size, callback, …)`, `subscribe(SubscribeOptions)`."""
-    type = cpp_arguments.template_message_type(machine, arguments)
-    type = type or cpp_arguments.callback_message_type(machine, arguments, 1)
+    type = _message_type(machine, arguments)
     return _declare_endpoint(DeclarationKind.SUBSCRIBE, machine, owner, arguments, type)
 
 
 def _declare_service(
     kind: DeclarationKind, machine: AbstractMachine, owner: av.Value, arguments: Arguments
 ) -> av.Value:
-    type = cpp_arguments.template_message_type(machine, arguments)
-    type = _service_type(type or cpp_arguments.callback_message_type(machine, arguments, 1))
+    type = _service_type(_message_type(machine, arguments))
     return _declare_endpoint(kind, machine, owner, arguments, type)
+
+
+def _message_type(machine: AbstractMachine, arguments: Arguments) -> str:
+    """Return the message that is written out, or that the callback takes."""
+    written = cpp_arguments.template_message_type(machine, arguments)
+    return written or cpp_arguments.callback_message_type(machine, arguments, 1)
 
 
 def _service_type(request: str) -> str:
@@ -160,15 +249,10 @@ _HANDLE_METHODS: Mapping[str, Callable[..., av.Value]] = {
     "subscribe": subscribe,
     "advertiseService": partial(_declare_service, DeclarationKind.SERVICE),
     "serviceClient": partial(_declare_service, DeclarationKind.SERVICE_CLIENT),
-    "param": parameters.param,
-    "getParam": parameters.get_param,
-    "getParamCached": parameters.get_param,
-    "hasParam": parameters.has_param,
-    "setParam": parameters.set_param,
-    "searchParam": parameters.search_param,
+    **{name if name == "param" else name + "Param": f for name, f in FUNCTIONS.items()},
+    "getParamCached": FUNCTIONS["get"],
     "resolveName": _resolve_name,
-    "getNamespace": _get_namespace,
-    "getUnresolvedNamespace": _get_namespace,
+    **dict.fromkeys(("getNamespace", "getUnresolvedNamespace"), _get_namespace),
     **dict.fromkeys(("createTimer", "createWallTimer", "createSteadyTimer"), _register_callback),
 }
 NODE_HANDLE = av.LibraryClass("ros::NodeHandle", make_handle, dict(_HANDLE_METHODS))
@@ -182,12 +266,6 @@ ENDPOINT = av.LibraryClass(
         **dict.fromkeys(("registerCallback", "setCallback", "call"), _register_callback),
     },
 )
-_FIRMWARE_KINDS = {
-    "ros::Publisher": DeclarationKind.PUBLISH,
-    "ros::Subscriber": DeclarationKind.SUBSCRIBE,
-    "ros::ServiceServer": DeclarationKind.SERVICE,
-    "ros::ServiceClient": DeclarationKind.SERVICE_CLIENT,
-}
 _HANDLE_POINTER = av.LibraryClass("pointer", lambda machine, arguments: arguments.get(0) or av.NONE)
 
 HANDLE_CLASSES = {
@@ -195,7 +273,12 @@ HANDLE_CLASSES = {
     **dict.fromkeys(("ros::NodeHandlePtr", "ros::NodeHandleConstPtr"), _HANDLE_POINTER),
     **{
         name: av.LibraryClass(name, partial(_make_firmware_endpoint, kind), ENDPOINT.methods)
-        for name, kind in _FIRMWARE_KINDS.items()
+        for name, kind in (
+            ("ros::Publisher", DeclarationKind.PUBLISH),
+            ("ros::Subscriber", DeclarationKind.SUBSCRIBE),
+            ("ros::ServiceServer", DeclarationKind.SERVICE),
+            ("ros::ServiceClient", DeclarationKind.SERVICE_CLIENT),
+        )
     },
     **dict.fromkeys(("ros::Timer", "ros::WallTimer"), ENDPOINT),
 }

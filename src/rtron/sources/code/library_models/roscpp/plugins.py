@@ -48,15 +48,7 @@ _LOADER = av.LibraryClass(
     "pluginlib::ClassLoader",
     _make_loader,
     {
-        **dict.fromkeys(
-            (
-                "createInstance",
-                "createClassInstance",
-                "createUnmanagedInstance",
-                "createUniqueInstance",
-            ),
-            _create,
-        ),
+        **{f"create{kind}Instance": _create for kind in ("", "Class", "Unmanaged", "Unique")},
         "getName": _plugin_name,
         "isClassAvailable": returning_unknown("isClassAvailable"),
         "isClassLoaded": returning_unknown("isClassAvailable"),

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.command_lines import write_without_remappings
 from rtron.sources.code.library_models.common.cpp_arguments import message_type_of
 from rtron.sources.code.library_models.common.navigation_plugins import NAVIGATION_CLASSES
 from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
@@ -19,9 +18,10 @@ from rtron.sources.code.library_models.ros1_common.names import (
     remap_name,
     resolve_name,
 )
-from rtron.sources.code.library_models.roscpp import node_handle, parameters
+from rtron.sources.code.library_models.roscpp import node_handle
 from rtron.sources.code.library_models.roscpp.image_transport import IMAGE_CLASSES
 from rtron.sources.code.library_models.roscpp.libraries import FILTER_CLASSES, SERVER_CLASSES
+from rtron.sources.code.library_models.roscpp.node_handle import FUNCTIONS
 from rtron.sources.code.library_models.roscpp.plugins import NODELET_CLASSES, PLUGIN_CLASSES
 from rtron.sources.declaration import DeclarationKind
 
@@ -71,27 +71,22 @@ def _init(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value
 
 
 ROSCPP_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
-    "ros::param::get": _with_node_handle(parameters.get_param),
-    "ros::param::getCached": _with_node_handle(parameters.get_param),
-    "ros::param::param": _with_node_handle(parameters.param),
-    "ros::param::has": _with_node_handle(parameters.has_param),
-    "ros::param::set": _with_node_handle(parameters.set_param),
-    "ros::param::search": _with_node_handle(parameters.search_param),
+    **{f"ros::param::{name}": _with_node_handle(call) for name, call in FUNCTIONS.items()},
+    "ros::param::getCached": _with_node_handle(FUNCTIONS["get"]),
     "ros::topic::waitForMessage": _wait_for_message,
     "ros::init": _init,
-    "ros::removeROSArgs": write_without_remappings,
     "ros::service::call": _call_service,
     "ros::this_node::getName": lambda machine, __, ___: av.Scalar(
         machine.recorder.site.process_name
     ),
     "ros::this_node::getNamespace": lambda machine, __, ___: av.Scalar(node_namespace(machine)),
-    "ros::names::resolve": _resolve,
-    "ros::names::remap": _resolve,
+    **dict.fromkeys(("ros::names::resolve", "ros::names::remap"), _resolve),
     "ros::names::append": _append,
     "ros::names::clean": return_argument,
-    "ros::AdvertiseServiceOptions::create": node_handle.create_options,
-    "ros::AdvertiseOptions::create": node_handle.create_options,
-    "ros::SubscribeOptions::create": node_handle.create_options,
+    **{
+        f"ros::{kind}Options::create": node_handle.create_options
+        for kind in ("AdvertiseService", "Advertise", "Subscribe")
+    },
     "ros::ok": returning_unknown("ok"),
 }
 

@@ -67,36 +67,18 @@ def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments)
 def _get_param(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     name = names.resolve_name(machine, arguments.value(0, "param_name"))
     default, found = arguments.get(1, "default"), names.parameter_value(machine, name)
-    if found is None and default is None:
+    if default is not None and (found is None or isinstance(found, av.Unknown)):
+        return names.tainted_default(default)
+    if found is None:
         if is_caught(machine.active_handlers, missing := ThrownError("KeyError")):
             raise missing
-        return av.Unknown(
-            av.text_with_holes(arguments.get(0, "param_name") or av.NONE), tainted=True
-        )
-    if found is None:
-        return _tainted_value(default)
-    return (
-        found if not isinstance(found, av.Unknown) or default is None else _tainted_value(default)
-    )
-
-
-def _tainted_value(value: av.Value | None) -> av.Value:
-    return (
-        av.Scalar(value.value, tainted=True) if isinstance(value, av.Scalar) else value or av.NONE
-    )
+        return av.Unknown(av.text_with_holes(arguments.value(0, "param_name")), tainted=True)
+    return found
 
 
 def _has_param(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
-    found = names.parameter_value(
-        machine, names.resolve_name(machine, arguments.value(0, "param_name"))
-    )
-    return (
-        av.FALSE
-        if found is None
-        else av.Unknown("has_param")
-        if isinstance(found, av.Unknown)
-        else av.TRUE
-    )
+    name = names.resolve_name(machine, arguments.value(0, "param_name"))
+    return names.is_set(names.parameter_value(machine, name))
 
 
 def _set_param(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
@@ -232,16 +214,14 @@ _CALLS: dict[str, RospyFunction] = {
     "rospy.set_param": _set_param,
     "rospy.search_param": _search_param,
     "rospy.get_param_cached": _get_param,
-    "rospy.resolve_name": _resolve_name,
-    "rospy.remap_name": _resolve_name,
+    **{f"rospy.{name}": _resolve_name for name in ("resolve_name", "remap_name")},
     "rospy.names.resolve_name": _resolve_name,
     "rospy.names.ns_join": lambda machine, _, a: names.resolve_name(machine, a.get(1), a.get(0)),
     "rospy.get_name": lambda machine, __, ___: av.Scalar(machine.recorder.site.name),
     "rospy.get_namespace": _get_namespace,
     **{f"roslib.message.get_{kind}_class": _message_class for kind in ("message", "service")},
     "rospy.is_shutdown": returning_unknown("is_shutdown"),
-    "rospy.Timer": _register_callback,
-    "rospy.on_shutdown": _register_callback,
+    **dict.fromkeys(("rospy.Timer", "rospy.on_shutdown"), _register_callback),
     "message_filters.Subscriber": partial(_declare_endpoint, DeclarationKind.SUBSCRIBE),
     **{
         f"actionlib.{prefix}Action{side}": partial(_declare_action, kind)
@@ -276,6 +256,5 @@ _CALLS: dict[str, RospyFunction] = {
 }
 ROSPY: dict[str, av.Value] = {
     **{name: av.LibraryFunction(name, call) for name, call in _CALLS.items()},
-    "rospy.AnyMsg": av.MessageType("*"),
-    "rospy.msg.AnyMsg": av.MessageType("*"),
+    **dict.fromkeys(("rospy.AnyMsg", "rospy.msg.AnyMsg"), av.MessageType("*")),
 }
