@@ -44,6 +44,16 @@ def is_bridge_client(node: str) -> bool:
     return node.startswith(f"{BRIDGE_ROOT}/")
 
 
+def is_guard_name(node: str) -> bool:
+    """Tell whether a node name is one that only the guard goes by."""
+    return node in (GUARD_NODE, BULK_NODE, SUPERVISOR_NODE) or is_private_name(node)
+
+
+def is_private_name(name: str) -> bool:
+    """Tell whether a name lies where all names are the guard's to give."""
+    return name == PRIVATE_ROOT or name.startswith(PRIVATE_ROOT + "/")
+
+
 def flow_topic(topic: str, flow: str) -> str:
     """Return the private topic that a flow's publisher is remapped to."""
     return f"{PRIVATE_ROOT}{topic}/{flow}"

@@ -33,9 +33,11 @@ _SHOWING = r"lights?|leds?|lcd|sound|display\w*|speech\w*"
 """Words in the names of nodes that show or sound, also where they open hardware for it."""
 _LISTENERS = re.compile(
     r"(?:filter|locali[sz]|odom|estimat|ekf|record|visuali|plot|marker)\w*"
-    rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status"
+    rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status|web(?:site|page|app)?|reports?"
 )
 """Words in the names of nodes that hear commands and obey none."""
+MOVING_HARDWARE = frozenset({"motor controller", "vehicle link", "servo bus", "EtherCAT"})
+"""What a node opens to move something, and seldom only to read."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
 _SHOWN = frozenset({"sensor_msgs/JointState", "tf2_msgs/TFMessage", "tf/tfMessage"})
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
@@ -180,8 +182,9 @@ class NodeRoles:
 
 def may_drive_unread(node: Node) -> bool:
     """Return whether the names of a node that was not read leave open that it drives something."""
-    name = snake_case(node.name.rpartition("/")[2])
-    return not is_called_sensor(node) and not EMERGENCY_STOP.match(name)
+    only_listens = _has_word(node, _LISTENERS) and not moves(node.name, node.package)
+    is_stop = EMERGENCY_STOP.match(snake_case(node.name.rpartition("/")[2]))
+    return not (only_listens or is_stop or is_called_sensor(node))
 
 
 def unread_drivers(app: AppFacts) -> list[str]:
