@@ -317,6 +317,49 @@ def test_a_base_that_is_not_read_may_look_at_the_age(base, fate):
     assert told(ros1_runs.run_text(text).last_messages)[0] == fate
 
 
+MODULE = """import rospy
+from geometry_msgs.msg import Twist
+from Queue import Queue
+
+box = Queue()
+speed = seen = count = 0
+
+
+def on_twist(message):
+    global speed, seen, count
+    {callback}
+
+
+rospy.init_node('base')
+rospy.Subscriber('cmd_vel', Twist, on_twist)
+while not rospy.is_shutdown():
+{loop}
+"""
+
+
+@pytest.mark.parametrize(
+    ("callback", "loop", "fate"),
+    [
+        ("box.put(message)", "    port.write(box.get(True, 0.5))", "checked"),
+        ("box.put(message)", "    port.write(box.get())", "unnoticed"),
+        (
+            "speed = message.linear.x; seen = rospy.get_time()",
+            "    if rospy.get_time() - seen > 1:\n        speed = 0\n    port.write(speed)",
+            "stopped",
+        ),
+        (
+            "speed = message.linear.x; count = 0",
+            "    count += 1\n    if count > 9:\n        speed = 0\n    port.write(speed)",
+            "checked",
+        ),
+        ("speed = message.linear.x", "    port.write(speed)", "unnoticed"),
+    ],
+)
+def test_a_loop_of_the_top_level_looks_at_the_age(callback, loop, fate):
+    text = MODULE.format(callback=callback, loop=loop)
+    assert told(ros1_runs.run_text(text).last_messages)[0] == fate
+
+
 @pytest.mark.parametrize(
     ("beside", "fates"),
     [

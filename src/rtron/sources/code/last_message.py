@@ -89,6 +89,7 @@ class _Program:
         """What all functions of the program do."""
         functions = {f.key: f for _, f in self.machine.runtime.program_functions()}
         functions |= {f.key: f for given in self.machine.callbacks_at.values() for f in given}
+        functions |= {each.key: each for each in self.machine.module_loops}
         return [self._code(each) for each in _sources_first(functions.values(), _MAX_FUNCTIONS)]
 
     @cached_property
