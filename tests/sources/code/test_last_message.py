@@ -221,6 +221,11 @@ def told(found):
         ),
         (f"{KEEP}\nself.last = self.pace()", "if self.pace() - self.last > 1: self.off()", *NOT),
         (KEEP_WITH_TIME, f"{SUM}\nif now - self.last > 1: self.sum = 0", *CHECKED_AT_1),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.led.write(0)", *CHECKED_AT_1),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.old.pop(0)", *CHECKED_AT_1),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.last = rospy.Time(0)", *CHECKED_AT_1),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.out.publish(Float32(0))", *STOPPED),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.motor.write(left=0)", *STOPPED),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.show_idle_light()", "checked", 1.0),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.sendStopCommand()", *STOPPED),
     ],
@@ -309,6 +314,49 @@ def test_a_base_that_is_not_read_may_look_at_the_age(base, fate):
     text = PYTHON.format(callback=indented(KEEP), timer=indented("self.drive(self.speed)"))
     head = "import acme\nfrom threading import Thread\n"
     text = head + text.replace("class Base:", f"class Base({base}):")
+    assert told(ros1_runs.run_text(text).last_messages)[0] == fate
+
+
+MODULE = """import rospy
+from geometry_msgs.msg import Twist
+from Queue import Queue
+
+box = Queue()
+speed = seen = count = 0
+
+
+def on_twist(message):
+    global speed, seen, count
+    {callback}
+
+
+rospy.init_node('base')
+rospy.Subscriber('cmd_vel', Twist, on_twist)
+while not rospy.is_shutdown():
+{loop}
+"""
+
+
+@pytest.mark.parametrize(
+    ("callback", "loop", "fate"),
+    [
+        ("box.put(message)", "    port.write(box.get(True, 0.5))", "checked"),
+        ("box.put(message)", "    port.write(box.get())", "unnoticed"),
+        (
+            "speed = message.linear.x; seen = rospy.get_time()",
+            "    if rospy.get_time() - seen > 1:\n        speed = 0\n    port.write(speed)",
+            "stopped",
+        ),
+        (
+            "speed = message.linear.x; count = 0",
+            "    count += 1\n    if count > 9:\n        speed = 0\n    port.write(speed)",
+            "checked",
+        ),
+        ("speed = message.linear.x", "    port.write(speed)", "unnoticed"),
+    ],
+)
+def test_a_loop_of_the_top_level_looks_at_the_age(callback, loop, fate):
+    text = MODULE.format(callback=callback, loop=loop)
     assert told(ros1_runs.run_text(text).last_messages)[0] == fate
 
 

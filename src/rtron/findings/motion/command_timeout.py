@@ -19,8 +19,9 @@ for so long.
 
 ## When it is silent
 
-For autopilots and vendors' bases, which mostly stop by themselves. Whether the hardware stops, no
-scan sees.
+For autopilots, vendors' bases and the motor controllers moteus, VESC and Roboteq, which mostly stop
+by themselves; and where another node hears the commands and may stop the driver. Whether the
+hardware stops, no scan sees.
 """
 
 import re

@@ -13,6 +13,7 @@ from rtron.sources.code.ir import (
     Conditional,
     Const,
     Declare,
+    Evaluate,
     Expr,
     Function,
     Global,
@@ -44,6 +45,13 @@ _STOP_NAME = re.compile(
     r"|torque|twist|vehicle|vel|velocity|velocities|wheels?))*"
 )
 """Names of functions that stop what drives: a verb, and nothing but that beside it."""
+_SHOWING = frozenset(
+    [
+        *("led", "leds", "light", "lights", "lamp", "buzzer", "beep", "horn", "sound", "status"),
+        *("state", "display", "lcd", "oled", "screen", "diagnostics", "indicator", "online"),
+    ]
+)
+"""Words in the names of what shows or sounds, and moves nothing."""
 ADDING = frozenset(
     [
         *("append", "appendleft", "extend", "insert", "push", "push_back", "emplace_back"),
@@ -66,7 +74,8 @@ class FunctionSteps:
     """What a function does, as far as it matters here; `members` outlive its call.
 
     `marks` are the constants that it writes to members, or into them, `clocks` the names of the
-    program's own functions that tell the time.
+    program's own functions that tell the time, `outputs` of what is called for its effect alone
+    with more than constants, and of the function that does so.
     """
 
     def __init__(
@@ -82,6 +91,9 @@ class FunctionSteps:
         self.tests = [test for node in nodes if (test := _test(node))]
         self.returned = [n.value for n in nodes if isinstance(n, Return) and n.value is not None]
         self.calls = [n for n in nodes if isinstance(n, Call)]
+        done = [n.value for n in nodes if isinstance(n, Evaluate) and isinstance(n.value, Call)]
+        self.outputs = {last_name(c.function) for c in done if any(map(mentioned_names, given(c)))}
+        self.outputs |= {function.name.rpartition("::")[2]} if self.outputs else set()
         loops = [part for n in nodes if isinstance(n, While) for part in ir_nodes(n.body)]
         self.loop_calls = {last_name(n.function) for n in loops if isinstance(n, Call)}
         self.members: list[tuple[str, Expr]] = []
@@ -178,17 +190,33 @@ def is_zero(value: object) -> bool:
         return isinstance(value.left, SequenceExpr) and is_zero(value.left)
     if isinstance(value, New):
         return not value.args or all(map(is_zero, value.args))
-    return isinstance(value, Call) and not value.args and last_name(value.function)[:1].isupper()
+    if not isinstance(value, Call) or not last_name(value.function)[:1].isupper():
+        return False
+    return all(map(is_zero, given(value)))
 
 
-def is_stop(node: object, sent: frozenset[str]) -> bool:
-    """Return whether a step sets what is sent to zero, sends a zero, or is called like a stop."""
-    if isinstance(node, Call):
-        return not is_log(node) and (
-            bool(_STOP_NAME.fullmatch(snake_case(last_name(node.function)).strip("_")))
-            or any(is_zero(each) for each in (*node.args, *(value for _, value in node.keywords)))
-        )
+def is_stop(node: object, sent: frozenset[str], outputs: frozenset[str]) -> bool:
+    """Return whether a step sets what is sent to zero, outputs a zero, or is called like a stop."""
+    if _SHOWING.intersection(word for name in mentioned_names(node) for word in _words(name)):
+        return False
+    if isinstance(node, Evaluate) and isinstance(node.value, Call):
+        is_output = last_name(node.value.function) in outputs
+        return is_called_stop(node.value) or (is_output and any(map(is_zero, given(node.value))))
     return any(is_zero(v) and mentioned_names(t) & sent for t, v in assignments(node))
+
+
+def is_called_stop(call: Call) -> bool:
+    """Return whether the name of what is called says that it stops what drives."""
+    return bool(_STOP_NAME.fullmatch("_".join(_words(last_name(call.function)))))
+
+
+def given(call: Call) -> tuple[Expr, ...]:
+    """Return what a call is given, by position and by name."""
+    return (*call.args, *(value for _, value in call.keywords))
+
+
+def _words(name: str) -> list[str]:
+    return snake_case(name).strip("_").split("_")
 
 
 def is_log(call: Call) -> bool:

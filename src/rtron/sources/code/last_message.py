@@ -26,7 +26,7 @@ from rtron.sources.code.function_steps import (
 )
 from rtron.sources.code.interpreter.abstract_values.value_types import Instance
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.ir import Assign, Binary, Call, Const, Expr, Function, New
+from rtron.sources.code.ir import Assign, Binary, Call, Const, Evaluate, Expr, Function, New
 from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.reachability import methods, reachable_functions, unknown_bases
 from rtron.sources.code.repeated_message import (
@@ -89,6 +89,7 @@ class _Program:
         """What all functions of the program do."""
         functions = {f.key: f for _, f in self.machine.runtime.program_functions()}
         functions |= {f.key: f for given in self.machine.callbacks_at.values() for f in given}
+        functions |= {each.key: each for each in self.machine.module_loops}
         return [self._code(each) for each in _sources_first(functions.values(), _MAX_FUNCTIONS)]
 
     @cached_property
@@ -178,18 +179,25 @@ class _Program:
         """Return whether what depends on a test, or what it leaves at zero, stops something."""
         sent = _sent_names(code, stored)
         zeros = {name for name, value in (*code.locals, *code.members) if is_zero(value)} & sent
-        in_branches = [n for n in ir_nodes(test.branches) if isinstance(n, (Assign, Call, New))]
-        for node in in_branches:
-            if is_stop(node, sent) or any(last_name(t) in zeros for t, _ in assignments(node)):
+        in_branches = list(ir_nodes(test.branches))
+        steps = [n for n in in_branches if isinstance(n, (Assign, Evaluate))]
+        for node in steps:
+            left_at_zero = any(last_name(t) in zeros for t, _ in assignments(node))
+            if left_at_zero or is_stop(node, sent, self._outputs):
                 return True
         called = {last_name(n.function) for n in in_branches if isinstance(n, Call)}
         helpers = (f for name in called for f in self.machine.runtime.functions_named(name))
         codes = [self._code(helper) for helper in islice(helpers, _MAX_REACHED)]
         return any(
-            is_stop(node, _sent_names(each, stored))
+            is_stop(node, _sent_names(each, stored), self._outputs)
             for each in codes
             for node in ir_nodes(each.function.body)
         )
+
+    @cached_property
+    def _outputs(self) -> frozenset[str]:
+        """The names of what is called for its effect, here or there with more than constants."""
+        return frozenset().union(*(each.outputs for each in self.codes))
 
     def _may_base_watch(self, callbacks: list[Function]) -> bool:
         """Return whether callbacks are methods of a class with a base that is not read."""

@@ -8,8 +8,10 @@ from rtron.sources.code.function_steps import (
     SELF,
     FunctionSteps,
     assignments,
+    given,
+    is_called_stop,
     is_constant,
-    is_stop,
+    is_zero,
     last_name,
     mentioned_names,
 )
@@ -73,7 +75,7 @@ def _stops_after_waiting(code: FunctionSteps) -> bool:
     """Return whether a function waits, and sends something like a stop thereafter."""
     waits = [call.line for call in code.calls if last_name(call.function) in _SLEEPS]
     return bool(waits) and any(
-        is_stop(call, frozenset()) or (bool(call.args) and _may_be_zero(call.args[-1]))
+        is_called_stop(call) or any(map(is_zero, given(call))) or any(map(_may_be_zero, call.args))
         for call in code.calls
         if call.line >= min(waits) and last_name(call.function) not in _SLEEPS
     )

@@ -112,6 +112,7 @@ class AbstractMachine:
     escaped_functions: list[Function] = field(default_factory=list)
     callbacks_at: dict[Evidence | None, list[Function]] = field(default_factory=dict)
     parameter_callbacks: list[Function] = field(default_factory=list)
+    module_loops: list[Function] = field(default_factory=list)
     unknown_method_names: set[str] = field(default_factory=set)
     next_callback: int = 0
     instances: list[Value] = field(default_factory=list)

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -26,13 +26,16 @@ from rtron.sources.code.ir import (
     Class,
     Define,
     Function,
+    Global,
     Import,
     Lambda,
     SourceLanguage,
     Try,
     Unit,
+    While,
 )
 from rtron.sources.code.ir.python_references import aliases, callees, dynamic_calls, mentioned_names
+from rtron.sources.code.ir.references import ir_nodes, written_names
 from rtron.sources.code.library_models.common.message_types import (
     is_message_package,
     python_message_type,
@@ -45,6 +48,16 @@ from rtron.vocabulary import Evidence
 
 _GENERATED = {"msg", "srv", "action", "cfg"}
 _OPERATION = re.compile(r"__(?!init__|new__|main__|post_init__|call__)\w+__")
+
+
+def _module_loops(unit: Unit) -> Iterator[Function]:
+    """Yield the statements of a file's top level that loop, each as a function of its globals."""
+    for line, statement in enumerate(unit.body):
+        is_code = not isinstance(statement, Define)
+        if is_code and any(isinstance(node, While) for node in ir_nodes(statement)):
+            loop = Function(name="<loop>", file=unit.file, line=line, body=(statement,))
+            names = Global(tuple(sorted(written_names(loop))))
+            yield replace(loop, body=(names, statement))
 
 
 @dataclass(eq=False, slots=True, kw_only=True)
@@ -70,6 +83,7 @@ class PythonModules:
         frame = StackFrame(file=unit.file, variables=module.fields)
         frame.variables.update(__name__=Scalar(name), __file__=Scalar(str(path)))
         self._index_unit(unit, path)
+        self.machine.module_loops += _module_loops(unit)
         self.machine.execute(unit.body, frame)
         return module
 
