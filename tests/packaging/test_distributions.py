@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import sysconfig
 import tarfile
 import zipfile
 from email.parser import BytesParser
@@ -126,10 +127,11 @@ def test_the_project_links_are_of_one_repository(metadata):
 
 
 def test_the_readme_s_installation_works_as_pasted(tmp_path):
+    """What RTron needs is there already, as beside these tests: the wheel is installed with it."""
     (block,) = re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     clone = tmp_path / "rtron"
     subprocess.run(["git", "clone", "--quiet", ROOT, clone], check=True)
-    quick = os.environ | {"PIP_NO_COMPILE": "1"}
+    quick = os.environ | {"PIP_NO_COMPILE": "1", "PYTHONPATH": sysconfig.get_path("purelib")}
     ran = subprocess.run(
         ["bash", "-ec", block], cwd=clone, env=quick, capture_output=True, text=True, check=False
     )
@@ -137,6 +139,7 @@ def test_the_readme_s_installation_works_as_pasted(tmp_path):
         pytest.fail("no package index", pytrace=False)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout.endswith(f"rtron {__version__}\n")
+    assert list(clone.glob("rtron-env/lib/python*/site-packages/rtron/py.typed"))
 
 
 def test_the_wheel_is_installed_and_scans_an_app(wheel, tmp_path):

@@ -114,6 +114,12 @@ def is_running(pid):
         return False
 
 
+@pytest.fixture(autouse=True)
+def no_plugins(monkeypatch):
+    """Let pytest load no plugins: they take a second."""
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+
+
 @pytest.fixture(scope="module")
 def long_schedule():
     return schedule("1", [0, 1], 100_000.0)

@@ -8,6 +8,7 @@ from finding_graphs import BASE, FIRMWARE, MUX, TWIST, TWO_DRIVERS, parameters, 
 from cpu_time import growth
 from rtron.findings import app_facts, take_inventory
 from rtron.findings.inventory.stopping import stopping
+from rtron.findings.motion import command_timeout
 from rtron.vocabulary import (
     Evidence,
     NodeParameter,
@@ -343,6 +344,22 @@ def test_the_worst_of_two_drivers_counts():
     assert the_mover(BASE + second, wiring=worse).stops is Stops.NO
 
 
+@pytest.mark.parametrize(("fate", "stops"), [("checked", Stops.UNKNOWN), ("repeated", Stops.NO)])
+def test_another_node_may_stop_a_driver_whose_commands_it_hears(fate, stops):
+    dog = f"/dog dog own\n    sub /cmd_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
+    graph = small_graph(dog + BASE)
+    elsewhere = (Evidence(file="dog.py", line=3),)
+    endpoints = tuple(
+        replace(each, evidence=elsewhere if each.node == "/dog" else PLACE)
+        for each in graph.endpoints
+    )
+    wiring = (DRIVER, KEPT, replace(last(fate), evidence=elsewhere))
+    app = app_facts(replace(graph, endpoints=endpoints, wiring=wiring))
+    assert take_inventory(app)[0].stops is stops
+    drivers = [each for each in command_timeout.check(app) if "/base" in each.nodes]
+    assert bool(drivers) is (stops is Stops.NO)
+
+
 def test_who_forwards_the_last_command_for_ever_counts_for_the_driver():
     relay = f"/relay relay own\n    sub /nav_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
     wiring = (DRIVER, last("stopped", "0.5 s"))
@@ -506,11 +523,7 @@ def test_services_of_one_switch_are_one_line():
 def test_a_service_that_nobody_here_offers_stands_for_what_is_called():
     clients = (ServiceClient(node="/mission", name="/e_stop", type="x/srv/EStop"),)
     (command,) = the_mover(LIDAR, clients=clients).commands
-    assert (command.means, command.receivers, command.senders) == (
-        Means.SERVICE,
-        (),
-        ("/mission",),
-    )
+    assert (command.means, command.receivers, command.senders) == (Means.SERVICE, (), ("/mission",))
 
 
 def test_the_motor_of_a_lidar_moves_no_robot():
@@ -628,10 +641,17 @@ def test_topics_that_end_the_robot_are_a_line():
     assert inventory(text.replace("Empty", "Float32")) == ()
 
 
-@pytest.mark.parametrize(("link", "stops"), [("vehicle link", Stops.UNKNOWN), ("CAN", Stops.NO)])
-def test_an_autopilot_may_stop_by_itself(link, stops):
+@pytest.mark.parametrize(
+    ("link", "stops", "why"),
+    [
+        ("vehicle link", Stops.UNKNOWN, "/base looks at no age of commands; its device may"),
+        ("VESC", Stops.UNKNOWN, "its device may, by default after 1 s"),
+        ("CAN", Stops.NO, f"{NEVER} /cmd_vel"),
+    ],
+)
+def test_an_autopilot_may_stop_by_itself(link, stops, why):
     mover = the_mover(BASE, wiring=(fact("device", "/base", link), KEPT))
-    assert mover.stops is stops
+    assert (mover.stops, mover.stop.endswith(why)) == (stops, True)
     assert (mover.thing is Thing.VEHICLE) == (link == "vehicle link")
 
 
@@ -965,8 +985,7 @@ def all_names(graph):
 
 
 @pytest.mark.parametrize(
-    ("package", "thing"),
-    [("twist_controller", Thing.ARM), ("diff_drive_controller", Thing.BASE)],
+    ("package", "thing"), [("twist_controller", Thing.ARM), ("diff_drive_controller", Thing.BASE)]
 )
 def test_a_controller_of_no_base_moves_the_arm_beside_it(package, thing):
     text = f"/twist t own\n    sub /twist/commands {TWIST}\n"

@@ -215,6 +215,8 @@ def test_a_queue_is_for_actions_where_it_says_when_they_are_done():
         ("name: flow2, ", "", 7, "a flow needs name"),
         ("/teleop", "/move_base", 7, "/move_base has two flows: which one would it take?"),
         ("/teleop", "'/move_*'", 6, "/move_base belongs to flow2 (/move_*) too"),
+        ("/teleop", "/rtron_guard", 7, "/rtron_guard is the guard's own: name a node of the app"),
+        ("/teleop", "/rtron/x", 7, "/rtron/x is the guard's own"),
         ("/teleop", "teleop", 7, "publisher: 'teleop' is not a full node name"),
         ("/teleop", "/tele op", 7, "publisher: '/tele op' is not a full node name"),
         ("/cmd_vel", "cmd_vel", 2, "topic: 'cmd_vel' is not a full topic name"),

@@ -13,10 +13,16 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
-_HAS_TEXT = """
-const strip = (text) => text.replace(/\\s/g, "").toLowerCase();
-return strip(document.querySelector(arguments[0])?.textContent ?? "").includes(strip(arguments[1]));
+_HOLDERS = """
+const strip = (text) => text.replace(/\\s/g, "").toLowerCase(), words = strip(arguments[1]);
+const holders = (element) => {
+    if (!strip(element.textContent).includes(words)) return [];
+    const inner = [...element.children].flatMap(holders);
+    return inner.length ? inner : [element];
+};
+return holders(arguments[0]);
 """
+"""Return the innermost elements that have words: what is visible of the whole page costs more."""
 _LABELLED = """
 const strip = (text) => text.replace(/\\s/g, "").toLowerCase();
 const root = document.querySelector(arguments[0]);
@@ -137,7 +143,8 @@ class Page:
     def shows(self, words, selector):
         """Tell whether words are shown; the costly look at what is visible comes last."""
         element = self.browser.find_element(By.CSS_SELECTOR, selector)
-        return self.browser.execute_script(_HAS_TEXT, selector, words) and words in element.text
+        holders = self.browser.execute_script(_HOLDERS, element, words)
+        return any(words in each.text for each in holders) or (holders and words in element.text)
 
     def control(self, label):
         """Return the form control with this aria-label."""

@@ -8,6 +8,8 @@ from console_robot import GRAPH, large_graph
 from selenium.webdriver.common.keys import Keys
 
 from rtron.functions.node_functions import with_functions
+from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.store.audit import record_events
 from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import EventKind, GuardEventLevel
 
@@ -350,7 +352,12 @@ def test_the_connection_is_lost_and_found_again(console, guard, page):
     page.until(lambda: not page.all(".stale"))
 
 
+SCROLL_AND_ASK_TWICE = """
+document.querySelector("#content").scrollTo(0, 1e9);
+for (const _ of [1, 2]) document.querySelector(".events .empty button")?.click();
+"""
 EVENT_NUMBERS = "return [...document.querySelectorAll('.event')].map((e) => e.dataset.event);"
+AUDIT_TEXTS = "return [...document.querySelectorAll('.audit p')].map((e) => e.textContent);"
 
 
 def test_events_come_page_by_page_and_live(guard, page):
@@ -361,7 +368,7 @@ def test_events_come_page_by_page_and_live(guard, page):
     for _ in range(12):
         if page.shows("old 0.", "#content"):
             break
-        page.browser.execute_script("document.querySelector('#content').scrollTo(0, 1e9)")
+        page.browser.execute_script(SCROLL_AND_ASK_TWICE)
         page.until(lambda: not page.shows("Loading", "#content"))
     page.wait_for_text("That is all.")
     page.wait_for_text("old 0.")
@@ -369,6 +376,19 @@ def test_events_come_page_by_page_and_live(guard, page):
     page.wait_for_text("a new one")
     numbers = page.browser.execute_script(EVENT_NUMBERS)
     assert len(set(numbers)) == len(numbers) >= 350
+
+
+def test_audit_entries_come_page_by_page(console, page):
+    robots = {f"robot{n}" for n in range(150)}
+    stops = [AuditEvent(who="ada", action="stop", target=robot) for robot in robots]
+    with console.app.state.service.database.session() as session:
+        record_events(session, 1, stops)
+    page.login("ada", "audit")
+    page.wait_for_text("Older entries")
+    page.browser.execute_script(SCROLL_AND_ASK_TWICE)
+    page.wait_for_text("That is all.")
+    texts = [text.strip() for text in page.browser.execute_script(AUDIT_TEXTS)]
+    assert sorted(text for text in texts if text in robots) == sorted(robots)
 
 
 def test_an_admin_makes_a_user_a_token_and_a_webhook(console, page):

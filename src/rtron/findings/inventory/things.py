@@ -5,7 +5,7 @@ import re
 from rtron.findings.measurement_names import is_measured
 from rtron.vocabulary import normalise_type
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Means, Thing
-from rtron.vocabulary.names import snake_case
+from rtron.vocabulary.names import EMERGENCY_STOP, snake_case
 
 _TYPES: tuple[tuple[str, Thing], ...] = (
     (r"mavros_msgs/CommandBool", Thing.ARMING),
@@ -34,10 +34,6 @@ _USUAL_TYPES: tuple[tuple[str, Thing], ...] = (
 )
 """What a type mostly means, where the name says nothing."""
 _WORDS: tuple[tuple[Thing, str], ...] = (
-    (
-        Thing.STOP,
-        "estop runstop stop_button emergency kill killswitch halt freeze stop_robot stop_all",
-    ),
     (Thing.ARMING, "arming disarm unarm motors_on enable_motors"),
     (Thing.POWER, "power breaker charger poweroff shutdown reboot relay relays battery_switch"),
     (Thing.ARM, "shoulder elbow wrist forearm pick pickup"),
@@ -64,7 +60,6 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.DEVICE, "actuator actuators execute exec"),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
-_STOP_PARTS = ("e_stop", "emergency", "run_stop")
 _PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
 _GENERIC = frozenset(
     ("goal", "go", "goto", "move", "path", "speed", "motor", "motors", "servo", "servos", "pwm")
@@ -242,7 +237,7 @@ def _by_words(name: str) -> Thing | None:
     found: Thing | None = None
     for part in reversed(parts):
         words = {part, *re.split(r"[_\d-]+", part)}
-        if any(word in part for word in _STOP_PARTS):
+        if EMERGENCY_STOP.search(part):
             return Thing.STOP
         thing = next((t for t, known in _WORDS if not words.isdisjoint(known.split())), None)
         if thing not in {None, Thing.DEVICE} and (found is not Thing.BASE or thing in _PARTS):

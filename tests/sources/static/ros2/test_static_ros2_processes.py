@@ -188,20 +188,16 @@ def test_what_runs_inside_a_word_is_noted(started, line, what):
     [
         ("--qos-profile sensor_data", QoS(depth=5, reliability=Reliability.BEST_EFFORT)),
         ("--qos-profile sensor_data --qos-reliability reliable --qos-depth 7", QoS(depth=7)),
-        (
-            "--qos-profile=action_status_default",
-            QoS(depth=1, durability=Durability.TRANSIENT_LOCAL),
-        ),
+        ("--qos-profile=action_status_default",
+         QoS(depth=1, durability=Durability.TRANSIENT_LOCAL)),
         ("--qos-profile action_status_default --qos-durability volatile", QoS(depth=1)),
         ("--qos-profile parameters", QoS(depth=1000)),
         ("--qos-profile system_default", QoS()),
-        (
-            "--qos-profile system_default --qos-durability transient_local",
-            QoS(depth=1, durability=Durability.TRANSIENT_LOCAL),
-        ),
+        ("--qos-profile system_default --qos-durability transient_local",
+         QoS(depth=1, durability=Durability.TRANSIENT_LOCAL)),
         ("--qos-profile another --qos-depth 3", None),
     ],
-)
+)  # fmt: skip
 def test_a_message_is_published_by_a_profile(started, options, qos):
     (sent,) = started(f"ros2 topic pub /a std_msgs/msg/Bool {options}").publishers("/a")
     assert sent.qos == qos

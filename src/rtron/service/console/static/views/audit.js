@@ -7,7 +7,7 @@ export function Audit() {
   const [filter, setFilter] = useState({ who: "", action: "", target: "" }), [state, setState] = useState({ entries: [], next: null, busy: true });
   const load = (before) => {
     setState((s) => ({ ...s, busy: true }));
-    get("/audit", { ...filter, before, limit: 100 }).then((page) => setState((s) => ({ busy: false, next: page.next, entries: before ? [...s.entries, ...page.entries] : page.entries })), (error) => setState((s) => ({ ...s, busy: false, error })));
+    get("/audit", { ...filter, before, limit: 100 }).then((page) => setState((s) => (before && before !== s.next ? s : { busy: false, next: page.next, entries: before ? [...s.entries, ...page.entries] : page.entries })), (error) => setState((s) => ({ ...s, busy: false, error })));
   };
   useEffect(() => load(), [JSON.stringify(filter)]);
   const input = (name, label) => html`<${Field} label=${label}><input value=${filter[name]} maxlength="300" onChange=${(e) => setFilter({ ...filter, [name]: e.target.value })} /><//>`;

@@ -62,7 +62,7 @@ function usePages(filter) {
     const own = before ? turn.current : ++turn.current;
     setState((s) => ({ ...s, busy: true, error: null, ...(before ? {} : { events: [], next: null }) }));
     get("/events", { ...queryOf(filter), limit: PAGE, before }).then(
-      (page) => own === turn.current && setState((s) => ({ busy: false, next: page.next, events: before ? [...s.events, ...page.events] : page.events })),
+      (page) => own === turn.current && setState((s) => (before && before !== s.next ? s : { busy: false, next: page.next, events: before ? [...s.events, ...page.events] : page.events })),
       (error) => own === turn.current && setState((s) => ({ ...s, busy: false, next: null, error })));
   };
   useEffect(() => load(), [key]);
