@@ -143,7 +143,11 @@ def test_the_order_of_a_graph_changes_nothing_in_its_inventory(graph):
         ros=1,
         wiring=tuple(
             WiringFact(kind=kind, subject="/a", value="p", others=("q",))
-            for kind in (WiringFactKind.SECTION_WITHOUT_NODE, WiringFactKind.MISSPELT_PARAMETER)
+            for kind in (
+                WiringFactKind.SECTION_WITHOUT_NODE,
+                WiringFactKind.MISSPELT_PARAMETER,
+                WiringFactKind.UNREAD_PARAMETER,
+            )
         ),
     )
 )

@@ -112,7 +112,7 @@ def _reasons(
         if each.means is Means.SERVICE or mode is not Mode.ENFORCE:
             names[_why(app, mover, each, mode)].append(each.name)
     for driver in () if mover.last_commands else mover.drivers:
-        names[_ALONE if mover.hardware else _why_unread(app, driver)].append(driver)
+        names[_UNCOMMANDED if mover.hardware else _why_unread(app, driver)].append(driver)
     for each in _passed_on(mover, modes):
         who = f"{join_names(each.receivers)} {conjugate(each.receivers, 'act')}"
         names[f"not guarded: {who} on what any node sends there"].append(each.name)
@@ -186,7 +186,7 @@ _OBSERVED = "its coordination node only observes: `mode: enforce` guards it"
 _NOTHING_MOVES = "nothing that was read moves a robot: give the launch file and source of what does"
 _LOOK = "look at its subscriptions while the robot runs"
 _FIRMWARE = f"what that firmware obeys is not known: {_LOOK}"
-_ALONE = "it decides itself, or obeys a device or link of its own: no topic leads there"
+_UNCOMMANDED = "it decides itself, or obeys a device or link of its own: no topic leads there"
 _UNREAD = "not read, so what moves it is not known: give its source"
 _UNFOLLOWED = "read in part, so what moves it is not known: see what its scan does not resolve"
 _WHY_UNGUARDED = {

@@ -50,7 +50,7 @@ def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
     merged = _merged(groups)
     movers = [_mover(app, commands, thing, found) for thing, found in merged]
     movers = _with_limits(movers, limits(app, commands))
-    movers += [*_unread(app, movers), *_moving_alone(app, commands.roles, movers)]
+    movers += [*_unread(app, movers), *_uncommanded_hardware(app, commands.roles, movers)]
     order = list(Thing)
     return tuple(sorted(movers, key=lambda each: order.index(each.thing)))
 
@@ -85,7 +85,7 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
         yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread), doors=doors(app))
 
 
-def _moving_alone(app: AppFacts, roles: NodeRoles, movers: list[Mover]) -> Iterator[Mover]:
+def _uncommanded_hardware(app: AppFacts, roles: NodeRoles, movers: list[Mover]) -> Iterator[Mover]:
     """Yield the nodes with hardware that can only move, which obey nothing of the app that moves.
 
     They may decide themselves, or obey a joystick or a link of their own.

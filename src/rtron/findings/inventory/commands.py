@@ -50,8 +50,10 @@ class AppCommands:
             is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
             is_sent = command.senders and (thing not in SWITCHES or _is_of_autopilot(topic))
             is_report = self._is_reading(command) or self._is_echo(command)
-            is_told = self.forwarding.is_feedback(topic) and not self.topics.unheard.is_order(topic)
-            is_command = not (is_report or is_told)
+            is_feedback = self.forwarding.is_feedback(topic) and not self.topics.unheard.is_order(
+                topic
+            )
+            is_command = not (is_report or is_feedback)
             has_sides = bool(receivers or is_sent) and is_command and not self._is_operated(command)
             if topic in self.topics.locks | self.topics.releases or (
                 has_sides and not (is_vague or self._is_forwarded(thing, command))

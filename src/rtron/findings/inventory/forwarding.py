@@ -160,9 +160,9 @@ class Forwarding:
     @cached_property
     def _sources(self) -> dict[str, frozenset[str]]:
         """Who sends what each node makes its commands of; drivers only tell how they move."""
-        senders, is_told = self.topics.app.publishers, self.is_feedback
+        senders, is_feedback = self.topics.app.publishers, self.is_feedback
         return {
-            node: frozenset(chain.from_iterable(map(senders, filterfalse(is_told, topics))))
+            node: frozenset(chain.from_iterable(map(senders, filterfalse(is_feedback, topics))))
             for node, topics in self.topics.inputs.items()
         }
 

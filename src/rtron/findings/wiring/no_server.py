@@ -94,11 +94,11 @@ def unserved_names(app: AppFacts) -> Mapping[str, UnservedName]:
 def _only_server(name: str, missing: list[_RequestSide], spare: list[_RequestSide]) -> list[str]:
     """Return the only action of the type that nobody calls, where only this name misses one."""
     type = next((each.type for each in missing if each.name == name and each.what == "action"), "")
-    wanted, offered = (
+    called, offered = (
         {each.name for each in sides if type and (each.what, each.type) == ("action", type)}
         for sides in (missing, spare)
     )
-    is_only = len(wanted) == len(offered) == 1 and not any("{" in each for each in offered)
+    is_only = len(called) == len(offered) == 1 and not any("{" in each for each in offered)
     return list(offered) if is_only else []
 
 

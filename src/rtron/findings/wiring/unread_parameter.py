@@ -41,9 +41,9 @@ def check(app: AppFacts) -> Iterator[Finding]:
     without_node = {group.subject for group in sections}
     for group in wiring_groups(app.graph, WiringFactKind.MISSPELT_PARAMETER):
         if group.subject not in without_node:
-            yield _ignored(group, reads)
+            yield _ignored(group, group.subject, reads)
     for group in wiring_groups(app.graph, WiringFactKind.UNREAD_PARAMETER):
-        yield _ignored(group, reads)
+        yield _ignored(group, f"{group.subject}:undeclared", reads)
 
 
 def _without_node(group: WiringGroup) -> Finding:
@@ -72,13 +72,13 @@ def _malformed(group: WiringGroup) -> Finding:
     )
 
 
-def _ignored(group: WiringGroup, reads: str) -> Finding:
+def _ignored(group: WiringGroup, subject: str, reads: str) -> Finding:
     node, near = group.subject, join_names(group.others, "")
     near_cause = f"it does not {reads} them; it {reads}s {near}"
     return fact_finding(
         RULE.name,
         group,
-        subject="" if near else f"{node}:undeclared",
+        subject=subject,
         summary=f"{node} ignores parameters that the launch sets: {join_names(group.values)}",
         cause=near_cause if near else f"the node does not {reads} them",
         remedy=f"did you mean {near}?" if near else f"remove them, or {reads} them in the node",

@@ -30,7 +30,7 @@ class MoverRow(NamedTuple):
 
 
 _UNREAD = "may obey any topic: what is behind it was not read"
-_ALONE = "moves it by itself, or obeys a device or link of its own: no topic commands it"
+_UNCOMMANDED = "moves it by itself, or obeys a device or link of its own: no topic commands it"
 _STOP_TONE = {Stops.YES: Tone.GOOD, Stops.NO: Tone.WARNING, Stops.UNKNOWN: Tone.UNCERTAIN}
 
 
@@ -38,7 +38,7 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
     """Yield what drives a thing, who commands it, what else can, and whether it stops."""
     last = mover.last_commands
     if not last:
-        how = _ALONE if mover.hardware else _UNREAD
+        how = _UNCOMMANDED if mover.hardware else _UNREAD
         yield MoverRow(f"{join_names(mover.drivers)}{_hardware(mover)} {how}", Tone.UNCERTAIN)
     for means in Means:
         commands = [each for each in last if each.means is means]

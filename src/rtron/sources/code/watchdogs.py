@@ -65,11 +65,11 @@ def may_be_watched(reached: list[FunctionSteps], others: list[FunctionSteps]) ->
     members = [pair for each in others for pair in each.members]
     timers = {name for name, value in members if mentioned_names(value) & _TIMER_MAKERS}
     restarts = any(_starts_timer(c.function, timers) for each in reached for c in each.calls)
-    signs = (_keeps_time, _ends_by_itself)
+    signs = (_keeps_time, _stops_after_waiting)
     return has_question or restarts or any(sign(each) for each in reached for sign in signs)
 
 
-def _ends_by_itself(code: FunctionSteps) -> bool:
+def _stops_after_waiting(code: FunctionSteps) -> bool:
     """Return whether a function waits, and sends something like a stop thereafter."""
     waits = [call.line for call in code.calls if last_name(call.function) in _SLEEPS]
     return bool(waits) and any(

@@ -58,7 +58,7 @@ class ControllerParts:
     def untyped(self, parts: Iterable[NodePart]) -> Iterator[WiringFact]:
         """Yield a fact for each controller that has no type, while its manager knows others'."""
         requests = list(self._requests(tuple(parts)))
-        asked = {each.name for each in requests}
+        requested = {each.name for each in requests}
         for each in requests:
             names = self._typed_names(each)
             if names and each.name not in names and "{" not in each.name:
@@ -66,7 +66,7 @@ class ControllerParts:
                     kind=WiringFactKind.UNTYPED_CONTROLLER,
                     subject=expand_name(each.name, each.manager),
                     value=node_name(each.spawner),
-                    others=tuple(sorted(names - asked)),
+                    others=tuple(sorted(names - requested)),
                     evidence=(each.spawner.node.evidence,),
                 )
 

@@ -60,9 +60,9 @@ def mismatched_bridges(topics: Sequence[GazeboTopic]) -> Iterator[WiringFact]:
             if is_same and not _is_its_way(other, carried):
                 yield _fact(carried, other)
     for type, to_ros in sorted({(each.type, each.to_ros) for each in of_plugins}):
-        ends = [each for each in of_plugins if (each.type, each.to_ros) == (type, to_ros)]
+        plugins = [each for each in of_plugins if (each.type, each.to_ros) == (type, to_ros)]
         of_type = (each for each in bridged if each.type == type)
-        yield from _unmatched(ends, [each for each in of_type if _is_its_way(ends[0], each)])
+        yield from _unmatched(plugins, [each for each in of_type if _is_its_way(plugins[0], each)])
 
 
 def _is_its_way(other: GazeboTopic, carried: GazeboTopic) -> bool:
@@ -70,12 +70,12 @@ def _is_its_way(other: GazeboTopic, carried: GazeboTopic) -> bool:
     return carried.to_ros if other.to_ros else carried.to_gazebo
 
 
-def _unmatched(ends: list[GazeboTopic], bridged: list[GazeboTopic]) -> Iterator[WiringFact]:
+def _unmatched(plugins: list[GazeboTopic], bridged: list[GazeboTopic]) -> Iterator[WiringFact]:
     """Yield a fact where one name of a bridge and one of a plugin are left over."""
-    known, used = {each.name for each in ends}, {each.name for each in bridged}
-    lost, open_ends = sorted(used - known), sorted(known - used)
-    if len(lost) == len(open_ends) == 1 and _UNKNOWN not in known:
-        (other,) = [each for each in ends if each.name == open_ends[0]][:1]
+    known, used = {each.name for each in plugins}, {each.name for each in bridged}
+    lost, unbridged = sorted(used - known), sorted(known - used)
+    if len(lost) == len(unbridged) == 1 and _UNKNOWN not in known:
+        (other,) = [each for each in plugins if each.name == unbridged[0]][:1]
         for carried in (each for each in bridged if each.name == lost[0]):
             yield _fact(carried, other)
 
