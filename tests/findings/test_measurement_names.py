@@ -21,6 +21,7 @@ from rtron.vocabulary import Node
         "/depth/points",
         "/vel_actual",
         "/measuredTwist",
+        "/ActVel",
     ],
 )
 def test_a_topic_is_measured_whoever_subscribes_it(topic):
@@ -31,7 +32,7 @@ def test_a_topic_is_measured_whoever_subscribes_it(topic):
     "topic",
     [
         *("/cmd_vel", "/imu/cmd_vel", "/odom/set_command", "/motor/current", "/vel_raw", "/goal"),
-        *("/gps_cmd_vel", "/current_setpoint", "/path_points"),
+        *("/gps_cmd_vel", "/current_setpoint", "/path_points", "/act_cmd"),
     ],
 )
 def test_a_topic_that_a_driver_may_obey(topic):

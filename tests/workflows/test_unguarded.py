@@ -170,13 +170,17 @@ def test_a_driver_that_was_not_read_may_obey_and_nobody_else(other):
 @pytest.mark.parametrize(
     ("package", "why"),
     [
-        ("driver", "not read, so what moves it is not known: give its source"),
-        ("micro_ros_agent", f"what that firmware obeys is not known: {LOOK}"),
-        ("rosserial_python", f"what that firmware obeys is not known: {LOOK}"),
+        ("driver third_party", "not read, so what moves it is not known: give its source"),
+        (
+            "driver own",
+            "read in part, so what moves it is not known: see what its scan does not resolve",
+        ),
+        ("micro_ros_agent own", f"what that firmware obeys is not known: {LOOK}"),
+        ("rosserial_python own", f"what that firmware obeys is not known: {LOOK}"),
     ],
 )
 def test_a_driver_that_was_not_read_is_told_beside_what_is_guarded(package, why):
-    proposed = propose(unread(NAV + BASE + f"/arm_driver {package} own\n", "/arm_driver"))
+    proposed = propose(unread(NAV + BASE + f"/arm_driver {package}\n", "/arm_driver"))
     assert enforced(proposed.plan) == ["/cmd_vel"]
     (problem,) = proposed.omitted
     assert problem.message == f"/arm_driver: {why}"

@@ -14,6 +14,7 @@ _COMMANDED = re.compile(r"cmd|command|setpoint")
 """Words in the names of what is no measurement, whatever else they say."""
 _MEASURED = re.compile(
     r"^(?:measured|estimated|actual|prev|previous|debug)_|_(?:actual|debug)$"
+    r"|^act_(?:vel|speed|twist|pos)"
     rf"|^current_(?!\w*(?:{_COMMANDED.pattern}))"
     rf"|^(?:gps|odom|imu)_(?!\w*(?:{_COMMANDED.pattern}|goal|waypoint|target|search))"
 )

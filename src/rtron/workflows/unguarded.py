@@ -9,7 +9,7 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles, unread_drivers
 from rtron.findings.motion.arbiter import arbiters
 from rtron.planning.problem import PlanProblem, ProblemLevel
-from rtron.vocabulary import Mode, Plan, UnguardedPath, build_streams
+from rtron.vocabulary import Mode, Plan, Trust, UnguardedPath, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
 from rtron.vocabulary.names import are_nested
 from rtron.wording import conjugate, join_names
@@ -111,14 +111,19 @@ def _reasons(
         mode = _mode(each, modes)
         if each.means is Means.SERVICE or mode is not Mode.ENFORCE:
             names[_why(app, mover, each, mode)].append(each.name)
-    firmware = NodeRoles(app).firmware
     for driver in () if mover.last_commands else mover.drivers:
-        unread = _FIRMWARE if driver in firmware else _UNREAD
-        names[_UNCOMMANDED if mover.hardware else unread].append(driver)
+        names[_UNCOMMANDED if mover.hardware else _why_unread(app, driver)].append(driver)
     for each in _passed_on(mover, modes):
         who = f"{join_names(each.receivers)} {conjugate(each.receivers, 'act')}"
         names[f"not guarded: {who} on what any node sends there"].append(each.name)
     return names
+
+
+def _why_unread(app: AppFacts, driver: str) -> str:
+    """Return why it is not known what a node obeys: its source is no part of the app, or is."""
+    if driver in NodeRoles(app).firmware:
+        return _FIRMWARE
+    return _UNFOLLOWED if app.nodes[driver].trust is Trust.OWN else _UNREAD
 
 
 def _passed_on(mover: Mover, modes: Mapping[str, Mode]) -> Iterator[Command]:
@@ -183,6 +188,7 @@ _LOOK = "look at its subscriptions while the robot runs"
 _FIRMWARE = f"what that firmware obeys is not known: {_LOOK}"
 _UNCOMMANDED = "it decides itself, or obeys a device or link of its own: no topic leads there"
 _UNREAD = "not read, so what moves it is not known: give its source"
+_UNFOLLOWED = "read in part, so what moves it is not known: see what its scan does not resolve"
 _WHY_UNGUARDED = {
     Means.TOPIC: "no coordination node enforces who commands it",
     Means.ACTION: "no coordination node enforces who sends its goals",

@@ -506,6 +506,13 @@ def test_a_node_whose_hardware_only_moves_has_a_line_without_a_command(node, dev
     assert all((thing is Thing.BASE) == bool(mover.commands) for mover in movers)
 
 
+def test_a_link_to_an_autopilot_is_no_way_to_what_its_node_sends():
+    link = (fact("device", "/pilot", "vehicle link"), fact("socket", "/pilot", "MAVLink link"))
+    text = "/pilot own own\n    pub /claw_control own/Claw\n"
+    found = {mover.thing: mover.doors for mover in inventory(text, wiring=link)}
+    assert found == {Thing.VEHICLE: ("/pilot (MAVLink link)",), Thing.GRIPPER: ()}
+
+
 def test_services_of_one_switch_are_one_line():
     services = tuple(
         Service(node=node, name=f"{node}/arm", type="std_srvs/srv/Trigger")

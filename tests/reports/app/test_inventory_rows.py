@@ -152,6 +152,15 @@ def test_services_and_goals():
     ]
 
 
+def test_who_tells_those_that_call_is_said():
+    blade = service("/blade", receivers=("/driver",), senders=("/logic",))
+    orders = replace(NAV, receivers=("/logic",), senders=("/cloud", "/logic"))
+    (row, *_) = rows(thing=Thing.TOOL, commands=(blade, orders), drivers=("/driver",))
+    assert row == "services /blade of /driver, called by /logic, told by /cloud"
+    (_, _, row, *_) = rows(thing=Thing.TOOL, commands=(CMD_VEL, blade, orders), drivers=("/base",))
+    assert row == "services /blade of /driver, called by /logic"
+
+
 def test_many_names_are_counted_and_names_known_in_part_are_not_open():
     found = tuple(service(f"/s{number}") for number in range(6))
     assert rows(thing=Thing.MODE, commands=found)[0].startswith("services /s0, /s1, /s2 and 3 more")

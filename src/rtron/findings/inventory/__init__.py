@@ -82,7 +82,7 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
     named = [n for n, p in packages.items() if p in FIRMWARE_PACKAGES or moves(n, p)]
     has_driver = any(mover.drivers or mover.unread for mover in movers)
     if unread := named or (() if has_driver else tuple(packages)):
-        yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread), doors=doors(app, ()))
+        yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread), doors=doors(app))
 
 
 def _uncommanded_hardware(app: AppFacts, roles: NodeRoles, movers: list[Mover]) -> Iterator[Mover]:
@@ -169,7 +169,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         arbiters=tuple(
             dict.fromkeys(node for node, _ in behind if commands.forwarding.decides(node))
         ),
-        doors=doors(app, (*senders, *drivers)),
+        doors=doors(app, drivers, senders),
         unread=unread,
         is_whole=not set(app.unread_nodes).difference(bridges(app)),
         stops=end.stops if end else Stops.UNKNOWN,

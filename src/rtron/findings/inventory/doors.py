@@ -7,16 +7,21 @@ from rtron.findings.motion.network_bridge import bridges
 from rtron.vocabulary import WiringFactKind
 
 
-def doors(app: AppFacts, senders: Iterable[str]) -> tuple[str, ...]:
-    """Return the bridges, which reach everything, and the senders that have a way in of their own.
+def doors(
+    app: AppFacts, drivers: Iterable[str] = (), senders: Iterable[str] = ()
+) -> tuple[str, ...]:
+    """Return the bridges, which reach everything, and the nodes that have a way in of their own.
 
-    Each is a node or a package, with how it is reached.
+    Each is a node or a package, with how it is reached. A link to an autopilot is a way into that
+    alone, so no way to what its node sends.
     """
     open_to_all = [f"{name} (any client)" for name in bridges(app)]
-    return tuple(dict.fromkeys([*open_to_all, *_of_senders(app, frozenset(senders))]))
+    own = _own_doors(app, frozenset(drivers), frozenset(senders))
+    return tuple(dict.fromkeys([*open_to_all, *own]))
 
 
-def _of_senders(app: AppFacts, senders: frozenset[str]) -> Iterator[str]:
+def _own_doors(app: AppFacts, drivers: frozenset[str], senders: frozenset[str]) -> Iterator[str]:
     for fact in app.graph.wiring:
-        if fact.kind is WiringFactKind.SOCKET and fact.subject in senders:
+        nodes = drivers if fact.value == "MAVLink link" else drivers | senders
+        if fact.kind is WiringFactKind.SOCKET and fact.subject in nodes:
             yield f"{fact.subject} ({fact.value})"

@@ -40,7 +40,7 @@ def limits(app: AppFacts, commands: AppCommands) -> Mover | None:
     found = tuple(
         Command(means=Means.PARAMETER, name=name, receivers=(node,)) for node, name in names.items()
     )
-    return Mover(thing=Thing.LIMITS, commands=found, drivers=tuple(names), doors=doors(app, ()))
+    return Mover(thing=Thing.LIMITS, commands=found, drivers=tuple(names), doors=doors(app))
 
 
 def _movers(commands: AppCommands) -> frozenset[str]:

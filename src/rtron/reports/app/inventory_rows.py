@@ -126,13 +126,16 @@ def _all(names: Sequence[str]) -> str:
 
 
 def _request_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
-    """Yield who serves and calls services, or takes and sends goals."""
-    del mover
+    """Yield who serves and calls services, or takes and sends goals, and who tells these."""
     noun, verb = _REQUESTS[last[0].means]
     receivers = list(dict.fromkeys(node for each in last for node in each.receivers))
     obeyed = join_names(receivers, "nobody in this launch")
-    senders = join_names(_senders(last), "nobody in this launch")
-    yield MoverRow(f"{noun} {_names(last)} of {obeyed}, {verb} {senders}")
+    direct = _senders(last)
+    senders = join_names(direct, "nobody in this launch")
+    behind = (c for c in mover.commands if c.hops and not set(direct).isdisjoint(c.receivers))
+    is_said = any(each.means is Means.TOPIC for each in mover.last_commands)
+    told = "" if is_said else _instructed_by(n for n in _senders(behind) if n not in direct)
+    yield MoverRow(f"{noun} {_names(last)} of {obeyed}, {verb} {senders}{told}")
 
 
 def _parameter_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:

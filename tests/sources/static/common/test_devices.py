@@ -126,10 +126,17 @@ def test_what_is_no_device_in_cpp(facts, text):
         ("start = websockets.serve(handler, '', 9002)", "WebSocket server"),
         ("from flask import Flask", "web server"),
         ("sock.bind(('', 5000))", "TCP or UDP socket"),
+        ("LINK = 'udpin:0.0.0.0:14550'", "MAVLink link"),
+        ("pilot.connect(system_address='udp://:14540')", "MAVLink link"),
     ],
 )
 def test_sockets(facts, line, how):
     assert facts(python(line)) == {("socket", how): ("scripts/driver.py", 2)}
+
+
+@pytest.mark.parametrize("address", ["udpin:127.0.0.1:14550", "udpout:10.0.0.2:14550", "udp://:80"])
+def test_a_link_to_this_machine_alone_or_to_another_is_no_door(facts, address):
+    assert facts(python(f"LINK = '{address}'")) == {}
 
 
 @pytest.mark.parametrize(

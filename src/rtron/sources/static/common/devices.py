@@ -49,6 +49,7 @@ _SOCKETS = {
     r"|from bottle|crow\.h|httplib\.h|cherrypy|SimpleHTTPServer|web\.Application\(",
     "TCP or UDP socket": r"socketserver\.|\.bind\(\s*\(|INADDR_ANY|in6addr_any|tcp::acceptor"
     r"|udp::endpoint\(\s*udp|QTcpServer",
+    "MAVLink link": r"[\"'](?:udpin|tcpin):/{0,2}(?!127\.|localhost)|[\"']udp://:14\d{3}\b",
     "gRPC server": r"grpc\.(?:aio\.)?server\(|grpc::ServerBuilder",
 }
 _COMMAND = r"(?<![a-z])(?:cmd_?vel|cmd|command|vel|velocity|twist|joy|setpoint|teleop|drive)"
