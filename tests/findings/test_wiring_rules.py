@@ -703,6 +703,11 @@ class TestSharedOutput:
     def test_motion_and_what_all_share_do_not_count(self, topic):
         assert not found("shared_output", with_fact("shared_output", topic, "", "/a", "/b"))
 
+    def test_a_second_map_is_regular(self):
+        finding = the_finding("shared_output", with_fact("second_source", "/map", "", "/a", "/b"))
+        assert finding.summary == "/a and /b both publish /map"
+        assert finding.level is FindingLevel.REGULAR
+
 
 UNDECIDED = "conditions that are not known decide which do"
 
