@@ -131,7 +131,7 @@ def test_two_maps_are_found_also_of_one_program(facts):
 
 def test_a_clock_of_instances_with_other_topics_is_told_once(facts):
     end = "gz.msgs.Clock"
-    bridges = "".join(
+    bridges = "\n".join(
         CLOCK.format(name, "").replace(end, f"{end} /{name}@std_msgs/msg/Bool[gz.msgs.Boolean")
         for name in ("a", "b")
     )
