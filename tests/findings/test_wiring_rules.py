@@ -113,6 +113,7 @@ class TestTypeMismatch:
         )
         finding = the_finding("type_mismatch", small_graph(text))
         assert (finding.severity, finding.level) == (Severity.LOW, FindingLevel.PEDANTIC)
+        assert not found("type_mismatch", small_graph(text.replace("own", "third_party")))
 
     def test_off_the_motion_topics_it_is_a_failure(self):
         graph = small_graph(

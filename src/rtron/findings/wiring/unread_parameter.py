@@ -20,6 +20,7 @@ parameter. Without a near name it is `pedantic`.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import PurePath
 
 from rtron.findings.app_facts import AppFacts
@@ -43,7 +44,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
         if group.subject not in without_node:
             yield _ignored(group, reads)
     for group in wiring_groups(app.graph, WiringFactKind.UNREAD_PARAMETER):
-        yield _ignored(group, reads)
+        yield _ignored(replace(group, others=()), reads)
 
 
 def _without_node(group: WiringGroup) -> Finding:
