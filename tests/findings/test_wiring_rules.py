@@ -113,6 +113,7 @@ class TestTypeMismatch:
         )
         finding = the_finding("type_mismatch", small_graph(text))
         assert (finding.severity, finding.level) == (Severity.LOW, FindingLevel.PEDANTIC)
+        assert not found("type_mismatch", small_graph(text.replace("own", "third_party")))
 
     def test_off_the_motion_topics_it_is_a_failure(self):
         graph = small_graph(
@@ -702,6 +703,11 @@ class TestSharedOutput:
     @pytest.mark.parametrize("topic", ["/cmd_vel", "/diagnostics", "/tf", "/rosout", "/rover/bond"])
     def test_motion_and_what_all_share_do_not_count(self, topic):
         assert not found("shared_output", with_fact("shared_output", topic, "", "/a", "/b"))
+
+    def test_a_second_map_is_regular(self):
+        finding = the_finding("shared_output", with_fact("second_source", "/map", "", "/a", "/b"))
+        assert finding.summary == "/a and /b both publish /map"
+        assert finding.level is FindingLevel.REGULAR
 
 
 UNDECIDED = "conditions that are not known decide which do"

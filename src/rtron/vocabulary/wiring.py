@@ -21,6 +21,8 @@ class WiringFactKind(StringEnum):
     """A node that remaps transforms to the value; its listener, a node too, gets others instead."""
     SHARED_OUTPUT = "shared_output"
     """A topic that others, instances of one program, publish, while their other topics differ."""
+    SECOND_SOURCE = "second_source"
+    """A clock or a map that each of others, nodes, publishes."""
     SECTION_WITHOUT_NODE = "section_without_node"
     """A name with parameters that no node has; others have near names and no parameters."""
     MALFORMED_PARAMETER_FILE = "malformed_parameter_file"

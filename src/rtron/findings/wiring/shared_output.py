@@ -1,20 +1,23 @@
-"""Two instances of one program publish one topic.
+"""Two nodes publish a topic that should have one source.
 
 ## What it finds
 
-Two nodes, nodelets or components of one program publish one topic, while their other topics differ:
-the launch forgot to give it a name of its own.
+Two nodes publish one clock, or one map: time jumps, and the robot plans now with the one map, now
+with the other. Or two nodes, nodelets or components of one program publish one topic, while their
+other topics differ: the launch forgot to give it a name of its own.
 
-For example, the nodelets `left_camera` and `right_camera` both publish `/image`.
+For example, `/slam_toolbox` and `/map_server` both publish `/map`; or the nodelets `left_camera`
+and `right_camera` both publish `/image`.
 
 ## What to do
 
-Remap the topic for each instance.
+Start one of them, or remap the topic for each.
 
 ## When it is silent
 
-Below the level `pedantic`; for diagnostics, transforms, joint states, bonds and logs. Commands of
-motion belong to `several_publishers`.
+Where a condition that is not known may exclude one; for diagnostics, transforms, joint states,
+bonds and logs. Commands of motion belong to `several_publishers`. Instances of one program are
+`pedantic`.
 """
 
 from collections.abc import Iterator
@@ -30,11 +33,25 @@ _OF_ALL = frozenset({"tf", "tf_static", "diagnostics", "joint_states", "rosout",
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each topic that instances of one program share."""
+    """Yield a finding for each topic with a second source, or shared by instances of a program."""
+    yield from map(_second_source, wiring_groups(app.graph, WiringFactKind.SECOND_SOURCE))
     for group in wiring_groups(app.graph, WiringFactKind.SHARED_OUTPUT):
         is_of_all = group.subject.rpartition("/")[2] in _OF_ALL
         if not (is_of_all or app.is_motion(group.subject)):
             yield _finding(group)
+
+
+def _second_source(group: WiringGroup) -> Finding:
+    topic, nodes = group.subject, group.others
+    return fact_finding(
+        RULE.name,
+        group,
+        summary=f"{join_names(nodes)} {both_or_all(nodes)} publish {topic}",
+        cause="each publishes its own, and readers take whichever came last",
+        remedy="start one of them, or remap the other's topic",
+        nodes=nodes,
+        topics=(topic,),
+    )
 
 
 def _finding(group: WiringGroup) -> Finding:
@@ -53,8 +70,8 @@ def _finding(group: WiringGroup) -> Finding:
 
 RULE = FindingRule(
     name="shared_output",
-    title="Two instances of one program publish one topic",
-    consequence="failure: possible",
+    title="Two nodes publish a topic that should have one source",
+    consequence="failure: likely for a clock or a map, else possible",
     since="0.1.0",
     check=check,
 )

@@ -17,7 +17,8 @@ with a relay.
 
 ## When it is silent
 
-Where only one side's type is known. Where all ends belong to one node, it is an oddity.
+Where only one side's type is known, and where all ends belong to one node that is not your own.
+Where they belong to one of your own, it is an oddity.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -49,10 +50,19 @@ def check(app: AppFacts) -> Iterator[Finding]:
         subscribed = app.types(topic, Direction.SUBSCRIBE)
         lost = {type: each for type, each in subscribed.items() if type not in published}
         unheard = {type: each for type, each in published.items() if type not in subscribed}
+        if _is_of_one_other(app, topic):
+            continue
         if published and lost:
             yield _finding(app, topic, published, lost, Direction.SUBSCRIBE)
         elif subscribed and unheard:
             yield _finding(app, topic, unheard, subscribed, Direction.PUBLISH)
+
+
+def _is_of_one_other(app: AppFacts, topic: str) -> bool:
+    """Return whether all ends belong to one node whose source is not the user's."""
+    ends = (*app.graph.publishers(topic), *app.graph.subscribers(topic))
+    nodes = {end.node for end in ends}
+    return len(nodes) == 1 and not app.facts.are_own(nodes)
 
 
 def _finding(

@@ -104,6 +104,41 @@ def test_what_instances_share_while_their_other_topics_differ_is_found(facts):
     assert facts("shared_output", left="", right="") == []
 
 
+CLOCK = (
+    '<node pkg="ros_gz_bridge" exec="parameter_bridge" name="{}" '
+    'args="/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock"{}/>'
+)
+SECOND_CLOCK = CLOCK.format("a", "{}") + "\n" + CLOCK.format("b", "")
+
+
+def test_a_second_clock_is_found(facts):
+    assert facts("second_source", SECOND_CLOCK.format("")) == [("/clock", "", "/a", "/b")]
+    assert facts("second_source", SECOND_CLOCK.format(' namespace="sim"')) == [
+        ("/clock", "", "/b", "/sim/a")
+    ]
+    assert facts("second_source", CLOCK.format("a", "")) == []
+    either = SECOND_CLOCK.format(' if="$(env EITHER)"')
+    assert facts("second_source", either) == []
+
+
+def test_two_maps_are_found_also_of_one_program(facts):
+    server = '<node pkg="nav2_map_server" exec="map_server" name="map_server"/>\n'
+    slam = '<node pkg="slam_toolbox" exec="sync_slam_toolbox_node" name="slam"/>'
+    assert facts("second_source", server + slam) == [("/map", "", "/map_server", "/slam")]
+    twice = server + server.replace('name="map_server"', 'name="second"')
+    assert facts("second_source", twice) == [("/map", "", "/map_server", "/second")]
+
+
+def test_a_clock_of_instances_with_other_topics_is_told_once(facts):
+    end = "gz.msgs.Clock"
+    bridges = "\n".join(
+        CLOCK.format(name, "").replace(end, f"{end} /{name}@std_msgs/msg/Bool[gz.msgs.Boolean")
+        for name in ("a", "b")
+    )
+    assert facts("second_source", bridges) == [("/clock", "", "/a", "/b")]
+    assert facts("shared_output", bridges) == []
+
+
 @pytest.mark.parametrize(("value", "is_found"), [("/images", True), ("/image", False)])
 def test_a_parameter_that_names_a_topic_near_one_that_is_used(facts, value, is_found):
     param = f'<param name="image_topic" value="{value}"/>'

@@ -4,9 +4,11 @@ import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import TypeAlias
 
 from rtron.sources.models.common.arguments import has_option, option, positional
+from rtron.sources.static.common.app_node import AppNode, may_both_start
 from rtron.sources.static.common.node_part import NodePart
 from rtron.vocabulary import (
     Endpoint,
@@ -16,11 +18,13 @@ from rtron.vocabulary import (
     WiringFact,
     WiringFactKind,
     fits_open_name,
+    normalise_type,
 )
 from rtron.vocabulary.launch import resolve_name
 from rtron.vocabulary.parameters import pattern_matches
 
 _NODELET = "nodelet"
+_OF_ONE_SOURCE = frozenset({"rosgraph_msgs/Clock", "nav_msgs/OccupancyGrid"})
 _REPEATED = "-r --rate"
 _ONCE, _TIMES = "-1 --once", "-t --times"
 _FEW = 10
@@ -157,17 +161,37 @@ def sent_once(part: NodePart) -> Iterator[WiringFact]:
 
 @dataclass(slots=True)
 class ProgramOutputs:
-    """What each instance of a program publishes: nodes, and nodelets by the class they load."""
+    """What each instance of a program publishes: nodes, and nodelets by the class they load.
 
+    Of what has one source in an app, a clock or a map, all publishers are noted.
+    """
+
+    _sources: dict[str, dict[str, AppNode]] = field(default_factory=lambda: defaultdict(dict))
     _topics: dict[_Program, dict[str, set[str]]] = field(default_factory=dict)
     _places: dict[str, Evidence] = field(default_factory=dict)
 
-    def add(self, part: NodePart, topic: str) -> None:
-        """Note a topic that an instance publishes."""
-        node = part.node
+    def add(self, part: NodePart, end: Endpoint) -> None:
+        """Note a publisher of an instance, unless its client library adds it."""
+        node, topic = part.node, end.topic
+        if end.implicit:
+            return
+        if normalise_type(end.type) in _OF_ONE_SOURCE and "{" not in topic + end.node:
+            self._sources[topic].setdefault(end.node, node)
         instances = self._topics.setdefault(_program(part), defaultdict(set))
         instances[node.name].add(topic)
         self._places[node.name] = node.evidence
+
+    def second_sources(self) -> Iterator[WiringFact]:
+        """Yield a fact for each clock and map that more than one node publishes for sure."""
+        for topic, nodes in self._sources.items():
+            pairs = combinations(nodes.values(), 2)
+            if len(nodes) > 1 and all(may_both_start(*pair) for pair in pairs):
+                yield WiringFact(
+                    kind=WiringFactKind.SECOND_SOURCE,
+                    subject=topic,
+                    others=tuple(sorted(nodes)),
+                    evidence=tuple(nodes[name].evidence for name in sorted(nodes)),
+                )
 
     def shared(self) -> Iterator[WiringFact]:
         """Yield a fact for each topic that all instances share, where each has others alone."""
@@ -177,7 +201,7 @@ class ProgramOutputs:
             if len(instances) > 1 and all_differ:
                 names = tuple(sorted(instances))
                 places = tuple(self._places[name] for name in names)
-                for topic in sorted(topic for topic in common if "{" not in topic):
+                for topic in sorted(t for t in common - self._sources.keys() if "{" not in t):
                     kind = WiringFactKind.SHARED_OUTPUT
                     yield WiringFact(kind=kind, subject=topic, others=names, evidence=places)
 

@@ -97,6 +97,7 @@ class Assembly(GraphBuilder):
                 self.remap_uses.add_behind_all(remap)
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values(), parameters.leaves))
         self.add_wiring(*self.remap_uses.unread())
+        self.add_wiring(*self.program_outputs.second_sources())
         self.add_wiring(*self.program_outputs.shared())
         self.add_wiring(*self.frames.facts(), *self.frames.loops())
         self.add_wiring(*self.frames.stray_frames(), *self.frames.missing_frames())
@@ -124,7 +125,7 @@ class Assembly(GraphBuilder):
             for endpoint in declared_endpoints(node, declared, remap):
                 self.add_entity(endpoint)
                 if endpoint.direction is Direction.PUBLISH and not endpoint.implicit:
-                    self.program_outputs.add(part, endpoint.topic)
+                    self.program_outputs.add(part, endpoint)
             for service_side in declared_service_sides(node, declared, remap):
                 self.add_entity(service_side)
             self.actions.update(dict.fromkeys(declared_action(node, declared, remap)))

@@ -61,7 +61,7 @@ class Ros2Assembly(GraphBuilder):
             for entity in graph_entities(created.name, declared[created.name], rules):
                 self.add_entity(entity)
                 if isinstance(entity, Endpoint) and entity.direction is Direction.PUBLISH:
-                    self._note_output(part, entity)
+                    self.program_outputs.add(part, entity)
         self.add_wiring(*last_messages(part), *sent_once(part))
         for created in islice(_created_nodes(part), 1):
             self.frames.add(part, _remap_rules(created, part)(TRANSFORMS))
@@ -84,14 +84,11 @@ class Ros2Assembly(GraphBuilder):
         remaps = {r.source: r.target for r in remaps_for_node(rules, created.name)}
         self.remap_uses.add(part, created.name, remaps, {each.name for each in declared})
 
-    def _note_output(self, part: NodePart, end: Endpoint) -> None:
-        if not end.implicit:
-            self.program_outputs.add(part, end.topic)
-
     def add_wiring_facts(self) -> None:
         """Note what is wired in vain or twice: remaps, parameters; outputs and frames."""
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
         self.add_wiring(*self.remap_uses.unread())
+        self.add_wiring(*self.program_outputs.second_sources())
         self.add_wiring(*self.program_outputs.shared(), *mismatched_bridges(self._gazebo_topics))
         self.add_wiring(*self.frames.facts(), *self.frames.loops())
         self.add_wiring(*self.frames.stray_frames(), *self.frames.missing_frames())
