@@ -8,9 +8,11 @@ from rtron.demos.cases import GR, RSR, RunConditions
 from rtron.demos.cases.rsr import CRUISE, threshold
 from rtron.demos.experiment.session import AppSession, StartedRun
 from rtron.demos.metrics.case_run import Variant
+from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.generator import make_scene
 from rtron.errors import SourceError
 
 RATE = 20.0
@@ -42,9 +44,10 @@ def measure_adaptations(
     The app that the pipeline has scanned is guarded as in the RSR case: no pedestrian and no light
     slows the robot here, only the guard. SourceError if the robot never cruises.
     """
-    setting = RunConditions(scene={}, speed=environment.speed, rate=RATE, window=WINDOW)
+    scene = make_scene(GR.name, seeds[0])
+    setting = RunConditions(scene=scene, speed=environment.speed, rate=RATE, window=WINDOW)
     launch = pipeline.instrument(RSR.decisions(setting))
-    with environment.launch_app(launch, None, pipeline.plan) as app:
+    with launch_app(environment, launch, plan=pipeline.plan) as app:
         session = AppSession(environment, app, RATE)
         session.wait_until_connected()
         allowed = threshold(setting) * setting.wall_rate / 2 * _SPARE

@@ -36,6 +36,7 @@ from rtron.vocabulary import (
     StreamKind,
     Supervision,
     Transform,
+    UnguardedPath,
     WatchedFlow,
     WhenUnknown,
 )
@@ -217,6 +218,7 @@ REFUSED = {
     "incidents: keep": replace(PLAN, incidents=IncidentRecording(keep=0)),
     "messages": replace(PLAN, messages=(MessageDefinition(type="x/Y", definition=""),)),
     "cell": replace(PLAN, cell=("/base",)),
+    "unguarded": replace(PLAN, unguarded=(UnguardedPath(what="/kill", why="a service"),)),
     "accept_unenforceable": replace(PLAN, accept_unenforceable=("/x",)),
 }
 

@@ -12,7 +12,7 @@ from harness import LIMIT_S, wait_for
 
 from rtron.demos.cases import CASES
 from rtron.demos.experiment.demonstration import DemoRequest, run_demo
-from rtron.demos.experiment.study import ProgressListener, Study, StudyRequest
+from rtron.demos.experiment.study import ProgressListener, Study
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.runtime.environment import demo_environment
 
@@ -26,8 +26,8 @@ _RUNNING = 9
 def run_study(ros, folder, *cases):
     """Return the study of cases in three worlds, without and with the guard."""
     with demo_environment(ros, folder, speed=SPEED) as surroundings:
-        wanted = StudyRequest(cases=[CASES[case] for case in cases], seeds=SEEDS)
-        study = Study(surroundings, wanted, ProgressListener(lambda now: None, lambda done: None))
+        listener = ProgressListener(lambda now: None, lambda done: None)
+        study = Study(surroundings, [CASES[case] for case in cases], SEEDS, listener)
         study.run_unguarded()
         with study.guarded_session():
             pass  # entering it runs every case

@@ -6,8 +6,14 @@ from rtron.demos.metrics.case_run import CaseRun, Variant
 from rtron.demos.metrics.deviation import measure_deviation
 from rtron.demos.metrics.guard_events import SECOND
 from rtron.demos.metrics.message_journal import Attack
-from rtron.demos.metrics.trajectory import trajectory_of
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.scene import (
+    Crossing,
+    PolygonObstacle,
+    RoundObstacle,
+    Scene,
+    room_walls,
+)
 
 BEGAN = 1_000.0
 SPEED = 2.0
@@ -51,6 +57,10 @@ msrcn:
   mode: enforce
   policy: Block
   aflows:
+    - topic: /goal
+      type: geometry_msgs/PoseStamped
+      flows: [{name: aflow2, publisher: /mission}]
+      successors: [/move_base]
     - topic: /teleop
       type: geometry_msgs/Twist
       flows: [{name: aflow1, publisher: /stick}]
@@ -61,36 +71,37 @@ fps_monitor:
     topic: /seen
     camera: {name: camera, topic: /image, publisher: /camera}
 """
-CORRIDOR = {
-    "case": "gr",
-    "seed": 1,
-    "size": [5.0, 1.2],
-    "walls": [[0, 0, 5, 0], [0, 1.2, 5, 1.2]],
-    "obstacles": [],
-    "area": None,
-    "light": None,
-    "pedestrian_paths": [],
-    "start": [0.4, 0.6, 0.0],
-    "goal": [4.5, 0.6],
-    "bad_goal": None,
-    "overspeed": 0.26,
-    "route": [[0.4, 0.6], [4.5, 0.6]],
-}
-ROOM = CORRIDOR | {
-    "case": "msr",
-    "size": [5.0, 4.0],
-    "walls": [[0, 0, 5, 0], [5, 0, 5, 4], [5, 4, 0, 4], [0, 4, 0, 0]],
-    "obstacles": [
-        {"center": [2.0, 2.4], "radius": 0.25},
-        {"polygon": [[3.2, 1.9], [3.7, 1.9], [3.7, 2.3], [3.2, 2.3]]},
-    ],
-    "area": [[1.8, 0.2], [3.6, 0.2], [3.6, 1.1], [1.8, 1.1]],
-    "light": [4.2, 3.4],
-    "pedestrian_paths": [[[2.8, 1.3], [2.8, 3.0]], [[4.0, 1.2], [4.0, 2.8]]],
-    "start": [0.5, 0.6, 0.8],
-    "goal": [4.5, 2.2],
-    "bad_goal": [2.7, 0.7],
-}
+CORRIDOR = Scene(
+    case="gr",
+    seed=1,
+    size=(5.0, 1.2),
+    walls=((0, 0, 5, 0), (0, 1.2, 5, 1.2)),
+    obstacles=(),
+    start=(0.4, 0.6, 0.0),
+    goal=(4.5, 0.6),
+    route=((0.4, 0.6), (4.5, 0.6)),
+)
+WALKS = (((2.8, 1.3), (2.8, 3.0)), ((4.0, 1.2), (4.0, 2.8)))
+ROOM = Scene(
+    case="msr",
+    seed=1,
+    size=(5.0, 4.0),
+    walls=room_walls(5.0, 4.0),
+    obstacles=(
+        RoundObstacle((2.0, 2.4), 0.25),
+        PolygonObstacle(((3.2, 1.9), (3.7, 1.9), (3.7, 2.3), (3.2, 2.3))),
+    ),
+    area=((1.8, 0.2), (3.6, 0.2), (3.6, 1.1), (1.8, 1.1)),
+    light=(4.2, 3.4),
+    crossings=tuple(
+        Crossing(start=start, stand=stand, trigger_distance=1.3, pause=4.0, pace=1.6)
+        for start, stand in WALKS
+    ),
+    start=(0.5, 0.6, 0.8),
+    goal=(4.5, 2.2),
+    bad_goal=(2.7, 0.7),
+    route=((0.5, 0.6), (4.5, 2.2)),
+)
 
 
 def corridor_drive(turn_at=None):
@@ -113,7 +124,6 @@ def corridor_drive(turn_at=None):
                 clearance=max(0.0, y - 0.105),
                 collided=collided,
                 in_area=False,
-                network=True,
                 light="none",
                 pedestrians=(),
                 distance_to_goal=abs(4.5 - x),
@@ -122,6 +132,10 @@ def corridor_drive(turn_at=None):
         if collided:
             break
     return tuple(found)
+
+
+def places(samples):
+    return [each.position for each in samples]
 
 
 def guard_event(at, kind="verdict", **values):
@@ -182,7 +196,7 @@ def make_run(variant, **values):
         "harmed_at": samples[-1].t if harm else None,
         "attack": attack_of(samples[-1].t, 180 if harm else 0) if attacked else Attack(),
         "mitigated_after": 0.0004 if variant is Variant.GUARDED else None,
-        "deviation": measure_deviation(trajectory_of(samples), trajectory_of(corridor_drive())),
+        "deviation": measure_deviation(places(samples), places(corridor_drive())),
         "start_wall": BEGAN,
         "samples": samples,
         "events": guard_events() if variant is Variant.GUARDED else (),

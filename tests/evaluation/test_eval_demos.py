@@ -17,7 +17,7 @@ def figures(runs):
 def worlds(count, **guarded):
     """Return the runs of some worlds, the guarded ones changed."""
     runs = [run for seed in range(count) for run in runs_by_variant(seed=seed).values()]
-    return [replace(run, **guarded) if run.is_guarded else run for run in runs]
+    return [replace(run, **guarded) if run.variant is Variant.GUARDED else run for run in runs]
 
 
 def test_the_figures_of_a_case_that_goes_well():

@@ -181,6 +181,14 @@ PAIRS = {
         with_fact("double_frame", "base_link", "odom", "/ekf", "/base"),
         small_graph(SCAN),
     ),
+    "leaked_argument": (
+        with_fact("leaked_argument", "topic", "front/scan", "rear.xml", "front.xml", "rear/scan"),
+        small_graph(SCAN),
+    ),
+    "bridge_mismatch": (
+        with_fact("bridge_mismatch", "/model/bot/cmd_vel", "/cmd_vel", "/bridge"),
+        small_graph(SCAN),
+    ),
     "frame_loop": (with_fact("frame_loop", "base", "odom", "/ekf"), small_graph(SCAN)),
     "stray_frame": (with_fact("stray_frame", "laser_1", "laser", "/laser"), small_graph(SCAN)),
     "sim_time": (

@@ -397,6 +397,32 @@ class TestNoServer:
         correct = text.replace("to_pos ", "to_pose ")
         assert not found("no_server", small_graph(correct, ros=1))
 
+    @pytest.mark.parametrize(
+        ("served", "more", "is_meant"),
+        [
+            ("/arm/follow", "", True),
+            ("/b1_arm/follow", "", False),
+            ("/arm/follow", "/third third own\n server /other/follow c/action/Follow\n", False),
+            ("/arm/follow", "/third third own\n client /other/follow c/action/Follow\n", False),
+            ("/arm/follow", "/third third own\n client /arm/follow c/action/Follow\n", False),
+        ],
+    )
+    def test_the_only_action_of_a_type_is_likely_meant(self, served, more, is_meant):
+        text = f"/paint paint own\n client /b2_arm/follow c/action/Follow\n{more}"
+        text += f"/host host own\n server {served} c/action/Follow\n pub /states a_msgs/msg/B\n"
+        found_now = found("no_server", small_graph(text))
+        expected = [f"did you mean {served}?"] * is_meant
+        assert [each.remedy for each in found_now if "b2" in each.subject] == expected
+        service = (Service(node="/laser", name="/map/keep", type="a/srv/Save"),)
+        assert not found("no_server", small_graph(SCAN, clients=self.CALL, services=service))
+
+    def test_an_action_whose_name_is_known_in_part_is_no_other(self):
+        client = Action(
+            node="/paint", name="/arm/follow", type="c/action/Follow", role=ActionRole.CLIENT
+        )
+        server = replace(client, node="/host", name="/{?}", role=ActionRole.SERVER)
+        assert not found("no_server", small_graph(SCAN, actions=(client, server)))
+
     def test_a_service_does_not_serve_an_action(self):
         client = Action(node="/slam", name="/map/save", role=ActionRole.CLIENT)
         service = Service(node="/laser", name="/map/save")
@@ -688,6 +714,42 @@ def frame_facts(*facts):
         for kind, parent, *nodes in facts
     )
     return small_graph(SCAN, wiring=wiring)
+
+
+@pytest.mark.parametrize("others", [(), ("arm", "base")])
+def test_a_controller_without_a_type(others):
+    graph = with_fact("untyped_controller", "/arms", "/spawner_arms", *others)
+    finding = the_finding("missing_program", graph)
+    assert finding.summary == "/spawner_arms cannot load the controller /arms"
+    assert ("did you mean arm?" in finding.remedy) is bool(others)
+    assert finding.level is FindingLevel.REGULAR
+
+
+@pytest.mark.parametrize(
+    ("meant", "said"), [("/odom", "in the wrong direction"), ("/m/odom", "which no plugin has")]
+)
+def test_a_bridge_past_its_plugin_or_the_other_way(meant, said):
+    finding = the_finding(
+        "bridge_mismatch", with_fact("bridge_mismatch", "/odom", meant, "/bridge")
+    )
+    assert finding.summary.startswith("/bridge connects Gazebo's /odom")
+    assert said in finding.summary
+    assert finding.level is FindingLevel.REGULAR
+
+
+@pytest.mark.parametrize(
+    ("kind", "before", "said", "level"),
+    [
+        ("leaked_argument", "/l/front.xml", "front.xml", FindingLevel.REGULAR),
+        ("possible_leaked_argument", "/l/rear.xml", "its inclusion before", FindingLevel.PEDANTIC),
+    ],
+)
+def test_an_argument_of_a_file_before(kind, before, said, level):
+    graph = with_fact(kind, "topic", "front/scan", "/l/rear.xml", before, "rear/scan")
+    finding = the_finding("leaked_argument", graph)
+    assert (finding.subject, finding.level) == ("rear.xml:topic", level)
+    assert finding.summary == f"rear.xml gets topic from {said}"
+    assert f"topic is front/scan since {said}, and not rear/scan" in finding.cause
 
 
 def test_a_loop_of_frames_is_one_finding_with_all_of_them():

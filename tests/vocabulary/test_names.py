@@ -16,7 +16,7 @@ from rtron.vocabulary import (
     unstamped_type,
 )
 from rtron.vocabulary.launch import canonical_name, resolve_name
-from rtron.vocabulary.names import are_nested, snake_case
+from rtron.vocabulary.names import EMERGENCY_STOP, are_nested, snake_case
 
 parts = st.text("ab_/~", max_size=8)
 
@@ -146,3 +146,16 @@ def test_the_topics_of_a_lease_are_private():
 )
 def test_words_that_stand_apart(name, expected):
     assert snake_case(name) == expected
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["/e_stop", "/robot/eStop", "estopped", "/hard_kill", "/safety/emergency", "/remote_stop"],
+)
+def test_what_stops_a_robot(name):
+    assert EMERGENCY_STOP.search(snake_case(name))
+
+
+@pytest.mark.parametrize("name", ["/pose_stop", "/bus_stop", "/killer", "/halted", "/stop_sign"])
+def test_what_is_no_emergency_stop(name):
+    assert not EMERGENCY_STOP.search(snake_case(name))

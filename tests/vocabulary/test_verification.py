@@ -1,9 +1,11 @@
 """The result of an audit: closed, open, or not known, and what the plan leaves unguarded."""
 
+from dataclasses import replace
+
 import pytest
 from plans import grcn, plan_of
 
-from rtron.vocabulary import Mode
+from rtron.vocabulary import Mode, UnguardedPath
 from rtron.vocabulary.verification import GuardedPath, PathState, Verification, accepted_paths
 
 CLOSED, OPEN, DRIFT, UNKNOWN, NOT_SEEN, ABSENT = PathState
@@ -57,4 +59,5 @@ def test_what_is_known_to_be_off_is_absent_unless_it_runs():
 def test_what_the_plan_leaves_unguarded():
     observed = grcn("/seen", ["/a"], ["/b"], mode=Mode.OBSERVE)
     plan = plan_of(observed, grcn("/t", ["/a"], ["/b"]), accept_unenforceable=("/x",))
-    assert [each.what for each in accepted_paths(plan)] == ["/seen", "/x"]
+    plan = replace(plan, unguarded=(UnguardedPath(what="/kill", why="a service"),))
+    assert [each.what for each in accepted_paths(plan)] == ["/seen", "/kill", "/x"]

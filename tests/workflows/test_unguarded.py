@@ -182,6 +182,14 @@ def test_a_driver_that_was_not_read_is_told_beside_what_is_guarded(package, why)
     assert problem.message == f"/arm_driver: {why}"
 
 
+def test_a_node_that_moves_hardware_without_a_command_is_told():
+    link = WiringFact(kind=WiringFactKind.DEVICE, subject="/pilot", value="vehicle link")
+    proposed = propose(scan(f"{NAV}{BASE}/pilot own own\n", wiring=(link,)))
+    (problem,) = proposed.omitted
+    why = "/pilot: it decides itself, or obeys a device or link of its own: no topic leads there"
+    assert (problem.location, problem.message) == ("vehicle", why)
+
+
 def test_nobody_is_guessed_where_a_node_is_known_to_obey():
     proposed = propose(unread(NAV + BASE + "/camera cam own\n", "/camera"))
     assert [grcn.successors for grcn in proposed.plan.grcn] == [("/base",)]

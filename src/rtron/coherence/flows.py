@@ -18,6 +18,7 @@ from rtron.vocabulary import (
     StreamKind,
     WatchedFlow,
     build_streams,
+    is_guard_name,
     matches_node,
     normalise_type,
 )
@@ -77,7 +78,10 @@ def flow_name_problems(
 
 
 def publisher_problems(flows: Sequence[Flow]) -> Iterator[CoherenceProblem]:
-    """Refuse a publisher that belongs to two flows of one topic."""
+    """Refuse a publisher that belongs to two flows of one topic, and the guard as one."""
+    for flow in flows:
+        if is_guard_name(flow.publisher):
+            yield flow, "publisher", f"{flow.publisher} is the guard's own: name a node of the app"
     for flow in duplicates(flows, lambda flow: flow.publisher):
         yield flow, "publisher", f"{flow.publisher} has two flows: which one would it take?"
     if len(flows) > MAX_FLOWS:

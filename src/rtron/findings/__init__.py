@@ -18,12 +18,14 @@ from rtron.findings.motion import (
 from rtron.findings.rule import FindingRule, finding_page
 from rtron.findings.severity import shown_at
 from rtron.findings.wiring import (
+    bridge_mismatch,
     bypassed_node,
     double_frame,
     duplicate_node,
     frame_loop,
     idle_remap,
     incomplete_launch,
+    leaked_argument,
     missed_state,
     missing_managed_node,
     missing_program,
@@ -76,6 +78,8 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     unread_parameter.RULE,
     mistyped_parameter.RULE,
     topic_parameter.RULE,
+    leaked_argument.RULE,
+    bridge_mismatch.RULE,
     bypassed_node.RULE,
     mixed_odometry.RULE,
     shared_output.RULE,

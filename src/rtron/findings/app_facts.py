@@ -25,7 +25,7 @@ from rtron.vocabulary import (
     normalise_type,
 )
 from rtron.vocabulary.enums import HiddenPart
-from rtron.vocabulary.names import are_nested
+from rtron.vocabulary.names import EMERGENCY_STOP, are_nested, snake_case
 from rtron.wording import join_names
 
 _NEAR_RATIO = 0.8
@@ -38,7 +38,6 @@ _INDIRECT_TYPES = frozenset({"sensor_msgs/Joy", "std_msgs/String", "sound_play/S
 """Types of what a node may turn into motion, or into speech, but that moves nothing itself."""
 _ECHOES = ("prev_", "previous_", "last_", "current_")
 """How names begin that tell of a command afterwards."""
-_STOPS = ("emergency_stop", "e_stop", "estop")
 _TRANSPORTS = ("/compressed", "/compressedDepth", "/theora", "/ffmpeg", "/zstd")
 """What image_transport adds to a topic's name (ROS wiki: image_transport)."""
 _OF_PX4 = {Direction.SUBSCRIBE: "/fmu/in/", Direction.PUBLISH: "/fmu/out/"}
@@ -153,8 +152,8 @@ class AppFacts:
 
     def is_stop(self, topic: str) -> bool:
         """Return whether a topic sets and releases an emergency stop."""
-        is_named_so = any(word in topic for word in _STOPS)
-        return is_named_so and self.facts.classify(topic).domain is Domain.CONTROL
+        is_named_so = EMERGENCY_STOP.search(snake_case(topic))
+        return bool(is_named_so) and self.facts.classify(topic).domain is Domain.CONTROL
 
     def publishers(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that publish a topic."""

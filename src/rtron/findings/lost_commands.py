@@ -151,7 +151,7 @@ def _fits(app: AppFacts, lost: str, obeyed: str) -> bool:
             for nodes in (app.publishers(lost), app.readers(obeyed))
         )
     )
-    are_apart = is_other_robot or _are_twins(lost, obeyed)
+    are_apart = is_other_robot or are_twins(lost, obeyed)
     if are_apart or not any(are_nested(*each) for each in homes):
         return False
     return _may_be_meant(app, lost, obeyed) and not may_be_linked(app, lost, obeyed)
@@ -166,7 +166,7 @@ def _move_one_thing(app: AppFacts, lost: str, obeyed: str) -> bool:
     return thing is other and {thing, None}.issuperset(map(thing_of_node, nodes))
 
 
-def _are_twins(one: str, other: str) -> bool:
+def are_twins(one: str, other: str) -> bool:
     """Return whether two names differ in words alone that tell robots, arms or wheels apart."""
     words, others = (re.split(r"[/_]|(?<=[a-z])(?=\d+(?:[/_]|$))", name) for name in (one, other))
     differing = [pair for pair in zip(words, others, strict=False) if pair[0] != pair[1]]

@@ -25,6 +25,7 @@ from rtron.vocabulary import (
     normalise_type,
     unstamped_type,
 )
+from rtron.vocabulary.names import EMERGENCY_STOP, snake_case
 from rtron.vocabulary.ros_packages import CARRIER_PACKAGES, are_one_stack
 
 
@@ -41,7 +42,6 @@ class SourceKind(IntEnum):
 
 
 _TRUST = {Trust.OWN: 0, Trust.UNKNOWN: 1, Trust.THIRD_PARTY: 2}
-_STOP_NAMES = ("emergency", "estop", "e_stop")
 _FUNCTIONS: Mapping[FunctionType | None, SourceKind] = {
     FunctionType.PATH_PLANNING: SourceKind.AUTONOMY,
     FunctionType.GOAL_PLANNER: SourceKind.AUTONOMY,
@@ -95,7 +95,7 @@ class CommandSources:
     def kind(self, name: str) -> SourceKind:
         """Return the kind of a source: as observed, else by what its name and function tell."""
         node, observed = self._node(name), self._observed(name)
-        if node.trust is Trust.OWN and any(word in name.lower() for word in _STOP_NAMES):
+        if node.trust is Trust.OWN and EMERGENCY_STOP.search(snake_case(name)):
             return SourceKind.EMERGENCY_STOP
         function = _FUNCTIONS.get(node.function, observed)
         if not self._is_vague(name, observed):

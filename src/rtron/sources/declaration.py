@@ -249,6 +249,21 @@ class MistypedParameter:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class GazeboTopic:
+    """A topic on Gazebo's own side, of a bridge or, where that is empty, of a plugin.
+
+    `type` is without its package; the messages go to ROS, to Gazebo or, of a bridge, both ways.
+    """
+
+    name: str
+    type: str
+    to_ros: bool
+    to_gazebo: bool
+    bridge: str = ""
+    evidence: tuple[Evidence, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NodeInterface:
     """All that one node declares, and what of it could not be found out.
 
@@ -269,6 +284,7 @@ class NodeInterface:
     plugins: tuple[LoadedPlugin, ...] = ()
     mistyped: tuple[MistypedParameter, ...] = ()
     last_messages: tuple[LastMessageUse, ...] = ()
+    gazebo_topics: tuple[GazeboTopic, ...] = ()
 
     def with_location(self, location: Evidence) -> "NodeInterface":
         """Return the interface with a plugin's place in its file before its model's evidence."""

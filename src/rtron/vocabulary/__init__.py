@@ -124,6 +124,8 @@ from rtron.vocabulary.names import (
     fits_open_name,
     flow_topic,
     is_bridge_client,
+    is_guard_name,
+    is_private_name,
     lease_topic,
     matches_node,
     normalise_type,
@@ -156,6 +158,7 @@ from rtron.vocabulary.plan import (
     StopSources,
     Supervision,
     Transform,
+    UnguardedPath,
     WatchedFlow,
 )
 from rtron.vocabulary.reason import visible_text

@@ -17,6 +17,12 @@ GATEWAY_NODE = f"{CELL_ROOT}/gateway"
 STOPPER_NODE = f"{CELL_ROOT}/stopper"
 """Who stops the robot in a cell when the guard is gone."""
 _WORD_START = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
+EMERGENCY_STOP = re.compile(
+    r"(?:^|[/_])(?:e_?stop|emergency|run_?stop"
+    r"|(?:stop_(?:all|button|robot)|kill(?:_?switch)?|halt|freeze|(?:base|drive|force|hardware"
+    r"|protective|remote|safe|safety|software|vehicle|wireless)_stop)(?![a-z]))"
+)
+"""What says in the name of a topic, a service or a node that it stops a robot (`snake_case`)."""
 TRANSFORMS = "/tf"
 """The topic of transforms, before remaps; who remaps it remaps /tf_static too."""
 TRANSFORM_TOPICS = (TRANSFORMS, "/tf_static")
@@ -36,6 +42,16 @@ def unstamped_type(message_type: str) -> str:
 def is_bridge_client(node: str) -> bool:
     """Tell whether a node is that of a bridge's client, which no scan and no launch file has."""
     return node.startswith(f"{BRIDGE_ROOT}/")
+
+
+def is_guard_name(node: str) -> bool:
+    """Tell whether a node name is one that only the guard goes by."""
+    return node in (GUARD_NODE, BULK_NODE, SUPERVISOR_NODE) or is_private_name(node)
+
+
+def is_private_name(name: str) -> bool:
+    """Tell whether a name lies where all names are the guard's to give."""
+    return name == PRIVATE_ROOT or name.startswith(PRIVATE_ROOT + "/")
 
 
 def flow_topic(topic: str, flow: str) -> str:

@@ -348,12 +348,20 @@ class MessageDefinition:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class UnguardedPath:
+    """A way to move the robot that the guard does not stand in."""
+
+    what: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
     """What stands between whom in the guarded app, and under which policies.
 
     `accept_unenforceable` names what cannot be reached and was accepted by the developer, as the
     plan's reader reported it. `cell` names the nodes that only the guard reaches, each in a network
-    of its own. `revision` counts the settings.
+    of its own. `revision` counts the settings. `unguarded` tells what else moves the robot.
     """
 
     app: str
@@ -371,4 +379,5 @@ class Plan:
     incidents: IncidentRecording = IncidentRecording()
     messages: tuple[MessageDefinition, ...] = ()
     cell: tuple[str, ...] = ()
+    unguarded: tuple[UnguardedPath, ...] = ()
     accept_unenforceable: tuple[str, ...] = ()

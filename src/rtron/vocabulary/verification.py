@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from rtron.vocabulary.enums import Mode, StringEnum
 from rtron.vocabulary.names import matches_node
-from rtron.vocabulary.plan import Plan
+from rtron.vocabulary.plan import Plan, UnguardedPath
 from rtron.vocabulary.streams import build_streams
 
 
@@ -34,14 +34,6 @@ class GuardedPath:
     state: PathState
     reason: str = ""
     foreign: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UnguardedPath:
-    """A way to move the robot that the guard does not stand in."""
-
-    what: str
-    why: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,5 +86,6 @@ def accepted_paths(plan: Plan) -> Iterator[UnguardedPath]:
     for stream in build_streams(plan):
         if stream.mode is Mode.OBSERVE:
             yield UnguardedPath(what=stream.topic, why="is only observed: everybody can publish it")
+    yield from plan.unguarded
     for what in plan.accept_unenforceable:
         yield UnguardedPath(what=what, why="cannot be closed, and was accepted")

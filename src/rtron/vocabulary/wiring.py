@@ -25,6 +25,16 @@ class WiringFactKind(StringEnum):
     """A name with parameters that no node has; others have near names and no parameters."""
     MALFORMED_PARAMETER_FILE = "malformed_parameter_file"
     """A file that others, nodes, are given, with values and none below `ros__parameters`."""
+    UNTYPED_CONTROLLER = "untyped_controller"
+    """A controller that the value, a spawner, asks for, and that has no type; others have one."""
+    LEAKED_ARGUMENT = "leaked_argument"
+    """An argument with the value; others are the file that declares it, the file before, whose
+    value it is, and its own default."""
+    POSSIBLE_LEAKED_ARGUMENT = "possible_leaked_argument"
+    """The same, where it may be meant: a switch, or what another file was given."""
+    BRIDGE_MISMATCH = "bridge_mismatch"
+    """A topic of Gazebo that others, bridges, carry where they should carry the value, or in the
+    wrong direction if it is the same."""
     TOPIC_PARAMETER = "topic_parameter"
     """A parameter whose value is a topic that nobody uses; others are near topics in use."""
     MISSPELT_PARAMETER = "misspelt_parameter"

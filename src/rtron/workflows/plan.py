@@ -14,7 +14,7 @@ from rtron.sources.run_json import read_run
 from rtron.vocabulary import MeasuredRun, Plan, TuningProposal
 from rtron.workflows.check_plan import plan_doubts
 from rtron.workflows.scan import ScanResult
-from rtron.workflows.unguarded import find_unguarded_commands, last_commands
+from rtron.workflows.unguarded import find_unguarded_commands, last_commands, unguarded_requests
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +42,7 @@ def propose(scan: ScanResult, *, every_risk: bool = False) -> ProposedPlan:
     unnamed = unguardable_topics(scan.graph, scan.report, only_motion=not every_risk)
     others = (each for each in unnamed if each.location not in known)
     omitted = (*others, *find_unguarded_commands(plan, scan))
+    plan = replace(plan, unguarded=unguarded_requests(plan, scan))
     return ProposedPlan(plan, omitted, tuple(plan_doubts(plan, scan.graph)))
 
 

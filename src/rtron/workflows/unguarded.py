@@ -9,7 +9,7 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles, unread_drivers
 from rtron.findings.motion.arbiter import arbiters
 from rtron.planning.problem import PlanProblem, ProblemLevel
-from rtron.vocabulary import Mode, Plan, build_streams
+from rtron.vocabulary import Mode, Plan, UnguardedPath, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing
 from rtron.vocabulary.names import are_nested
 from rtron.wording import conjugate, join_names
@@ -74,20 +74,32 @@ def find_unguarded_commands(plan: Plan, scan: ScanResult | None = None) -> tuple
     Of a plan that guards nothing it says for all of the inventory why. Without a `scan` of the app
     only the commands that the plan observes are known.
     """
-    streams = build_streams(plan)
     if scan is None:
-        moving = (stream for stream in streams if stream.is_command or stream.action)
+        moving = (stream for stream in build_streams(plan) if stream.is_command or stream.action)
         observed = {stream.topic for stream in moving if stream.mode is Mode.OBSERVE}
         return tuple(_warning(topic, _OBSERVED) for topic in sorted(observed))
-    modes = {stream.topic: stream.mode for stream in reversed(streams)}
-    is_void = guards_nothing(plan)
-    if is_void and not scan.inventory:
+    if guards_nothing(plan) and not scan.inventory:
         return (_warning(plan.app or "app", _NOTHING_MOVES),)
     return tuple(
-        _warning(str(mover.thing), f"{join_names(names)}: {why}")
-        for mover in scan.inventory
-        for why, names in _reasons(scan.app, mover, modes, is_void=is_void).items()
+        _warning(str(thing), f"{join_names(names)}: {why}")
+        for thing, why, names in _unguarded(plan, scan)
     )
+
+
+def unguarded_requests(plan: Plan, scan: ScanResult) -> tuple[UnguardedPath, ...]:
+    """Return the services and actions that move the robot past the guard of a plan, and why."""
+    last = (each for mover in scan.inventory for each in mover.last_commands)
+    requests = {each.name for each in last if each.means in {Means.SERVICE, Means.ACTION}}
+    found = {name: why for _, why, names in _unguarded(plan, scan) for name in names}
+    return tuple(UnguardedPath(what=n, why=why) for n, why in found.items() if n in requests)
+
+
+def _unguarded(plan: Plan, scan: ScanResult) -> Iterator[tuple[Thing, str, list[str]]]:
+    """Yield the things that a plan does not guard whole: why, and of which commands."""
+    modes = {stream.topic: stream.mode for stream in reversed(build_streams(plan))}
+    for mover in scan.inventory:
+        reasons = _reasons(scan.app, mover, modes, is_void=guards_nothing(plan))
+        yield from ((mover.thing, why, names) for why, names in reasons.items())
 
 
 def _reasons(
@@ -101,7 +113,8 @@ def _reasons(
             names[_why(app, mover, each, mode)].append(each.name)
     firmware = NodeRoles(app).firmware
     for driver in () if mover.last_commands else mover.drivers:
-        names[_FIRMWARE if driver in firmware else _UNREAD].append(driver)
+        unread = _FIRMWARE if driver in firmware else _UNREAD
+        names[_UNCOMMANDED if mover.hardware else unread].append(driver)
     for each in _passed_on(mover, modes):
         who = f"{join_names(each.receivers)} {conjugate(each.receivers, 'act')}"
         names[f"not guarded: {who} on what any node sends there"].append(each.name)
@@ -168,6 +181,7 @@ _OBSERVED = "its coordination node only observes: `mode: enforce` guards it"
 _NOTHING_MOVES = "nothing that was read moves a robot: give the launch file and source of what does"
 _LOOK = "look at its subscriptions while the robot runs"
 _FIRMWARE = f"what that firmware obeys is not known: {_LOOK}"
+_UNCOMMANDED = "it decides itself, or obeys a device or link of its own: no topic leads there"
 _UNREAD = "not read, so what moves it is not known: give its source"
 _WHY_UNGUARDED = {
     Means.TOPIC: "no coordination node enforces who commands it",

@@ -100,6 +100,7 @@ def run_tasks(ros1, folder, chosen):
 
 
 def test_some_that_is_hostile_reaches_no_base(ros1, tmp_path):
+    """Long: before each sequence the base is calm again, as it is before a stranger comes."""
     run_hostile_sequences(ros1, tmp_path, some_of(sequences(), 1)[::2])
 
 

@@ -95,6 +95,8 @@ def test_what_no_coordination_node_can_guard_is_told(rtron, graph_file, plan_fil
     words = "emergency stop\n           /kill: a plan cannot guard services"
     assert words in rtron("plan", graph_file).out
     assert words in rtron("check", plan_file, "--graph", graph_file).out
+    (path,) = parse_plan(rtron("plan", graph_file, "-o", "-").out).unguarded
+    assert (path.what, path.why.partition(":")[0]) == ("/kill", "a plan cannot guard services")
 
 
 def without_reader(document):
@@ -192,6 +194,16 @@ def test_a_plan_that_does_not_fit_the_app_is_1(rtron, plan_file, graph_file):
     assert ran.code == 1
     assert "/cmd_vell" in ran.out
     assert "  error " in ran.out
+
+
+def test_a_check_of_a_plan_that_guards_nothing_says_so_first_and_is_1(rtron, plan_file, graph_file):
+    plan_file.write_text(plan_file.read_text().replace("mode: enforce", "mode: observe"))
+    for words in ((), ("--graph", graph_file)):
+        ran = rtron("check", plan_file, *words)
+        assert ran.code == 1
+        assert ran.out.startswith("This plan guards nothing: ")
+        assert "/cmd_vel" in ran.out
+        assert "its coordination node only observes" in ran.out
 
 
 def test_a_plan_with_a_fault_is_2_with_its_line(rtron, plan_file):

@@ -5,9 +5,14 @@ from math import inf
 
 import pytest
 
-from rtron.demos.apps.logic.demo_logic.attack_timing import Attacker, in_burst
-from rtron.demos.apps.logic.demo_logic.attack_trigger import AttackOrder, TriggerFile
-from rtron.demos.apps.logic.demo_logic.motion_detection import OdometryMotion, ScanMotion
+from rtron.demos.apps.logic.demo_logic.attacks import (
+    Attacker,
+    AttackOrder,
+    OdometryMotion,
+    ScanMotion,
+    in_burst,
+    read_order,
+)
 
 MACHINE = 0x0242AC110002
 ORDER = {"mac": "02:42:ac:11:00:02", "attack": "msr", "after": 4.0, "goal": [1.0, 2.0], "run": 3}
@@ -17,96 +22,60 @@ ORDER = {"mac": "02:42:ac:11:00:02", "attack": "msr", "after": 4.0, "goal": [1.0
 def trigger(tmp_path):
     path = tmp_path / "trigger.json"
 
-    def put(written=None, **changes):
-        new = path.with_suffix(".new")
-        new.write_text(json.dumps(ORDER | changes) if written is None else written)
-        new.replace(path)
+    def put(**changes):
+        path.write_text(json.dumps(ORDER | changes))
 
     put()
-    return TriggerFile(str(path), MACHINE), put, path
+    return put, str(path)
 
 
-def attacker_of(trigger):
-    return Attacker(OdometryMotion(), trigger[0])
+@pytest.fixture
+def attacker(trigger):
+    return Attacker(OdometryMotion(), trigger[1], MACHINE)
 
 
 def test_the_order_of_a_file(trigger):
-    assert trigger[0].order() == AttackOrder("msr", 4.0, (1.0, 2.0), 3)
+    put, path = trigger
+    assert read_order(path, MACHINE) == AttackOrder("msr", 4.0, (1.0, 2.0), 3)
+    put(goal=None)
+    assert read_order(path, MACHINE).goal is None
 
 
-def test_the_file_is_read_again_when_it_changes(trigger):
-    file, put, path = trigger
-    file.order()
-    put(after=5.0)
-    assert file.order().after == 5.0
-    path.unlink()
-    assert file.order() is None
-    put()
-    assert file.order().after == 4.0
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"mac": "02:42:ac:11:00:03"},
-        {"mac": "somebody"},
-        {"mac": 7},
-        {"attack": "none"},
-        {"attack": ["gr"]},
-        {"after": "soon"},
-        {"after": float("nan")},
-        {"goal": [1.0]},
-        {"goal": "home"},
-        {"goal": [1.0, float("inf")]},
-        {"run": None},
-    ],
-)
-def test_an_order_for_others_or_a_broken_one_is_none(trigger, changes):
-    file, put, _ = trigger
-    put(**changes)
-    assert file.order() is None
-
-
-@pytest.mark.parametrize("text", ["", "[]", "{}", "7", "null", "{"])
-def test_a_file_that_says_nothing_is_no_order(trigger, text):
-    file, put, _ = trigger
-    put(text)
-    assert file.order() is None
+def test_an_order_for_another_machine_is_none(trigger):
+    assert read_order(trigger[1], MACHINE + 1) is None
 
 
 def test_without_a_file_there_is_no_order(monkeypatch, tmp_path):
+    assert read_order(str(tmp_path / "missing"), MACHINE) is None
     monkeypatch.delenv("DEMO_TRIGGER", raising=False)
-    assert TriggerFile().order() is None
-    assert TriggerFile(str(tmp_path / "missing")).order() is None
+    attacker = Attacker(OdometryMotion())
+    attacker.observe(0.0, (0.0, 0.0))
+    assert attacker.due_attack(9.0, "msr") is None
 
 
-def test_it_attacks_when_the_robot_has_been_under_way_for_long_enough(trigger):
-    attacker = attacker_of(trigger)
+def test_it_attacks_when_the_robot_has_been_under_way_for_long_enough(attacker):
     attacker.observe(10.0, (0.0, 0.0))
     attacker.observe(20.0, (0.1, 0.0))
     assert attacker.due_attack(23.9, "msr") is None
     assert attacker.due_attack(24.0, "msr").goal == (1.0, 2.0)
 
 
-def test_it_does_not_attack_while_the_robot_stands(trigger):
-    attacker = attacker_of(trigger)
+def test_it_does_not_attack_while_the_robot_stands(attacker):
     for second in range(100):
         attacker.observe(second, (0.04 * (second % 2), 0.0))
     assert attacker.due_attack(100.0, "msr") is None
 
 
-def test_another_attack_is_not_its_business(trigger):
-    attacker = attacker_of(trigger)
+def test_another_attack_is_not_its_business(attacker):
     attacker.observe(0.0, (0.0, 0.0))
     attacker.observe(1.0, (0.1, 0.0))
     assert attacker.due_attack(9.0, "rsr") is None
 
 
-def test_a_new_order_waits_for_a_new_start(trigger):
-    attacker = attacker_of(trigger)
+def test_a_new_order_waits_for_a_new_start(attacker, trigger):
     attacker.observe(0.0, (0.0, 0.0))
     attacker.observe(1.0, (0.1, 0.0))
-    trigger[1](run=4)
+    trigger[0](run=4)
     assert attacker.due_attack(9.0, "msr") is None
     attacker.observe(10.0, (0.2, 0.0))
     attacker.observe(11.0, (0.3, 0.0))
@@ -114,8 +83,7 @@ def test_a_new_order_waits_for_a_new_start(trigger):
     assert attacker.due_attack(15.0, "msr").run == 4
 
 
-def test_a_robot_that_is_carried_back_has_not_set_off(trigger):
-    attacker = attacker_of(trigger)
+def test_a_robot_that_is_carried_back_has_not_set_off(attacker):
     attacker.observe(0.0, (0.0, 0.0))
     attacker.observe(1.0, (0.4, 0.0))
     attacker.observe(2.0, (0.8, 0.0))

@@ -1,45 +1,63 @@
 """How the demo's robot finds its way and follows it."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 from math import cos, dist, hypot, inf, nan, pi, sin
 
 import pytest
+from shapely import Point
 
-from rtron.demos.apps.logic.demo_logic.geometry import (
-    distance_to_polygon,
-    distance_to_segment,
-    heading,
-    inside,
-    quaternion,
-    wrap_angle,
+from rtron.demos.apps.logic.demo_logic.geometry import heading, quaternion, wrap_angle
+from rtron.demos.apps.logic.demo_logic.navigation import (
+    MAX_TURN,
+    REACHED,
+    Navigator,
+    Tracker,
+    reachable,
 )
-from rtron.demos.apps.logic.demo_logic.navigator import Navigator
-from rtron.demos.apps.logic.demo_logic.occupancy_grid import Grid, grid_of, load_grid
-from rtron.demos.apps.logic.demo_logic.path_planner import ROBOT_RADIUS, SPACING, plan
-from rtron.demos.apps.logic.demo_logic.pure_pursuit import MAX_TURN, REACHED, Tracker, reachable
-from rtron.demos.apps.logic.demo_logic.recognition import PEDESTRIAN, Detection
-from rtron.demos.apps.logic.demo_logic.speed_limit import CRUISE
-from rtron.demos.apps.logic.demo_logic.static_map import BrokenMapError, read_map
+from rtron.demos.apps.logic.demo_logic.path_planning import (
+    ROBOT_RADIUS,
+    SPACING,
+    Grid,
+    load_grid,
+    plan,
+)
+from rtron.demos.apps.logic.demo_logic.perception import CRUISE, PEDESTRIAN, Detection
+from rtron.demos.world.scenes.geometry import clearance_map, solid_area
+from rtron.demos.world.scenes.scene import PolygonObstacle, RoundObstacle, Scene, room_walls
 
-SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-ROOM = {
-    "size": [4.0, 3.0],
-    "walls": [[0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3, 0, 0]],
-    "obstacles": [
-        {"center": [2.0, 1.5], "radius": 0.3},
-        {"polygon": [[2.8, 0.0], [3.1, 0.0], [3.1, 1.0], [2.8, 1.0]]},
-    ],
-}
+ROOM = Scene(
+    case="gr",
+    seed=0,
+    size=(4.0, 3.0),
+    walls=room_walls(4.0, 3.0),
+    obstacles=(
+        RoundObstacle((2.0, 1.5), 0.3),
+        PolygonObstacle(((2.8, 0.0), (3.1, 0.0), (3.1, 1.0), (2.8, 1.0))),
+    ),
+    start=(0.5, 1.5, 0.0),
+    goal=(3.5, 0.5),
+    route=(),
+)
 
 
-def static_map(**changes):
-    return read_map(json.dumps(ROOM | changes))
+def clearance(point):
+    return solid_area(ROOM).distance(Point(point))
 
 
-@pytest.fixture(scope="module")
-def room():
-    return grid_of(static_map())
+@pytest.fixture
+def grid_of(tmp_path):
+    def grid_of(scene):
+        (tmp_path / "map.json").write_text(json.dumps(clearance_map(scene)))
+        return load_grid(tmp_path / "map.json")
+
+    return grid_of
+
+
+@pytest.fixture
+def room(grid_of):
+    return grid_of(ROOM)
 
 
 def near(detection=0.3, bearing=0.0, kind=PEDESTRIAN):
@@ -56,68 +74,16 @@ def test_a_heading_survives_its_quaternion(angle):
     assert heading(*quaternion(angle)) == pytest.approx(angle)
 
 
-@pytest.mark.parametrize(
-    ("point", "distance"),
-    [((0.5, 2.0), 2.0), ((-3.0, 4.0), 5.0), ((1.0, 0.0), 0.0), ((2.0, 0.0), 1.0)],
-)
-def test_distance_from_a_segment(point, distance):
-    assert distance_to_segment(point, (0.0, 0.0), (1.0, 0.0)) == pytest.approx(distance)
-
-
-def test_a_segment_without_length_is_a_point():
-    assert distance_to_segment((3.0, 4.0), (0.0, 0.0), (0.0, 0.0)) == 5.0
-
-
-def test_a_polygon_has_an_inside():
-    assert inside((0.5, 0.5), SQUARE)
-    assert not inside((1.5, 0.5), SQUARE)
-    assert distance_to_polygon((0.5, 0.5), SQUARE) == 0.0
-    assert distance_to_polygon((2.0, 0.5), SQUARE) == pytest.approx(1.0)
-
-
-def test_clearance_is_the_nearest_of_all():
-    assert static_map().clearance((2.0, 0.5)) == pytest.approx(0.5)
-    assert static_map().clearance((2.0, 1.0)) == pytest.approx(0.2)
-    assert static_map().clearance((2.0, 1.5)) == 0.0
-    assert static_map().clearance((2.7, 0.5)) == pytest.approx(0.1)
-
-
-def test_a_map_without_anything_is_all_free():
-    assert static_map(walls=[], obstacles=[]).clearance((1.0, 1.0)) == inf
-
-
-@pytest.mark.parametrize(
-    "text", ["", "[]", "{}", json.dumps(ROOM | {"size": [1]}), json.dumps(ROOM | {"walls": [[1]]})]
-)
-def test_what_is_no_map_is_refused(text):
-    with pytest.raises(BrokenMapError):
-        read_map(text)
-
-
 def test_outside_of_the_grid_nothing_is_free(room):
     assert room.clearance((-1, 0)) == room.clearance((room.columns, 0)) == -1.0
     assert room.clearance((0, 0)) >= 0
-
-
-def test_a_huge_map_is_refused():
-    with pytest.raises(ValueError, match="too large"):
-        grid_of(static_map(size=[1e4, 1e4]))
-
-
-def test_the_grid_is_made_anew_when_the_file_changes(tmp_path):
-    path = tmp_path / "map.json"
-    path.write_text(json.dumps(ROOM))
-    first = load_grid(path)
-    assert load_grid(path) is first
-    path.write_text(json.dumps(ROOM | {"obstacles": []}))
-    assert load_grid(path) != first
 
 
 def test_the_route_keeps_clear_of_everything(room):
     route = plan(room, (0.5, 1.5), (3.5, 0.5))
     assert route[0] == (0.5, 1.5)
     assert route[-1] == (3.5, 0.5)
-    assert min(map(static_map().clearance, route)) > ROBOT_RADIUS + 0.02
+    assert min(map(clearance, route)) > ROBOT_RADIUS + 0.02
     assert max(dist(a, b) for a, b in pairwise(route)) <= SPACING + 1e-9
 
 
@@ -128,18 +94,18 @@ def test_a_free_line_is_the_route(room):
 
 def test_a_goal_in_an_obstacle_is_replaced_by_a_free_place_near_it(room):
     end = plan(room, (0.5, 1.5), (2.0, 1.5))[-1]
-    assert static_map().clearance(end) >= ROBOT_RADIUS
+    assert clearance(end) >= ROBOT_RADIUS
     assert dist(end, (2.0, 1.5)) < 0.8
 
 
-def test_no_way_is_told():
-    wall = [*ROOM["walls"], [1.5, 0, 1.5, 3]]
-    assert plan(grid_of(static_map(walls=wall)), (0.5, 1.5), (3.5, 0.5)) is None
+def test_no_way_is_told(grid_of):
+    walls = (*ROOM.walls, (1.5, 0, 1.5, 3))
+    assert plan(grid_of(replace(ROOM, walls=walls)), (0.5, 1.5), (3.5, 0.5)) is None
 
 
-def test_a_narrow_gap_is_taken_if_there_is_no_other():
-    walls = [*ROOM["walls"], [1.2, 0, 1.2, 1.3], [1.2, 1.68, 1.2, 3]]
-    assert plan(grid_of(static_map(walls=walls, obstacles=[])), (0.5, 0.5), (3.5, 0.5))
+def test_a_narrow_gap_is_taken_if_there_is_no_other(grid_of):
+    walls = (*ROOM.walls, (1.2, 0, 1.2, 1.3), (1.2, 1.68, 1.2, 3))
+    assert plan(grid_of(replace(ROOM, walls=walls, obstacles=())), (0.5, 0.5), (3.5, 0.5))
 
 
 def test_a_velocity_is_reached_step_by_step():
@@ -191,7 +157,7 @@ def navigator_with_goal(room):
 def test_the_robot_comes_to_its_goal_and_touches_nothing(room, turn):
     way = drive_navigator(navigator_with_goal(room), (0.5, 1.5, turn), 30)
     assert dist(way[-1][0][:2], (3.5, 0.6)) <= REACHED
-    assert min(static_map().clearance(pose[:2]) for pose, _ in way) > ROBOT_RADIUS
+    assert min(clearance(pose[:2]) for pose, _ in way) > ROBOT_RADIUS
     assert max(velocity for _, (velocity, _) in way) <= CRUISE + 1e-9
 
 
@@ -293,8 +259,8 @@ def test_even_for_people_it_brakes_no_harder_than_it_can(room):
 
 
 def test_a_grid_says_where_its_cells_are():
-    grid = Grid((-1.0, 0.0), 2, 1, (0.5, 0.2))
-    assert grid.cell((-0.95, 0.05)) == (0, 0)
-    assert grid.center((1, 0)) == pytest.approx((-0.85, 0.05))
+    grid = Grid(0.1, 2, (0.5, 0.2))
+    assert grid.cell((0.05, 0.05)) == (0, 0)
+    assert grid.center((1, 0)) == pytest.approx((0.15, 0.05))
     assert grid.nearest((5.0, 0.0), 0.3) == (0, 0)
     assert grid.nearest((5.0, 0.0), 0.6) is None

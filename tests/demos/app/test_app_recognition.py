@@ -1,6 +1,5 @@
 """What the demo's robot sees, and what the smaller nodes make of it."""
 
-import json
 from array import array
 from itertools import pairwise
 from math import atan2, inf, pi
@@ -9,21 +8,22 @@ from types import SimpleNamespace
 import pytest
 
 from rtron.demos.apps.logic.demo_logic import message_fields
-from rtron.demos.apps.logic.demo_logic.beeper import BEEP, Beeper
-from rtron.demos.apps.logic.demo_logic.frame_limiter import FrameLimiter
-from rtron.demos.apps.logic.demo_logic.goal_monitor import GoalMonitor
-from rtron.demos.apps.logic.demo_logic.recognition import (
+from rtron.demos.apps.logic.demo_logic.navigation import GoalMonitor
+from rtron.demos.apps.logic.demo_logic.perception import (
+    BEEP,
     COLOURS,
+    CRUISE,
+    NEAR_PEOPLE,
     PEDESTRIAN,
+    Beeper,
     Detection,
+    FrameLimiter,
+    MaxVelocity,
     from_json,
     recognise,
     to_json,
 )
-from rtron.demos.apps.logic.demo_logic.robot_status import RobotStatus
-from rtron.demos.apps.logic.demo_logic.speed_limit import CRUISE, NEAR_PEOPLE, MaxVelocity
-from rtron.demos.apps.logic.demo_logic.teleop_command import read_command
-from rtron.demos.apps.logic.demo_logic.teleop_safety import TeleopSafety, safe
+from rtron.demos.apps.logic.demo_logic.teleoperation import TeleopSafety, read_command
 
 WIDTH, HEIGHT = 320, 240
 FOCAL = 265.0
@@ -79,27 +79,6 @@ def test_detections_survive_their_text():
     assert from_json(to_json(seen)) == seen
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "{",
-        "7",
-        "null",
-        "{}",
-        "[1]",
-        '[{"kind": "dog", "area": 1, "bearing": 0}]',
-        '[{"kind": ["pedestrian"], "area": 1, "bearing": 0}]',
-        '[{"kind": "pedestrian", "area": "big", "bearing": 0}]',
-        '[{"kind": "pedestrian", "area": NaN, "bearing": 0}]',
-        '[{"kind": "pedestrian", "area": true, "bearing": 0}]',
-        '[{"kind": "pedestrian", "area": 1}]',
-    ],
-)
-def test_a_text_that_is_no_detection_shows_nothing(text):
-    assert from_json(text) == []
-
-
 @pytest.mark.parametrize(("area", "limit"), [(0.079, CRUISE), (0.08, NEAR_PEOPLE)])
 def test_near_people_it_drives_slowly(area, limit):
     decided = MaxVelocity()
@@ -137,8 +116,10 @@ def test_a_beep_for_who_comes_into_sight():
 
 @pytest.mark.parametrize(("ahead", "left"), [(0.25, (0.0, 0.5)), (0.26, (0.2, 0.5))])
 def test_what_is_near_stops_teleoperation_forwards(ahead, left):
-    assert safe((0.2, 0.5), ahead) == left
-    assert safe((-0.2, 0.5), ahead) == (-0.2, 0.5)
+    safety = TeleopSafety()
+    safety.set_scan([ahead], 0.0, pi)
+    assert safety.limit((0.2, 0.5)) == left
+    assert safety.limit((-0.2, 0.5)) == (-0.2, 0.5)
 
 
 def test_only_what_is_ahead_counts():
@@ -174,11 +155,6 @@ def test_the_errand_is_done_once():
     assert not goal_monitor.has_arrived((0.8, 1.0, 0.0))
     assert goal_monitor.has_arrived((0.9, 1.0, 0.0))
     assert not goal_monitor.has_arrived((1.0, 1.0, 0.0))
-
-
-def test_what_the_monitor_tells():
-    assert json.loads(RobotStatus().text()) == {"x": None, "y": None, "battery": None}
-    assert json.loads(RobotStatus(1.0, 2.0, 0.5).text()) == {"x": 1.0, "y": 2.0, "battery": 0.5}
 
 
 class Message:

@@ -7,7 +7,6 @@ import pytest
 from demo_runs import (
     BEGAN,
     CIRCLE,
-    corridor_drive,
     guard_event,
     guard_events,
     make_run,
@@ -17,15 +16,8 @@ from demo_runs import (
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.metrics.deviation import measure_deviation
 from rtron.demos.metrics.guard_events import decision_counts, first_stop
-from rtron.demos.metrics.message_journal import (
-    Attack,
-    attack_messages,
-    read_journal,
-    time_to_mitigation,
-)
+from rtron.demos.metrics.message_journal import Attack, read_attack
 from rtron.demos.metrics.table import cells, columns
-from rtron.demos.metrics.trajectory import relative_to_start
-from rtron.errors import SourceError
 
 LINE = ((0.0, 0.0), (4.0, 0.0))
 ATTACKER = ("/cmd_vel", "/tb3_safe_control")
@@ -64,20 +56,13 @@ def test_of_no_way_nothing_is_known():
     assert measure_deviation(LINE, []) is None
 
 
-def test_the_time_of_a_run_begins_with_it():
-    assert relative_to_start(100.0, corridor_drive()[4]).t == pytest.approx(
-        corridor_drive()[4].t - 100
-    )
-
-
 def write(folder, node, *entries):
     text = "".join(json.dumps(entry) + "\n" for entry in entries)
     (folder / f"{node}.jsonl").write_text(text)
 
 
 def sent(wall):
-    value = {"wall": wall, "what": "sent", "topic": "/cmd_vel", "value": [0, -0.2]}
-    return value | {"malicious": True}
+    return {"wall": wall, "what": "sent", "topic": "/cmd_vel", "value": [0, -0.2]}
 
 
 def received(wall, *value):
@@ -91,24 +76,16 @@ def is_turn(topic, value):
 def test_the_journal_tells_what_was_sent_and_what_arrived(tmp_path):
     write(tmp_path, "safe", sent(3.0), sent(3.1), sent(1.0))
     write(tmp_path, "core", received(2.9, 0.2, 0), received(3.2, 0, -0.2), received(1.2, 0, -0.2))
-    found = attack_messages(read_journal(tmp_path, since=2.0), is_turn)
+    found = read_attack(tmp_path, (2.0, 9.0), is_turn)
     assert found == Attack(sent=(3.0, 3.1), delivered=(3.2,))
-    assert found.began == 3.0
-    assert attack_messages(read_journal(tmp_path, 2.0, 3.1), is_turn) == Attack(sent=(3.0, 3.1))
+    assert read_attack(tmp_path, (2.0, 3.1), is_turn) == Attack(sent=(3.0, 3.1))
 
 
 def test_a_line_that_is_still_being_written_is_left_for_later(tmp_path):
-    write(tmp_path, "core", received(1.0, 0, 0))
+    write(tmp_path, "core", received(1.0, 0, -0.2))
     with (tmp_path / "core.jsonl").open("a") as file:
         file.write('{"wall": 2.0, "wh')
-    assert len(read_journal(tmp_path)) == 1
-
-
-@pytest.mark.parametrize("line", ["{}", "nonsense", "[]", '{"wall": 1, "what": "seen"}'])
-def test_what_is_no_journal_is_told(tmp_path, line):
-    (tmp_path / "core.jsonl").write_text(line + "\n")
-    with pytest.raises(SourceError, match=r"core\.jsonl is no journal"):
-        read_journal(tmp_path)
+    assert read_attack(tmp_path, (0.0, 9.0), is_turn).delivered == (1.0,)
 
 
 def test_the_guards_counts_are_told_flow_by_flow():
@@ -121,7 +98,6 @@ def test_the_guards_counts_are_told_flow_by_flow():
 
 def test_the_first_verdict_that_stops_an_attacker_counts():
     assert first_stop(guard_events(), *ATTACKER) == pytest.approx(BEGAN + 2.5004)
-    assert first_stop(guard_events(), *ATTACKER, since=BEGAN + 3) is None
     assert first_stop(guard_events(), "/odom", ATTACKER[1]) is None
     assert first_stop(guard_events(), "/cmd_vel", "/move_base") is None
 
@@ -129,20 +105,6 @@ def test_the_first_verdict_that_stops_an_attacker_counts():
 def test_whoever_is_not_in_the_plan_is_an_attacker():
     events = [guard_event(5.0, topic="/cmd_vel", flow="unapproved", decision="drop")]
     assert first_stop(events, *ATTACKER) == 5.0
-
-
-@pytest.mark.parametrize(
-    ("messages", "stopped", "after"),
-    [
-        (Attack(), 5.0, None),
-        (Attack(sent=(4.0,)), 4.5, 0.5),
-        (Attack(sent=(4.0,)), None, None),
-        (Attack(sent=(4.0,), delivered=(4.0,)), 4.5, 0.5),
-        (Attack(sent=(4.0,), delivered=(4.0,)), None, None),
-    ],
-)
-def test_the_time_to_mitigation(messages, stopped, after):
-    assert time_to_mitigation(messages, stopped) == after
 
 
 def table_of(runs):

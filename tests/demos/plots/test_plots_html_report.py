@@ -10,16 +10,23 @@ from demo_runs import CORRIDOR, ROOM, guard_events, make_run, runs_by_variant
 
 from rtron.demos.cases import GR, MSR
 from rtron.demos.metrics.case_run import Variant
-from rtron.demos.plots.html_report import CaseFindings, CommandOutput, Picture, render_report
+from rtron.demos.plots.html_report import CaseFindings, Picture, render_report
 from rtron.demos.plots.style import require_matplotlib
 from rtron.demos.plots.timeline import draw_timeline, flow_lanes
 from rtron.demos.plots.trajectories import draw_trajectories
 from rtron.demos.plots.velocity import draw_velocity
+from rtron.demos.runtime.processes import CompletedCommand
 from rtron.errors import SourceError
 
 PNG = b"\x89PNG\r\n\x1a\n"
-SAID = [CommandOutput("rtron scan src", "2 risks")]
+SAID = [CompletedCommand("rtron scan src", 1, "2 risks")]
 EVIL = "<script>alert('&\"')</script>"
+
+
+@pytest.fixture
+def png(tmp_path):
+    (tmp_path / "ways.png").write_bytes(PNG)
+    return tmp_path / "ways.png"
 
 
 def findings(**values):
@@ -47,7 +54,7 @@ class Tags(HTMLParser):
 
 
 def test_the_page_tells_everything():
-    text = " ".join(Tags(render_report([(findings(), [Picture(PNG, "the ways")])], SAID)).text)
+    text = " ".join(Tags(render_report([findings()], SAID)).text)
     for part in (
         GR.title,
         GR.attack,
@@ -62,37 +69,40 @@ def test_the_page_tells_everything():
     assert "700 / 0" in text
 
 
-def test_a_picture_is_inside_the_page():
-    shown = dict(Tags(render_report([(findings(), [Picture(PNG, "the ways")])], [])).attributes)
+def test_a_picture_is_inside_the_page(png):
+    page = render_report([findings(pictures=[Picture(png, "the ways")])], [])
+    shown = dict(Tags(page).attributes)
     assert shown["src"] == "data:image/png;base64," + b64encode(PNG).decode()
     assert shown["alt"] == "the ways"
 
 
-def test_nothing_from_outside_becomes_a_tag():
+def test_nothing_from_outside_becomes_a_tag(png):
     runs = (make_run(Variant.ATTACKED, harm=EVIL),)
-    said = (CommandOutput(f"rtron {EVIL}", EVIL),)
-    made_page = render_report(
-        [(findings(runs=runs, decisions=EVIL), [Picture(PNG, f'"{EVIL}')])], said
-    )
+    said = (CompletedCommand(f"rtron {EVIL}", 0, EVIL),)
+    pictures = [Picture(png, f'"{EVIL}')]
+    made_page = render_report([findings(runs=runs, decisions=EVIL, pictures=pictures)], said)
     assert "script" not in Tags(made_page).tags
     assert made_page.count("<script") == 0
     assert unescape(made_page).count(EVIL) == 6
 
 
 def test_what_could_steer_a_terminal_is_shown_as_text():
-    text = render_report([(findings(), [])], [CommandOutput("rtron", "\x1b[31mred")])
-    assert "\x1b" not in text
-    assert r"\x1b[31mred" in text
+    text = render_report(
+        [findings()], [CompletedCommand("rtron \x1b[31mred", 0, "\x1b[31mred\x07")]
+    )
+    assert not {"\x1b", "\x07"} & set(text)
+    assert r"$ rtron \x1b[31mred" in text
+    assert "<pre>red</pre>" in text
 
 
 def test_each_case_has_its_part_and_the_commands_follow():
-    text = render_report([(findings(), []), (findings(case=MSR, decisions=""), [])], [])
+    text = render_report([findings(), findings(case=MSR, decisions="")], [])
     assert Tags(text).tags.count("h1") == 3
     assert MSR.remedy not in text
 
 
 def test_the_page_allows_no_network():
-    text = render_report([(findings(), [])], SAID)
+    text = render_report([findings()], SAID)
     allowed = re.search(r'Policy" content="([^"]*)"', text).group(1)
     assert "default-src 'none'" in unescape(allowed)
     assert not re.search(r'(src|href)="(?!data:)', text)
@@ -132,7 +142,7 @@ def test_what_harm_there_was_is_marked_where_it_began():
 
 @pytest.mark.parametrize("turn", [True, False])
 def test_the_velocity_is_drawn(tmp_path, turn):
-    draw_velocity(tmp_path / "v.png", "velocity", CORRIDOR, runs_by_variant(), turn=turn)
+    draw_velocity(tmp_path / "v.png", "velocity", runs_by_variant(), turn=turn)
     assert (tmp_path / "v.png").read_bytes().startswith(PNG)
 
 

@@ -4,12 +4,12 @@ import signal
 
 import pytest
 from demo_cases import EXPECTED, SEEDS, check_ending, facts, run_recorded_demo, run_study
+from launched_demo import sums_by_flow
 
 from rtron.demos.cases import AGENT, GR, MSR, RSR
 from rtron.demos.cases import CASES as ALL_CASES
 from rtron.demos.experiment.demonstration import are_as_expected
 from rtron.demos.metrics.case_run import Variant
-from rtron.demos.runtime.service import sum_decision_counts
 
 pytestmark = [pytest.mark.ros1, pytest.mark.long, pytest.mark.timeout(600)]
 CASES = ("msr", "agent")
@@ -31,15 +31,12 @@ def test_one_guarded_app_stands_against_all_cases_and_the_service_records_it(tmp
     assert are_as_expected(runs)
     guarded = {run.case: run for run in runs if run.variant is Variant.GUARDED}
     assert {case: run.delivered for case, run in guarded.items()} == dict.fromkeys(ALL_CASES, 0)
-    tallies = {case: sum_decision_counts(counts(run)) for case, run in guarded.items()}
-    assert tallies["gr"][GR.topic]["unapproved"].dropped > 0
-    assert sum(each.modified for each in tallies["rsr"][RSR.topic].values()) > 0
-    assert sum(each.dropped for each in tallies["msr"][MSR.topic].values()) > 0
-    assert tallies["agent"][AGENT.topic]["assistant"].dropped > 0
-
-
-def counts(run):
-    return [event for event in run.events if event["kind"] == "counts"]
+    cases = (GR, RSR, MSR, AGENT)
+    sums = {case.name: sums_by_flow(guarded[case.name].events, case.topic) for case in cases}
+    assert sums["gr"]["unapproved"]["drop"] > 0
+    assert sum(each["modify"] for each in sums["rsr"].values()) > 0
+    assert sum(each["drop"] for each in sums["msr"].values()) > 0
+    assert sums["agent"]["assistant"]["drop"] > 0
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

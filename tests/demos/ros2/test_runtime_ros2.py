@@ -9,6 +9,7 @@ from launched_demo import SPEED, check_guarded, guarded_run, wait_until_gone
 from rmw_marks import RMW
 
 from rtron.demos.runtime.app_files import launch_file
+from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import demo_environment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.runtime.service import run_service
@@ -41,7 +42,7 @@ def test_the_guarded_app_is_not_harmed(tmp_path):
         run_service(demo.processes, tmp_path / "service", demo.environ) as service,
     ):
         pipeline = InstrumentationPipeline(demo, tmp_path / "guarded")
-        with demo.launch_app(launch_file(2)) as app:
+        with launch_app(demo, launch_file(2)) as app:
             pipeline.scan()
             kept = shared_memory(app)
         assert len(kept) >= len(app.started) or not RMW.startswith("rmw_fastrtps")

@@ -6,12 +6,11 @@ from typing import NamedTuple
 import pytest
 from shapely import LineString, Point, Polygon
 
-from rtron.demos.apps.logic.demo_logic.short_cut import ShortCut
-from rtron.demos.apps.logic.demo_logic.teleop_command import read_command
+from rtron.demos.apps.logic.demo_logic.attacks import ShortCut
+from rtron.demos.apps.logic.demo_logic.teleoperation import read_command
 from rtron.demos.cases import AGENT
 from rtron.demos.runtime.commanders import person_at
 from rtron.demos.world.robot_base import STEP
-from rtron.demos.world.server.requests import ResetRequest
 from rtron.demos.world.simulation import RobotSimulation
 
 SEEDS = range(1, 7)
@@ -26,9 +25,9 @@ def world():
 
 
 def start_run(world, seed):
-    world.reset(ResetRequest("agent", seed))
+    world.reset("agent", seed)
     world.start()
-    return world.scene.as_json()
+    return world.scene
 
 
 class Sent(NamedTuple):
@@ -51,7 +50,7 @@ def drive(world, person, scene, command, agent_from=LIMIT, *, obeys=True):
         for share in (0.25, 0.75):
             if world.t - began >= agent_from:
                 now = world.t + share * STEP
-                short_cut = short_cut or ShortCut(truth.pose, scene["bad_goal"], now)
+                short_cut = short_cut or ShortCut(truth.pose, scene.bad_goal, now)
                 sent.append(Sent(short_cut.velocity(truth.pose, now), truth.pose))
                 if obeys:
                     world.set_velocity(sent[-1].velocity, share)
@@ -67,7 +66,7 @@ def test_a_person_drives_to_the_goal_on_the_right_way(world, tmp_path, seed):
         truth, _ = drive(world, person, scene, tmp_path / "teleop")
     assert truth.distance_to_goal < 0.12
     assert not truth.collided
-    assert LineString(scene["route"]).distance(Point(truth.pose[:2])) < 0.12
+    assert LineString(scene.route).distance(Point(truth.pose[:2])) < 0.12
     assert not (tmp_path / "teleop").exists()
 
 
@@ -94,4 +93,4 @@ def test_its_commands_lead_there_where_nothing_obeys_them(world, tmp_path, seed)
         heading += turn * AGENT_PERIOD
         x, y = x + ahead * cos(heading) * AGENT_PERIOD, y + ahead * sin(heading) * AGENT_PERIOD
         path.append((x, y))
-    assert LineString(path).intersects(Polygon(scene["area"]))
+    assert LineString(path).intersects(Polygon(scene.area))

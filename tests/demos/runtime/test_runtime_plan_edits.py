@@ -4,7 +4,7 @@ import pytest
 import yaml
 from demo_runs import PROPOSED
 
-from rtron.demos.runtime.plan_edits import with_decisions, write_decided_plan
+from rtron.demos.runtime.plan_edits import apply_decisions, write_decided_plan
 from rtron.errors import InputError
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import Mode, PolicyName
@@ -25,7 +25,11 @@ def test_without_decisions_the_plan_stays_as_it_was_proposed(decided, tmp_path):
 
 
 def test_a_policy_its_priorities_and_other_settings(decided):
-    decision = {"policy": "Preemption", "priorities": {"/move_base": 5}, "release_after": "2 s"}
+    decision = {
+        "policy": "Preemption",
+        "flows": {"/move_base": {"priority": 5}},
+        "release_after": "2 s",
+    }
     commands, goals = decided(grcn={"/cmd_vel": decision}).grcn
     assert (commands.policy, commands.mode) == (PolicyName.PREEMPTION, Mode.ENFORCE)
     assert [flow.priority for flow in commands.flows] == [5, 2]
@@ -38,20 +42,21 @@ def test_what_counts_for_one_flow(decided):
     assert (goals.flows[0].timeout, goals.flows[0].priority) == (1_000_000_000, 1)
 
 
-def test_a_limit_on_the_topics_that_are_named(decided):
-    limit = {"policy": "Constrain", "max_vel_limit": "0.22 m/s", "vflows": ["/cmd_vel", "/max_vel"]}
+def test_a_limit_and_the_topics_that_it_is_for(decided):
+    limit = {"policy": "Constrain", "max_vel_limit": "0.22 m/s", "vflows": ["/max_vel"]}
     rsrcn = decided(rsrcn=limit).rsrcn
     assert (rsrcn.policy, rsrcn.max_vel_limit) == (PolicyName.CONSTRAIN, 0.22)
-    commands, limits = rsrcn.vflows
-    assert [flow.publisher for flow in commands.flows] == ["/move_base", "/stranger"]
-    assert (commands.successors, limits.successors) == (("/base",), ("/move_base",))
+    (limits,) = rsrcn.vflows
+    assert [flow.publisher for flow in limits.flows] == ["/max_velocity"]
+    assert limits.successors == ("/move_base",)
 
 
-def test_a_rule_where_none_was_proposed(decided):
+def test_a_rule_on_one_of_the_proposed_actions(decided):
     corners = [{"x": "0 m", "y": "0 m"}, {"x": "1 m", "y": "0 m"}, {"x": "1 m", "y": "1 m"}]
     rule = {"name": "out", "block": ["/goal"], "action": "inside(action.pose.position, pit)"}
     areas = [{"name": "pit", "frame": "map", "polygon": corners}]
     msrcn = decided(msrcn={"aflows": ["/goal"], "areas": areas, "rules": [rule]}).msrcn
+    assert [aflow.topic for aflow in msrcn.aflows] == ["/goal"]
     assert [flow.publisher for flow in msrcn.aflows[0].flows] == ["/mission"]
     assert msrcn.areas[0].polygon[1].x == 1.0
     assert msrcn.mode is Mode.ENFORCE
@@ -86,14 +91,14 @@ def test_a_client_of_a_bridge_gets_a_flow_under_a_lease(decided):
     [
         {"clients": {"/nowhere": ["/bridge/web"]}},
         {"grcn": {"/nowhere": {}}},
-        {"grcn": {"/cmd_vel": {"priorities": {"/nobody": 1}}}},
+        {"grcn": {"/cmd_vel": {"flows": {"/nobody": {"priority": 1}}}}},
         {"grcn": {"/goal": {"flows": {"/nobody": {"timeout": "1 s"}}}}},
         {"msrcn": {"aflows": ["/nowhere"]}},
     ],
 )
 def test_a_name_that_the_plan_does_not_have_is_refused(decisions):
     with pytest.raises(InputError, match=r"the plan has no .*/no"):
-        with_decisions(yaml.safe_load(PROPOSED), decisions)
+        apply_decisions(yaml.safe_load(PROPOSED), decisions)
 
 
 def test_the_app_is_called_as_decided(decided):

@@ -1,6 +1,5 @@
 """How a command of RTron is shown: as one would type it beside the demo's packages."""
 
-from contextlib import nullcontext
 from types import SimpleNamespace
 
 from rtron.demos.runtime.app_files import first_party_packages, launch_file, third_party_packages
@@ -9,10 +8,9 @@ from rtron.demos.runtime.processes import CompletedCommand
 
 
 def test_packages_are_told_apart(tmp_path):
-    ran = nullcontext(lambda: CompletedCommand("/usr/bin/python -m rtron", 0, "done"))
-    environment = SimpleNamespace(
-        run_rtron_in_background=lambda *_, codes: ran if codes == (0,) else None
-    )
+    ran = CompletedCommand("/usr/bin/python -m rtron", 0, "done")
+    processes = SimpleNamespace(run_command=lambda *_, name: ran)
+    environment = SimpleNamespace(python="/usr/bin/python", environ={}, processes=processes)
     words = ("instrument", launch_file(1), "-o", tmp_path / "guarded.launch", "--packages")
     done = DemoEnvironment.run_rtron(
         environment, *words, first_party_packages(1), "--packages", third_party_packages(1)

@@ -5,10 +5,8 @@ from math import atan2, cos, dist, pi
 
 import pytest
 
-from rtron.demos.world import robot_base
+from rtron.demos.world import device_streams, robot_base
 from rtron.demos.world.robot_base import VelocityCommand
-from rtron.demos.world.server import device_streams
-from rtron.demos.world.server.requests import ResetRequest
 from rtron.demos.world.simulation import RobotSimulation
 
 CRUISE = 0.22
@@ -20,7 +18,7 @@ def world():
 
 
 def start_run(world, case, seed=1):
-    world.reset(ResetRequest(case, seed))
+    world.reset(case, seed)
     world.start()
     return world.scene
 
@@ -88,7 +86,7 @@ def test_the_robot_goes_where_it_heads(world):
 def test_a_reset_begins_a_new_run_at_the_start_and_time_goes_on(world):
     start_run(world, "gr")
     before = drive(world, (CRUISE, 0.0), 1.0)[-1]
-    world.reset(ResetRequest("rsr", 2))
+    world.reset("rsr", 2)
     after = world.truth()
     assert (after.run, after.t) == (before.run + 1, before.t)
     assert after.pose == pytest.approx(world.scene.start)
@@ -96,7 +94,7 @@ def test_a_reset_begins_a_new_run_at_the_start_and_time_goes_on(world):
 
 
 def test_the_brake_is_on_from_the_reset_to_the_start(world):
-    world.reset(ResetRequest("gr", 1))
+    world.reset("gr", 1)
     held = drive(world, (CRUISE, 0.0), 1.0)[-1]
     assert held.pose[:2] == pytest.approx(world.scene.start[:2])
     assert cos(held.pose[2] - world.scene.start[2]) == pytest.approx(1.0)
@@ -113,7 +111,7 @@ def test_a_collision_holds_the_robot_until_the_next_reset(world):
     assert truths[truths.index(hit) - 1].clearance < 0.02
     assert truths[-1].collided
     assert drive(world, (-CRUISE, 0.0), 1.0)[-1].pose == pytest.approx(hit.pose)
-    world.reset(ResetRequest("gr", 1))
+    world.reset("gr", 1)
     assert not drive(world, (0.0, 0.0), 0.1)[-1].collided
 
 
@@ -124,17 +122,16 @@ def test_clearance_is_the_free_space_around_the_body(world):
     assert 0.1 < world.truth().clearance <= walls - robot_base.RADIUS + 1e-6
 
 
-def test_the_area_takes_the_network_and_stops_the_robot(world):
+def test_the_area_stops_the_robot(world):
     scene = start_run(world, "msr")
     drive_to(world, scene.bad_goal, 0.5, limit=15)
     truth = drive(world, (0.5, 0.0), 1.0)[-1]
     assert truth.in_area
-    assert not truth.network
     assert not truth.collided
     assert truth.velocity == pytest.approx((0.0, 0.0))
     assert truth.commanded == (0.5, 0.0)
-    world.reset(ResetRequest("msr", 1))
-    assert world.truth().network
+    world.reset("msr", 1)
+    assert not world.truth().in_area
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -174,7 +171,7 @@ def test_a_robot_that_stops_sees_the_pedestrian_come_stand_and_go(world):
 
 
 def test_the_light_is_red_then_green(world):
-    world.reset(ResetRequest("rsr", 1))
+    world.reset("rsr", 1)
     assert {truth.light for truth in drive(world, (0.0, 0.0), 12.0)} == {"red"}
     world.start()
     lights = [truth.light for truth in drive(world, (0.0, 0.0), 12.0)]

@@ -8,6 +8,7 @@ from finding_graphs import BASE, FIRMWARE, MUX, TWIST, TWO_DRIVERS, parameters, 
 from cpu_time import growth
 from rtron.findings import app_facts, take_inventory
 from rtron.findings.inventory.stopping import stopping
+from rtron.findings.motion import command_timeout
 from rtron.vocabulary import (
     Evidence,
     NodeParameter,
@@ -343,6 +344,22 @@ def test_the_worst_of_two_drivers_counts():
     assert the_mover(BASE + second, wiring=worse).stops is Stops.NO
 
 
+@pytest.mark.parametrize(("fate", "stops"), [("checked", Stops.UNKNOWN), ("repeated", Stops.NO)])
+def test_another_node_may_stop_a_driver_whose_commands_it_hears(fate, stops):
+    dog = f"/dog dog own\n    sub /cmd_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
+    graph = small_graph(dog + BASE)
+    elsewhere = (Evidence(file="dog.py", line=3),)
+    endpoints = tuple(
+        replace(each, evidence=elsewhere if each.node == "/dog" else PLACE)
+        for each in graph.endpoints
+    )
+    wiring = (DRIVER, KEPT, replace(last(fate), evidence=elsewhere))
+    app = app_facts(replace(graph, endpoints=endpoints, wiring=wiring))
+    assert take_inventory(app)[0].stops is stops
+    drivers = [each for each in command_timeout.check(app) if "/base" in each.nodes]
+    assert bool(drivers) is (stops is Stops.NO)
+
+
 def test_who_forwards_the_last_command_for_ever_counts_for_the_driver():
     relay = f"/relay relay own\n    sub /nav_vel {TWIST}\n    pub /cmd_vel {TWIST}\n"
     wiring = (DRIVER, last("stopped", "0.5 s"))
@@ -429,6 +446,66 @@ def test_doors():
     assert mover.doors == ("/bridge (any client)", "/teleop (web server)")
 
 
+def test_what_says_that_it_commands_goes_before_what_else_a_driver_hears():
+    heard = ("adsb own/Adsb", "debug own/Debug", "wheel own/Angle", "set/desired own/Goal")
+    subs = "".join(f"    sub /pilot/{each}\n" for each in heard)
+    mover = the_mover(f"/base driver own\n    sub /pilot/twist {TWIST}\n{subs}")
+    assert names(mover.commands) == [
+        *("/pilot/twist", "/pilot/set/desired", "/pilot/wheel", "/pilot/adsb", "/pilot/debug"),
+    ]
+
+
+def test_what_somebody_sends_goes_before_what_nobody_sends():
+    heard = "".join(f"    sub /motor/{each} std_msgs/Float64\n" for each in ("brake", "cmd", "rpm"))
+    text = f"/motor_driver p own\n{heard}/nav nav own\n    pub /motor/rpm std_msgs/Float64\n"
+    assert names(the_mover(text).commands) == ["/motor/rpm", "/motor/cmd", "/motor/brake"]
+
+
+def test_what_nodes_of_several_parts_obey_is_called_after_none_of_them():
+    text = "/mission own own\n    pub /units/command own/Command\n"
+    lift = "/lift_unit own own\n    sub /units/command own/Command\n"
+    facts = tuple(fact("device", node, "CAN") for node in ("/lift_unit", "/wheel_unit"))
+    assert the_mover(text + lift, wiring=facts[:1]).thing is Thing.TOOL
+    both = text + lift + lift.replace("lift", "wheel")
+    assert the_mover(both, wiring=facts).thing is Thing.DEVICE
+
+
+def test_a_stop_is_asked_for_where_nobody_here_obeys_what_is_made_of_it():
+    text = "/safety p own\n    sub /estop_request std_msgs/Bool\n    pub /estop std_msgs/Bool\n"
+    mover = the_mover(text)
+    assert (mover.thing, names(mover.last_commands)) == (Thing.STOP, ["/estop_request"])
+    obeyed = text + "/base_driver p own\n    sub /estop std_msgs/Bool\n"
+    assert names(the_mover(obeyed).last_commands) == ["/estop"]
+
+
+def test_a_web_page_that_was_not_read_obeys_no_commands():
+    nav = f"/nav nav own\n    pub /cmd_vel {TWIST}\n"
+    found = {
+        name: the_mover(f"{nav}/{name} own own\n", unread=(f"/{name}",)).unread
+        for name in ("phone_gui", "board")
+    }
+    assert found == {"phone_gui": (), "board": ("/board",)}
+
+
+@pytest.mark.parametrize(
+    ("node", "device", "thing"),
+    [
+        ("/pilot own own\n", "vehicle link", Thing.VEHICLE),
+        ("/wanderer own own\n", "motor controller", Thing.DEVICE),
+        ("/wanderer own own\n", "serial port", None),
+        ("/imu own own\n    pub /imu sensor_msgs/Imu\n", "vehicle link", None),
+        (f"/base own own\n    sub /cmd_vel {TWIST}\n", "motor controller", Thing.BASE),
+    ],
+)
+def test_a_node_whose_hardware_only_moves_has_a_line_without_a_command(node, device, thing):
+    name = node.partition(" ")[0]
+    movers = inventory(node, wiring=(fact("device", name, device),))
+    assert [(mover.thing, mover.drivers) for mover in movers] == (
+        [(thing, (name,))] if thing else []
+    )
+    assert all((thing is Thing.BASE) == bool(mover.commands) for mover in movers)
+
+
 def test_services_of_one_switch_are_one_line():
     services = tuple(
         Service(node=node, name=f"{node}/arm", type="std_srvs/srv/Trigger")
@@ -446,11 +523,7 @@ def test_services_of_one_switch_are_one_line():
 def test_a_service_that_nobody_here_offers_stands_for_what_is_called():
     clients = (ServiceClient(node="/mission", name="/e_stop", type="x/srv/EStop"),)
     (command,) = the_mover(LIDAR, clients=clients).commands
-    assert (command.means, command.receivers, command.senders) == (
-        Means.SERVICE,
-        (),
-        ("/mission",),
-    )
+    assert (command.means, command.receivers, command.senders) == (Means.SERVICE, (), ("/mission",))
 
 
 def test_the_motor_of_a_lidar_moves_no_robot():
@@ -568,10 +641,17 @@ def test_topics_that_end_the_robot_are_a_line():
     assert inventory(text.replace("Empty", "Float32")) == ()
 
 
-@pytest.mark.parametrize(("link", "stops"), [("vehicle link", Stops.UNKNOWN), ("CAN", Stops.NO)])
-def test_an_autopilot_may_stop_by_itself(link, stops):
+@pytest.mark.parametrize(
+    ("link", "stops", "why"),
+    [
+        ("vehicle link", Stops.UNKNOWN, "/base looks at no age of commands; its device may"),
+        ("VESC", Stops.UNKNOWN, "its device may, by default after 1 s"),
+        ("CAN", Stops.NO, f"{NEVER} /cmd_vel"),
+    ],
+)
+def test_an_autopilot_may_stop_by_itself(link, stops, why):
     mover = the_mover(BASE, wiring=(fact("device", "/base", link), KEPT))
-    assert mover.stops is stops
+    assert (mover.stops, mover.stop.endswith(why)) == (stops, True)
     assert (mover.thing is Thing.VEHICLE) == (link == "vehicle link")
 
 
@@ -905,8 +985,7 @@ def all_names(graph):
 
 
 @pytest.mark.parametrize(
-    ("package", "thing"),
-    [("twist_controller", Thing.ARM), ("diff_drive_controller", Thing.BASE)],
+    ("package", "thing"), [("twist_controller", Thing.ARM), ("diff_drive_controller", Thing.BASE)]
 )
 def test_a_controller_of_no_base_moves_the_arm_beside_it(package, thing):
     text = f"/twist t own\n    sub /twist/commands {TWIST}\n"
@@ -1223,7 +1302,12 @@ def test_a_joystick_of_an_own_type_stands_behind_what_is_made_of_it():
 
 @pytest.mark.parametrize(
     ("topic", "type", "is_button"),
-    [("/go_home_button", "std_msgs/Bool", True), ("/goal_name", "std_msgs/String", False)],
+    [
+        ("/go_home_button", "std_msgs/Bool", True),
+        ("/goal_name", "std_msgs/String", False),
+        ("/mission/command_json", "std_msgs/String", True),
+        ("/cloud/action", "std_msgs/String", True),
+    ],
 )
 def test_signals_by_which_callers_are_told_stand_behind_what_they_call(topic, type, is_button):
     text = f"/phone own own\n    sub {topic} {type}\n    client /pick own/action/Pick\n"

@@ -42,6 +42,7 @@ def moving_base2():
     ],
 )
 def test_an_intruder_is_not_heard(moving_base2, topic, name):
+    """Long, the first of them: the cell, the guard and the base start."""
     base, since = moving_base2, len(moving_base2.messages())
     intruder = base.intrude(topic, name)
     base.assert_undisturbed(since, more=100)

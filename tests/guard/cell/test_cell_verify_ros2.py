@@ -30,6 +30,7 @@ def path_of(report, node):
 
 
 def test_a_cell_is_closed_and_what_was_tried_in_vain_is_told():
+    """Long: the probes outside of the cell look for 5 s each, and the domain is quiet for 3.5 s."""
     with ros2_in_open_folder() as ros2:
         base = CelledBase2(ros2)
         base.navigate()

@@ -1,6 +1,8 @@
 """A guarded base in memory whose streams are noted, with the machine's own clock."""
 
-from contextlib import contextmanager
+import os
+import subprocess
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 
 from app_in_memory import info, made, written
@@ -12,6 +14,10 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
 from rtron.guard.incidents.recorder_link import RecorderLink
+from rtron.guard.incidents.recorder_port import RecorderPort
+from rtron.guard.supervision.guard_config import GuardConfig
+from rtron.guard.supervision.helper_process import HelperProcess
+from rtron.guard.supervision.programs import INCIDENTS, start_program
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer
 from rtron.vocabulary import (
@@ -117,12 +123,39 @@ class Drive:
         self.transport.advance(max(0, now - self.transport.now()))
 
 
+class _Started:
+    """A process as `ForkedProcess` is one: a test has several threads, and cannot fork."""
+
+    def __init__(self, program, files):
+        self._process = start_program(program, files)
+        self.pid, self.poll = self._process.pid, self._process.poll
+        self.send_signal = self._process.send_signal
+
+    def wait(self, timeout):
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(timeout)
+
+
+class _Starter:
+    """In the fork server's place."""
+
+    start = staticmethod(_Started)
+
+
 @contextmanager
 def recorded_drive(folder, plan=None):
     """Yield a drive and the loop of its recorder, which is a process of its own."""
-    plan, loop = plan or speed_plan(), EventLoop()
+    plan, loop, port = plan or speed_plan(), EventLoop(), RecorderPort()
     drive = Drive(plan, loop.now())
-    link = RecorderLink(plan, folder, drive.host, loop)
+    config = GuardConfig(plan=plan, master="").write_to_memory()
+    drive.recorder = HelperProcess(
+        _Starter,
+        config,
+        INCIDENTS,
+        files=[port.recorder_side.fileno()],
+        is_needed=port.has_connection,
+    )
+    link = RecorderLink(plan, folder, port.bulk_side, drive.host, loop)
     drive.link, drive.loop = link, loop
     link.open()
     try:
@@ -130,7 +163,10 @@ def recorded_drive(folder, plan=None):
     finally:
         link.close()
         loop.close()
-        assert link._process.poll() == 0, "the recorder ends before the bulk process"
+        drive.recorder.stop()
+        port.close()
+        os.close(config)
+        assert drive.recorder.process.poll() == 0, "it ends when the bulk process has"
 
 
 def run_until(drive, condition, limit_s=LIMIT_S, every_step=lambda: None):
@@ -139,5 +175,6 @@ def run_until(drive, condition, limit_s=LIMIT_S, every_step=lambda: None):
     while not condition():
         assert drive.loop.now() < end, f"not within {limit_s:g} s"
         drive.catch_up(drive.loop.now())
+        drive.recorder.tick(drive.loop.now())
         every_step()
         drive.loop.step(STEP / SECOND)

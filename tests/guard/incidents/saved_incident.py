@@ -24,7 +24,7 @@ def saved_incident(
     drive = Drive(plan, START)
     notes = StreamNotes(drive.host, drive.transport.now, 1 << 24)
     notes.open()
-    task = RecorderTask(plan, encode_settings(settings or Settings()), str(folder), 0)
+    task = RecorderTask(plan, encode_settings(settings or Settings()), str(folder))
     recorder = IncidentRecorder.open(task, lambda: WALL)
     if changed:
         change = RevisionChanged(START, changed.revision, encode_settings(changed))

@@ -7,7 +7,7 @@ import resource
 import signal
 
 import pytest
-from guarded_drive import ALLOWED, FAST, TOPIC, recorded_drive, run_until, speed_plan
+from guarded_drive import ALLOWED, FAST, LIMIT_S, TOPIC, recorded_drive, run_until, speed_plan
 from jsonschema import validate
 from mcap.reader import make_reader
 from velocity_messages import twist
@@ -49,7 +49,7 @@ def decisions(messages, kind):
 
 
 def recorder_task(folder, plan=None):
-    return RecorderTask(plan or speed_plan(), encode_settings(Settings()), str(folder), 0)
+    return RecorderTask(plan or speed_plan(), encode_settings(Settings()), str(folder))
 
 
 def drive_into_incident(folder, drive, number=1):
@@ -116,11 +116,11 @@ def test_a_killed_recorder_is_followed_by_one_that_has_its_minute(tmp_path):
             lambda: any(path.stat().st_size > 2000 for path in ring.glob("*")),
             every_step=drive.be_slow,
         )
-        os.kill(drive.link._process.pid, signal.SIGKILL)
-        former = drive.link._process
-        former.wait()
+        former = drive.recorder.process
+        former.send_signal(signal.SIGKILL)
+        former.wait(LIMIT_S)
         drive_into_incident(tmp_path, drive)
-        assert drive.link._process is not former
+        assert drive.recorder.process is not former
     messages, _, _ = content(files(tmp_path)[0])
     speeds = {each.data for each in messages[IN]}
     assert {twist(x=0.1)[4:], twist(x=FAST)[4:]} == speeds
@@ -162,11 +162,11 @@ def test_a_disk_that_refuses_is_said_and_used_again_when_it_can_be(tmp_path):
             run_until(drive, condition, every_step=drive.be_slow)
 
         serve_until(lambda: list(ring.glob("*")))
-        resource.prlimit(drive.link._process.pid, resource.RLIMIT_FSIZE, (1, unlimited[1]))
+        resource.prlimit(drive.recorder.process.pid, resource.RLIMIT_FSIZE, (1, unlimited[1]))
         serve_until(drive.link.statuses)
         assert "File too large" in drive.link.statuses()[0].message
         former = len(drive.driven)
-        resource.prlimit(drive.link._process.pid, resource.RLIMIT_FSIZE, unlimited)
+        resource.prlimit(drive.recorder.process.pid, resource.RLIMIT_FSIZE, unlimited)
         serve_until(lambda: not drive.link.statuses())
         assert len(drive.driven) > former
 
@@ -281,7 +281,7 @@ def test_a_recorder_that_stands_still_costs_no_command_and_is_said(tmp_path, mon
     monkeypatch.setattr(recorder_link, "_SLOW", SECOND // 2)
     with recorded_drive(tmp_path) as drive:
         run_until(drive, lambda: list((tmp_path / "ring").glob("*.mcap")), every_step=drive.be_slow)
-        os.kill(drive.link._process.pid, signal.SIGSTOP)
+        os.kill(drive.recorder.process.pid, signal.SIGSTOP)
 
         def flood():
             for _ in range(500):
@@ -292,7 +292,7 @@ def test_a_recorder_that_stands_still_costs_no_command_and_is_said(tmp_path, mon
         former = len(drive.driven)
         flood()
         assert len(drive.driven) == former + 500
-        os.kill(drive.link._process.pid, signal.SIGCONT)
+        os.kill(drive.recorder.process.pid, signal.SIGCONT)
         run_until(drive, lambda: not drive.link.statuses())
 
 

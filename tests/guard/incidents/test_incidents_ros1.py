@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+from pathlib import Path
 
 import pytest
 from driven_base import CMD_VEL_GUARD, Driven, start_guard
@@ -18,6 +19,8 @@ from incident_checks import (
 )
 from rostopic import TWIST, say
 
+from rtron.guard.supervision import programs
+from rtron.guard.supervision.programs import process_name
 from rtron.guard.system.state_folder import INCIDENTS, state_folder
 from rtron.sources.bag.incident import IncidentFile
 from rtron.vocabulary import SECOND
@@ -52,6 +55,14 @@ class LimitedBase:
     def pid_of(self, process):
         found = re.findall(rf"{process} is there, process (\d+)", self.guard.log)
         return int(found[-1])
+
+    def recorders(self):
+        """Return the processes that record, which the guard's fork server has started."""
+        stat = Path(f"/proc/{self.pid_of('the bulk process')}/stat").read_text()
+        server = stat.rpartition(")")[2].split()[1]
+        forks = map(int, Path(f"/proc/{server}/task/{server}/children").read_text().split())
+        name = process_name(programs.INCIDENTS)
+        return [pid for pid in forks if Path(f"/proc/{pid}/comm").read_text().strip() == name]
 
 
 def test_a_drive_that_is_too_fast_is_an_incident_with_all_that_decided_it(ros1):
@@ -111,13 +122,9 @@ def test_a_killed_bulk_process_takes_the_minute_before_with_it_to_nobody(ros1):
 def test_a_guard_that_ends_leaves_no_recorder_behind(ros1):
     base = LimitedBase(ros1, "incident_end", after=60 * SECOND)
     base.drive()
-    bulk = base.pid_of("the bulk process")
-    children = f"/proc/{bulk}/task/{bulk}/children"
-    with open(children) as file:  # noqa: PTH123
-        recorders = [int(pid) for pid in file.read().split()]
-    assert recorders
+    (recorder,) = base.recorders()
     base.guard.stop()
-    assert not any(map(lives, recorders))
+    assert not lives(recorder)
     check_limited_drive(wait_for_incident(base.app), 1, "/teleop")
     start_guard(ros1, speed_plan(base.app), CMD_VEL_GUARD)
 
@@ -126,7 +133,5 @@ def test_a_guard_that_ends_leaves_no_recorder_behind(ros1):
 def test_nothing_is_recorded_where_the_plan_says_so(ros1):
     base = LimitedBase(ros1, "incident_off", keep=0)
     base.drive()
-    bulk = base.pid_of("the bulk process")
-    with open(f"/proc/{bulk}/task/{bulk}/children") as file:  # noqa: PTH123
-        assert file.read() == ""
+    assert base.recorders() == []
     assert not (state_folder(base.app) / INCIDENTS).exists()

@@ -21,6 +21,7 @@ from rtron.vocabulary import (
     PolicyName,
     Sharing,
     StreamKind,
+    UnguardedPath,
     WatchedFlow,
 )
 
@@ -76,6 +77,8 @@ msrcn:
   eflows: [{name: eflow1, topic: /odom, publisher: /base, present: 2 s}]
 fps_monitor:
   - {node: /face_finder, topic: /faces}
+unguarded:
+  - {what: /kill, why: "a service: whoever reaches it can call it"}
 accept_unenforceable: ["/gazebo: a plugin, says the developer"]
 """
 
@@ -167,6 +170,7 @@ def test_everything_that_a_plan_can_hold():
             ),
         ),
         fps_monitor=(FpsMonitor(id="fps_face_finder", node="/face_finder", topic="/faces"),),
+        unguarded=(UnguardedPath(what="/kill", why="a service: whoever reaches it can call it"),),
         accept_unenforceable=("/gazebo: a plugin, says the developer",),
     )
 
@@ -211,6 +215,8 @@ def test_a_queue_is_for_actions_where_it_says_when_they_are_done():
         ("name: flow2, ", "", 7, "a flow needs name"),
         ("/teleop", "/move_base", 7, "/move_base has two flows: which one would it take?"),
         ("/teleop", "'/move_*'", 6, "/move_base belongs to flow2 (/move_*) too"),
+        ("/teleop", "/rtron_guard", 7, "/rtron_guard is the guard's own: name a node of the app"),
+        ("/teleop", "/rtron/x", 7, "/rtron/x is the guard's own"),
         ("/teleop", "teleop", 7, "publisher: 'teleop' is not a full node name"),
         ("/teleop", "/tele op", 7, "publisher: '/tele op' is not a full node name"),
         ("/cmd_vel", "cmd_vel", 2, "topic: 'cmd_vel' is not a full topic name"),

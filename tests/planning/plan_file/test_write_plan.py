@@ -41,6 +41,7 @@ from rtron.vocabulary import (
     StreamKind,
     Supervision,
     Transform,
+    UnguardedPath,
     WatchedFlow,
     WhenUnknown,
 )
@@ -231,6 +232,7 @@ plans = st.builds(
     audit=audits,
     supervision=st.just(Supervision()) | bounds,
     messages=listed(definitions, most=2),
+    unguarded=listed(st.builds(UnguardedPath, what=texts, why=texts), most=2),
     accept_unenforceable=listed(texts),
 )
 

@@ -15,6 +15,7 @@ from rtron.reports.app.html import graph_to_html
 from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import Direction, Endpoint, Evidence, InteractionGraph, Node
+from rtron.vocabulary.inventory import Command, Means, Mover, Thing
 
 pytest.importorskip("selenium.webdriver", reason="needs Selenium")
 from selenium.webdriver.common.action_chains import ActionChains
@@ -35,9 +36,9 @@ def chromium():
 def opened(chromium, tmp_path):
     """Open a page; after the test its console must be silent."""
 
-    def open_page(graph, report, plan=None, findings=()):
+    def open_page(graph, report, plan=None, findings=(), **parts):
         path = tmp_path / "graph.html"
-        path.write_text(graph_to_html(graph, report, plan, findings), encoding="utf-8")
+        path.write_text(graph_to_html(graph, report, plan, findings, **parts), encoding="utf-8")
         chromium.get(path.as_uri())
         return chromium
 
@@ -340,6 +341,20 @@ def test_a_finding_stands_first_and_tells_what_to_do(opened):
         assert text in detail
     assert "1 finding" in texts(page, "#counts")[0]
     assert {"node /lane", "topic /cmd_vel"} <= lit(page)
+
+
+def test_a_leaf_that_the_page_names_is_drawn(opened):
+    ends = (
+        Endpoint(node="/lane", topic=name, direction=Direction.PUBLISH)
+        for name in ("/x", "/y", "/z")
+    )
+    graph = replace(GRAPH, endpoints=(*GRAPH.endpoints, *ends))
+    finding = replace(HIGH, nodes=("/lane",), topics=("/x",))
+    command = Command(means=Means.TOPIC, name="/y")
+    mover = Mover(thing=Thing.BASE, commands=(command, replace(command, name="/z", hops=1)))
+    page = opened(graph, report_of(), None, [finding], inventory=[mover])
+    drawn = {"topic /x", "topic /y", "topic /z"} & set(labels(page))
+    assert drawn == {"topic /x", "topic /y"}
 
 
 LABEL_SIZES = """

@@ -78,6 +78,9 @@ def test_what_was_not_read():
     assert rows(thing=Thing.DEVICE, commands=(), drivers=("/agent",)) == [
         "/agent may obey any topic: what is behind it was not read"
     ]
+    pilot = {"commands": (), "drivers": ("/pilot",), "hardware": ("vehicle link",)}
+    (row,) = rows(thing=Thing.VEHICLE, **pilot)
+    assert row.startswith("/pilot (vehicle link) moves it by itself, or obeys a device or link of")
 
 
 def test_a_topic_that_nobody_here_obeys_or_sends():

@@ -94,6 +94,7 @@ def service(tmp_path):
 
 
 def test_a_guard_takes_a_harmless_plan_without_a_problem_and_gives_it_back(ros1, service):
+    """Long: three guards begin, and each of two plans is on trial for 5 s."""
     app = PlannedApp(ros1, service)
     first = app.guard_pid()
     id = app.roll_out(kinder_plan())

@@ -238,43 +238,25 @@ def test_connections_are_counted(tmp_path, monkeypatch):
         (mcap_record(4, struct.pack("<HHI", 1, 1, 2**32 - 1)), {}, "shorter than its values"),
         (channel(metadata={"a": "b"})[:-1] + b"\xff", {}, "can't decode"),
         (channel(), {"body": mcap_message_record(9, 1, b"")}, "no channel (9)"),
-        (
-            channel(),
-            {"body": mcap_message_record(1, 2, b"") + mcap_message_record(1, 1, b"")},
-            "out of order",
-        ),
+        (channel(), {"body": mcap_message_record(1, 2, b"") + mcap_message_record(1, 1, b"")},
+         "out of order"),
         (channel(), {"body": mcap_chunk_record(1, b"")[0]}, "does not say where its chunks are"),
         (channel(), {"body": struct.pack("<BQ", 5, 2**62)}, "a record of"),
         (channel(), {"body": struct.pack("<BQH", 5, 2**20, 1)}, "cut off"),
-        (
-            channel(),
-            {"chunks": [(1, mcap_chunk_record(1, b"x" * 9, compression="zstd"))]},
-            "no zstd",
-        ),
+        (channel(), {"chunks": [(1, mcap_chunk_record(1, b"x" * 9, compression="zstd"))]},
+         "no zstd"),
         (channel(), {"chunks": [(1, mcap_chunk_record(1, b"x" * 9, size=8))]}, "does not unpack"),
-        (
-            channel(),
-            {"chunks": [(1, mcap_chunk_record(1, mcap_message_record(9, 1, b"")))]},
-            "no channel (9)",
-        ),
-        (
-            channel(),
-            {"chunks": [(1, mcap_chunk_record(1, mcap_message_record(1, 1, b"xyz")[:-1]))]},
-            "longer than its",
-        ),
-        (
-            channel(),
-            {"chunks": [(2, mcap_chunk_record(1, mcap_message_record(1, 1, b"")))]},
-            "wrong time",
-        ),
-        (
-            channel(),
-            {"chunks": [(2, mcap_chunk_record(1, b"", size=2**40))]},
-            "unpacks to 1099511627776",
-        ),
+        (channel(), {"chunks": [(1, mcap_chunk_record(1, mcap_message_record(9, 1, b"")))]},
+         "no channel (9)"),
+        (channel(), {"chunks": [(1, mcap_chunk_record(1, mcap_message_record(1, 1, b"xyz")[:-1]))]},
+         "longer than its"),
+        (channel(), {"chunks": [(2, mcap_chunk_record(1, mcap_message_record(1, 1, b"")))]},
+         "wrong time"),
+        (channel(), {"chunks": [(2, mcap_chunk_record(1, b"", size=2**40))]},
+         "unpacks to 1099511627776"),
         (channel(), {"chunks": [(2, (mcap_record(5, bytes(40)), 40))]}, "points to no chunk"),
     ],
-)
+)  # fmt: skip
 def test_an_mcap_that_lies(tmp_path, summary, more, said):
     assert said in fault(write_mcap_records(tmp_path / "x.mcap", summary, **more))
 
@@ -311,10 +293,8 @@ def database(path, statements):
     ("statements", "said"),
     [
         ("CREATE TABLE x(y);", "no ROS 2 bag"),
-        (
-            "CREATE TABLE topics(id); CREATE TABLE messages(id);" + "INSERT INTO topics VALUES(1);",
-            "",
-        ),
+        ("CREATE TABLE topics(id); CREATE TABLE messages(id);" + "INSERT INTO topics VALUES(1);",
+         ""),
         (TOPICS + MESSAGES + TOPIC.replace("'/t'", "7"), "a name that is no text"),
         (TOPICS + MESSAGES + TOPIC.replace("1, '/t'", "'x', '/t'"), "id that is no number"),
         (TOPICS + MESSAGES + "INSERT INTO messages VALUES(1, 1, 1, x'00');", "has no 1"),
@@ -334,7 +314,7 @@ def database(path, statements):
             "messages has columns that are computed",
         ),
     ],
-)
+)  # fmt: skip
 def test_a_database_that_lies_or_computes(tmp_path, statements, said):
     assert said in fault(database(tmp_path / "x.db3", statements))
 

@@ -41,6 +41,12 @@ class Base:
     def drive(self, speed):
         self.motor.write(speed)
 
+    def clock(self):
+        return time.monotonic() * 1000
+
+    def pace(self):
+        return self.speed / (time.monotonic() - self.last)
+
     def off(self):
         self.motor.write(0)
 
@@ -63,6 +69,9 @@ CPP_BODY = """
       [this](const geometry_msgs::msg::Twist & m) { on_twist(m); });
     auto timer = create_wall_timer(50ms, std::bind(&N::tick, this));
 """
+CHECKED, NOT, STOPPED = ("checked", None), ("unnoticed", None), ("stopped", 1.0)
+CHECKED_AT_1, LATER = ("checked", 1.0), ("stopped", None)
+SUM = "self.sum += self.speed\nself.drive(self.speed + self.sum)"
 KEEP = "self.speed = message.linear.x"
 KEEP_WITH_TIME = f"{KEEP}; self.last = now"
 STOP_IN_CALLBACK = f"if now - self.last > 1:\n    self.speed = 0.0\n{KEEP_WITH_TIME}"
@@ -136,12 +145,7 @@ def told(found):
             "stopped",
             1.0,
         ),
-        (
-            f"{KEEP}\nself.fresh = True",
-            "if not self.fresh: pass\nself.fresh = False",
-            "checked",
-            None,
-        ),
+        (f"{KEEP}\nself.fresh = True", "if not self.fresh: pass\nself.fresh = False", *CHECKED),
         (f"{KEEP}\nself.watchdog.reset()", "pass", "checked", None),
         (f"{KEEP}\nself.t = threading.Timer(0.5, self.off)", "pass", "checked", None),
         (KEEP, "self.out.publish(self.speed)", "repeated", None),
@@ -157,15 +161,15 @@ def told(found):
         (KEEP, "self.drive(self.speed)\nself.speed = None", "checked", None),
         (KEEP, "speed, self.speed = self.speed, None\nself.drive(speed)", "checked", None),
         (KEEP, "self.speed = 0.0", "unnoticed", None),
-        (
-            f"{KEEP}\nself.ticks = 0",
-            "self.ticks += 1\nif self.ticks > 9: self.off()",
-            "checked",
-            None,
-        ),
+        (f"{KEEP}\nself.ticks = 0", "self.ticks += 1\nif self.ticks > 9: self.off()", *CHECKED),
         ("self.box.put(message)", "self.drive(self.box.get(timeout=1))", "checked", None),
         ("self.box.put(message)", "self.drive(self.box.get_nowait())", "checked", None),
+        ("self.box.put(message)", "self.drive(self.box.get(True, 0.5))", *CHECKED),
+        ("self.box.put(message)", "self.drive(self.box.get('speed', 0.5))", *NOT),
         ("self.box.put(message)", "self.drive(self.box.get())", "unnoticed", None),
+        (f"{KEEP}\nself.last = default_timer()", LATE, "stopped", 2.0),
+        (f"{KEEP}\nself.dog.reset()", "self.dog = rospy.Timer(self.limit, self.off)", *CHECKED),
+        (f"{KEEP}\nself.dog.reset()", "self.drive(self.speed)", *NOT),
         (f"{KEEP}\nself.came.set()", "if not self.came.wait(0.5): self.off()", "checked", None),
         (KEEP, "self.other.wait(0.5)\nself.drive(self.speed)", "unnoticed", None),
         (f"{KEEP}\nself.loop.call_later(0.5, self.off)", "pass", "checked", None),
@@ -197,6 +201,28 @@ def told(found):
             None,
         ),
         ("self.out.publish(message.linear.x)", "self.out.publish(1.0)", "unnoticed", None),
+        (KEEP, "if self.speed is self.prev: self.drive(b'0')\nself.prev = self.speed", *CHECKED),
+        (KEEP, "if self.speed != self.prev: self.drive(self.speed)\nself.prev = self.speed", *NOT),
+        (KEEP, "if self.speed == self.limit: self.off()\nself.drive(self.speed)", *NOT),
+        (f"{KEEP}\nself.ticks = 5", f"self.ticks = max(0, self.ticks - 1)\n{COUNTED}", *CHECKED),
+        (KEEP, "if self.count_publishers('cmd_vel') == 0: self.off()", *CHECKED),
+        ("self.box.append(message)", "box, self.box = self.box, []\nself.drive(box)", *CHECKED),
+        ("self.box.append(message)", "self.drive(self.box[-1])", *NOT),
+        ("self.box.append(message)", "self.out.publish(self.box[-1])", "repeated", None),
+        ("self.box.__setitem__('a', (now, message))", "self.drive(self.box['a'])", *CHECKED),
+        ("self.drive(message)\ntime.sleep(1)\nself.port.write(b'0')", "pass", *CHECKED),
+        ("self.drive(message)\ntime.sleep(1)\nself.pin.output(4, LOW)", "pass", *CHECKED),
+        ("self.off()\ntime.sleep(1)\nself.drive(message)", "pass", *NOT),
+        ("self.drive(message)\ntime.sleep(1)\nself.port.write(b'x')", "pass", *NOT),
+        (
+            f"{KEEP}\nself.last = self.clock()",
+            "if self.clock() - self.last > 1: self.off()",
+            *STOPPED,
+        ),
+        (f"{KEEP}\nself.last = self.pace()", "if self.pace() - self.last > 1: self.off()", *NOT),
+        (KEEP_WITH_TIME, f"{SUM}\nif now - self.last > 1: self.sum = 0", *CHECKED_AT_1),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.show_idle_light()", "checked", 1.0),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.sendStopCommand()", *STOPPED),
     ],
 )
 def test_in_python(callback, timer, fate, seconds):
@@ -232,28 +258,13 @@ def test_in_python(callback, timer, fate, seconds):
         (KEEP_CPP, "double s = 0; s = speed_; out_->publish(s);", "repeated", None),
         (KEEP_CPP, "out_->publish(speed_); speed_ = 0;", "checked", None),
         (KEEP_CPP, "out_->publish(std::move(speed_));", "checked", None),
-        (
-            f"{KEEP_CPP} ticks_ = 0;",
-            "if (++ticks_ < 9) out_->publish(speed_);",
-            "checked",
-            None,
-        ),
+        (f"{KEEP_CPP} ticks_ = 0;", "if (++ticks_ < 9) out_->publish(speed_);", *CHECKED),
         (f"if (now() - last_ > limit_) send(0); {KEEP_WITH_TIME_CPP}", "", "unnoticed", None),
         (KEEP_CPP, "double speed = 0; send(speed_);", "unnoticed", None),
         (KEEP_CPP, "auto speed = std::exchange(speed_, 0); send(speed);", "checked", None),
-        (
-            f"{KEEP_CPP} cv_.notify_one();",
-            "cv_.wait_for(lock, 500ms); send(speed_);",
-            "checked",
-            None,
-        ),
+        (f"{KEEP_CPP} cv_.notify_one();", "cv_.wait_for(lock, 500ms); send(speed_);", *CHECKED),
         (f"{KEEP_CPP} timer_.expires_after(500ms);", "send(speed_);", "checked", None),
-        (
-            KEEP_CPP,
-            "options.event_callbacks.deadline_callback = off; send(speed_);",
-            "checked",
-            None,
-        ),
+        (KEEP_CPP, "options.event_callbacks.deadline_callback = off; send(speed_);", *CHECKED),
         (KEEP_CPP, "if ((now() - last_).seconds() > 0.5) speed_ = 0.0;", "unnoticed", None),
         ("auto last = now(); send(message.linear.x);", "", "unnoticed", None),
     ],
@@ -289,6 +300,33 @@ def test_a_test_that_the_message_itself_runs_stops_nothing(callback, timer, fate
         callback=indented(f"{KEEP_WITH_TIME}\n{callback}"), timer=indented(timer)
     ).replace("    def is_late", UPDATE)
     assert told(ros1_runs.run_text(text).last_messages)[0] == fate
+
+
+@pytest.mark.parametrize(
+    ("base", "fate"), [("acme.Driver", "checked"), ("Thread", "unnoticed"), ("object", "unnoticed")]
+)
+def test_a_base_that_is_not_read_may_look_at_the_age(base, fate):
+    text = PYTHON.format(callback=indented(KEEP), timer=indented("self.drive(self.speed)"))
+    head = "import acme\nfrom threading import Thread\n"
+    text = head + text.replace("class Base:", f"class Base({base}):")
+    assert told(ros1_runs.run_text(text).last_messages)[0] == fate
+
+
+@pytest.mark.parametrize(
+    ("beside", "fates"),
+    [
+        ("self.create_timer(1, self.check)", ["stopped"]),
+        ("rospy.Timer(rospy.Duration(1), self.tick)", ["checked"]),
+        ("rospy.Subscriber('other', Twist, self.drive)", ["checked", "checked"]),
+    ],
+)
+def test_what_stands_on_one_line(beside, fates):
+    subscription = "rospy.Subscriber('cmd_vel', Twist, self.on_twist)"
+    late = indented("if self.is_late(): self.off()")
+    text = PYTHON.format(callback=indented(KEEP_WITH_TIME), timer="        pass")
+    text = text.replace("    def is_late", f"    def check(self):\n{late}\n\n    def is_late")
+    text = text.replace(subscription, f"{subscription}; {beside}")
+    assert [each.fate.value for each in ros1_runs.run_text(text).last_messages] == fates
 
 
 @pytest.mark.parametrize(("call", "fate"), [("self.update()", "stopped"), ("pass", "checked")])

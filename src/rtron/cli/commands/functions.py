@@ -69,7 +69,7 @@ def graph(
     $ rtron functions graph corpus.jsonl --readmes readmes.jsonl -o functions.html
     $ rtron functions graph distribution.yaml --format dot
 
-    See docs/functions_graph.md. Exit code: 0 drawn, 2 bad input.
+    See docs/functions.md. Exit code: 0 drawn, 2 bad input.
     """
     from rtron.workflows.function_graph import build_function_graph
     from rtron.workflows.source_app import static_scan_options

@@ -184,8 +184,9 @@ def check(
     $ rtron check rtron.yaml
     $ rtron check rtron.yaml --graph graph.json
 
-    Exit code: 0 good, 1 it does not fit the app, 2 it cannot be read.
+    Exit code: 0 good, 1 it guards nothing or does not fit the app, 2 bad input.
     """
+    from rtron.coherence import guards_nothing
     from rtron.planning.plan_file.loader import read_plan
     from rtron.planning.problem import ProblemLevel
     from rtron.reports.plan.problems import problems_text
@@ -196,8 +197,11 @@ def check(
 
     checked_plan = read_plan(plan)
     app_graph = read_graph(graph) if graph else None
+    is_void = guards_nothing(checked_plan)
     problems = check_plan(checked_plan, app_graph)
-    if app_graph:
-        problems += find_unguarded_commands(checked_plan, scan_graph(app_graph))
-    failed = any(problem.level is ProblemLevel.ERROR for problem in problems)
-    return Outcome(problems_text(str(plan), problems), FINDINGS if failed else OK)
+    if app_graph or is_void:
+        scan = scan_graph(app_graph) if app_graph else None
+        problems += find_unguarded_commands(checked_plan, scan)
+    failed = is_void or any(problem.level is ProblemLevel.ERROR for problem in problems)
+    text = problems_text(str(plan), problems, is_void=is_void)
+    return Outcome(text, FINDINGS if failed else OK)

@@ -10,7 +10,7 @@ from rtron.demos.cases.case_study import (
     area_corners,
     find_network_loss,
 )
-from rtron.demos.metrics.trajectory import SceneDocument
+from rtron.demos.world.scenes.scene import Scene
 
 ATTACKER = "/bridge/assistant"
 TOPIC = "/teleop/cmd_vel"
@@ -20,7 +20,7 @@ _FAST, _TURN = 0.8, 1.2
 """What the agent sends and nobody else, m/s and rad/s."""
 
 
-def _is_malicious(topic: str, value: Sequence[float], _scene: SceneDocument) -> bool:
+def _is_malicious(topic: str, value: Sequence[float], _scene: Scene) -> bool:
     return topic == _AT_BASE and (value[0] == _FAST or abs(value[1]) == _TURN)
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from rtron.demos.metrics.case_run import COLLISION
-from rtron.demos.metrics.trajectory import SceneDocument
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.scene import Scene
 
 Decisions = Mapping[str, Any]
 """What the developer changes in the proposed plan, as `rtron.demos.runtime` applies it."""
@@ -29,7 +29,7 @@ class RunConditions:
     world of speed 3 shows it three times as many; `window` (wall s) is how long it counts them.
     """
 
-    scene: SceneDocument
+    scene: Scene
     speed: float
     rate: float
     window: float = 0.3
@@ -69,12 +69,12 @@ class Case:
     harm_description: str
     attack: str
     remedy: str
-    find_harm: Callable[[GroundTruth, SceneDocument], str]
-    is_malicious: Callable[[str, Sequence[float], SceneDocument], bool]
+    find_harm: Callable[[GroundTruth, Scene], str]
+    is_malicious: Callable[[str, Sequence[float], Scene], bool]
     decisions: Callable[[RunConditions], Decisions]
 
 
-def find_network_loss(truth: GroundTruth, _scene: SceneDocument) -> str:
+def find_network_loss(truth: GroundTruth, _scene: Scene) -> str:
     """Name the harm where a robot must not come into the area without network."""
     if truth.collided:
         return COLLISION
@@ -83,7 +83,7 @@ def find_network_loss(truth: GroundTruth, _scene: SceneDocument) -> str:
 
 def area_corners(setting: RunConditions) -> Sequence[Mapping[str, str]]:
     """Return the corners of the area without network as a plan has them."""
-    return [{"x": f"{x:g} m", "y": f"{y:g} m"} for x, y in setting.scene["area"]]
+    return [{"x": f"{x:g} m", "y": f"{y:g} m"} for x, y in setting.scene.area or ()]
 
 
 def merge_decisions(decisions_of_cases: Iterable[Decisions]) -> Decisions:

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from rtron.demos.cases.case_study import IMMEDIATE_GOALS, Case, Decisions, RunConditions
 from rtron.demos.metrics.case_run import COLLISION
-from rtron.demos.metrics.trajectory import SceneDocument
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.scene import Scene
 
 ATTACKER = "/tb3_safe_control"
 TOPIC = "/cmd_vel"
@@ -13,11 +13,11 @@ TURN_RIGHT = (0.0, -0.2)
 """The malicious velocity: m/s and rad/s (paper, appendix D)."""
 
 
-def _harm(truth: GroundTruth, _scene: SceneDocument) -> str:
+def _harm(truth: GroundTruth, _scene: Scene) -> str:
     return COLLISION if truth.collided else ""
 
 
-def _is_malicious(topic: str, value: Sequence[float], _scene: SceneDocument) -> bool:
+def _is_malicious(topic: str, value: Sequence[float], _scene: Scene) -> bool:
     return topic == TOPIC and tuple(value) == TURN_RIGHT
 
 
@@ -26,7 +26,7 @@ def _decisions(setting: RunConditions) -> Decisions:
         "grcn": {
             TOPIC: {
                 "policy": "Preemption",
-                "priorities": {"/move_base": 2, ATTACKER: 1},
+                "flows": {"/move_base": {"priority": 2}, ATTACKER: {"priority": 1}},
                 "block_unapproved": True,
             },
             **IMMEDIATE_GOALS,

@@ -12,13 +12,14 @@ from rtron.demos.cases.case_study import (
     area_corners,
     find_network_loss,
 )
-from rtron.demos.metrics.trajectory import SceneDocument
+from rtron.demos.world.scenes.scene import Scene
 
 _SAME = 1e-6
 
 
-def _is_malicious(topic: str, value: Sequence[float], scene: SceneDocument) -> bool:
-    return topic == GOAL and dist(value[:2], scene["bad_goal"]) < _SAME
+def _is_malicious(topic: str, value: Sequence[float], scene: Scene) -> bool:
+    bad_goal = scene.bad_goal
+    return topic == GOAL and bad_goal is not None and dist(value[:2], bad_goal) < _SAME
 
 
 def _decisions(setting: RunConditions) -> Decisions:

@@ -11,8 +11,8 @@ from rtron.demos.cases.case_study import (
     RunConditions,
 )
 from rtron.demos.metrics.case_run import COLLISION
-from rtron.demos.metrics.trajectory import SceneDocument
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.scene import OVERSPEED, Scene
 
 TOPIC = MAX_VEL
 MALICIOUS = 2.0
@@ -33,13 +33,13 @@ def _window(setting: RunConditions) -> float:
     return max(setting.window, _FRAMES / setting.wall_rate)
 
 
-def _harm(truth: GroundTruth, scene: SceneDocument) -> str:
+def _harm(truth: GroundTruth, _scene: Scene) -> str:
     if truth.collided:
         return COLLISION
-    return "overspeed" if abs(truth.velocity[0]) > scene["overspeed"] else ""
+    return "overspeed" if abs(truth.velocity[0]) > OVERSPEED else ""
 
 
-def _is_malicious(topic: str, value: Sequence[float], _scene: SceneDocument) -> bool:
+def _is_malicious(topic: str, value: Sequence[float], _scene: Scene) -> bool:
     return topic == TOPIC and tuple(value) == (MALICIOUS,)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.demos.cases import Case
-from rtron.demos.experiment.study import ProgressListener, Study, StudyRequest
+from rtron.demos.experiment.study import ProgressListener, Study
 from rtron.demos.metrics.case_run import CaseRun, Variant
 from rtron.demos.runtime.environment import demo_environment
 from rtron.demos.runtime.service import DemoService, run_service
@@ -42,7 +42,7 @@ def run_demo(
     SourceError if something that it needs is not there or ends; to be called in the main thread.
     """
     with demo_environment(request.ros, work_folder, speed=request.speed) as environment:
-        study = Study(environment, StudyRequest(cases=request.cases, seeds=request.seeds), listener)
+        study = Study(environment, request.cases, request.seeds, listener)
         if not request.guard:
             study.run_unguarded()
             finish(study, None)

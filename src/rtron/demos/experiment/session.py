@@ -3,17 +3,20 @@
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.demos.cases import Case
 from rtron.demos.metrics.case_run import CaseRun, Variant
-from rtron.demos.metrics.message_journal import attack_messages, read_journal
-from rtron.demos.metrics.trajectory import SceneDocument, relative_to_start
+from rtron.demos.metrics.message_journal import read_attack
 from rtron.demos.runtime.app_launch import LaunchedApp
 from rtron.demos.runtime.commanders import PersonDriving, give_base_to_person, person_at, run_agent
 from rtron.demos.runtime.environment import DemoEnvironment
+from rtron.demos.runtime.polling import wait_for
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.generator import make_scene
+from rtron.demos.world.scenes.scene import Scene
+from rtron.demos.world.simulation import CAMERA_RATE
 from rtron.errors import SourceError
 
 ARRIVAL_RADIUS = 0.15
@@ -36,7 +39,7 @@ class RunMonitor:
     """
 
     case: Case
-    scene: SceneDocument
+    scene: Scene
     samples: list[GroundTruth] = field(default_factory=list)
     harm: str = ""
     harmed_at: float | None = None
@@ -84,7 +87,6 @@ _NO_TRUTH = 10.0
 _SETTLING_TIME = 1.0
 """Simulated s in which twenty odometries of the new run go out."""
 _CONNECTED_LIMIT = 30.0
-_PAUSE = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +94,7 @@ class StartedRun:
     """A run of a scene that was started at `t` (world s), which was `wall` (s since 1970)."""
 
     run: int
-    scene: SceneDocument
+    scene: Scene
     t: float
     wall: float
 
@@ -106,21 +108,18 @@ class AppSession:
 
     environment: DemoEnvironment
     app: LaunchedApp
-    camera_rate: float = 10.0
+    camera_rate: float = CAMERA_RATE
     plan: Path | None = None
 
     def wait_until_connected(self) -> None:
         """Wait until each device of the robot has its driver; SourceError if one has none."""
-        until = time.monotonic() + _CONNECTED_LIMIT
-        while absent := [
-            name for name in DEVICES if not self.environment.owner.count_devices().get(name)
-        ]:
-            self.app.check()
-            if time.monotonic() > until:
-                raise SourceError(f"no driver has connected to {', '.join(absent)}")
-            time.sleep(_PAUSE)
+        wait_for(self._is_connected, f"a driver of each of {', '.join(DEVICES)}", _CONNECTED_LIMIT)
 
-    def run_case(self, case: Case, seed: int, variant: Variant) -> tuple[SceneDocument, CaseRun]:
+    def _is_connected(self) -> bool:
+        self.app.check()
+        return self.environment.owner.count_devices().keys() >= set(DEVICES)
+
+    def run_case(self, case: Case, seed: int, variant: Variant) -> tuple[Scene, CaseRun]:
         """Run a case in the world of a seed; return the scene and what came of it.
 
         SourceError if a process of the app or the world has ended.
@@ -137,21 +136,22 @@ class AppSession:
     def start_run(self, case: Case, seed: int, variant: Variant) -> StartedRun:
         """Set up the world of a case and a seed and start the robot, which knows where it is."""
         environment = self.environment
+        scene = make_scene(case.name, seed)
         reset = environment.owner.reset(case.name, seed, self.camera_rate)
-        environment.write_map(reset.scene)
+        environment.write_map(scene)
         if variant is not Variant.UNATTACKED:
-            environment.arm_attack(case.name, reset.run, case.attack_delay, reset.scene["bad_goal"])
+            environment.arm_attack(case.name, reset.run, case.attack_delay, scene.bad_goal)
         while not any(truth.t >= reset.t + _SETTLING_TIME for truth in self.new_truths(reset.run)):
             pass
         wall, t = time.time(), environment.owner.start()
-        return StartedRun(reset.run, reset.scene, t, wall)
+        return StartedRun(reset.run, scene, t, wall)
 
     def _watch(
         self, monitor: RunMonitor, started: StartedRun, person: PersonDriving | None
     ) -> None:
         for truth in self.new_truths(started.run):
             if truth.t >= started.t and not monitor.is_over:
-                monitor.observe(relative_to_start(started.t, truth))
+                monitor.observe(replace(truth, t=truth.t - started.t))
                 if person:
                     person.drive(truth, started.scene)
 
@@ -186,9 +186,8 @@ class AppSession:
         self, monitor: RunMonitor, seed: int, variant: Variant, wall: tuple[float, float]
     ) -> CaseRun:
         environment, case, scene = self.environment, monitor.case, monitor.scene
-        entries = read_journal(environment.journal, *wall)
-        messages = attack_messages(
-            entries, lambda topic, value: case.is_malicious(topic, value, scene)
+        attack = read_attack(
+            environment.journal, wall, lambda topic, value: case.is_malicious(topic, value, scene)
         )
         return CaseRun(
             case=case.name,
@@ -204,5 +203,5 @@ class AppSession:
             harmed_at=monitor.harmed_at,
             start_wall=wall[0],
             samples=tuple(monitor.samples),
-            attack=messages,
+            attack=attack,
         )

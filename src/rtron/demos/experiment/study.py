@@ -14,12 +14,12 @@ from rtron.demos.experiment.session import AppSession
 from rtron.demos.metrics.case_run import CaseRun, RunsByVariant, Variant
 from rtron.demos.metrics.deviation import measure_deviation
 from rtron.demos.metrics.guard_events import SECOND, Event, first_stop
-from rtron.demos.metrics.message_journal import time_to_mitigation
-from rtron.demos.metrics.trajectory import SceneDocument, trajectory_of
 from rtron.demos.runtime.app_files import APP_NAME, launch_file
+from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
 from rtron.demos.runtime.service import DemoService
+from rtron.demos.world.simulation import CAMERA_RATE
 from rtron.planning.plan_file.loader import read_plan
 from rtron.sources.graph_json import GraphFile
 from rtron.vocabulary import Risk, build_streams
@@ -27,6 +27,7 @@ from rtron.workflows.scan import scan_graph
 
 if TYPE_CHECKING:
     from rtron.demos.runtime.processes import CompletedCommand
+    from rtron.demos.world.scenes.scene import Scene
 
 
 def with_verdicts(run: CaseRun, case: Case, events: Sequence[Event], plan: Path) -> CaseRun:
@@ -34,7 +35,9 @@ def with_verdicts(run: CaseRun, case: Case, events: Sequence[Event], plan: Path)
     ended = run.start_wall + run.ended / run.speed + 1
     run_events = tuple(e for e in events if run.start_wall <= e["at"] / SECOND <= ended)
     stopped = first_stop(run_events, case.topic, case.attacker)
-    after = time_to_mitigation(run.attack, stopped)
+    after = None
+    if run.attack.sent and stopped is not None:
+        after = max(0.0, stopped - run.attack.sent[0])
     return replace(run, events=run_events, mitigated_after=after, publishers=_publishers(plan))
 
 
@@ -56,19 +59,6 @@ def worlds_by_decisions(
     return found
 
 
-CAMERA_RATE = 10.0
-"""Images a simulated second."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StudyRequest:
-    """Which cases to run in the worlds of which seeds; `camera_rate` is in images a simulated s."""
-
-    cases: Sequence[Case]
-    seeds: Sequence[int]
-    camera_rate: float = CAMERA_RATE
-
-
 @dataclass(frozen=True, slots=True)
 class ProgressListener:
     """Takes what happens now, and each run that is done."""
@@ -83,7 +73,7 @@ _UNGUARDED = (Variant.UNATTACKED, Variant.ATTACKED)
 
 
 class Study:
-    """Runs what is wanted, first without the guard, then with it; `runs` grows meanwhile.
+    """Runs cases in the worlds of seeds, first without the guard, then with it; `runs` grows.
 
     One guarded app stands against all cases. `scenes` and `incidents` are by case and seed,
     `decisions` by case; they, `plan` and `commands`, the commands that led to the guarded app and
@@ -91,18 +81,23 @@ class Study:
     """
 
     def __init__(
-        self, environment: DemoEnvironment, request: StudyRequest, listener: ProgressListener
+        self,
+        environment: DemoEnvironment,
+        cases: Sequence[Case],
+        seeds: Sequence[int],
+        listener: ProgressListener,
     ) -> None:
         self.pipeline = InstrumentationPipeline(environment, environment.folder)
         self.runs: list[CaseRun] = []
-        self.scenes: dict[tuple[str, int], SceneDocument] = {}
+        self.scenes: dict[tuple[str, int], Scene] = {}
         self.incidents: dict[tuple[str, int], CaseIncident] = {}
         self.decisions: dict[str, Decisions] = {}
         self.plan = ""
         self.commands: Sequence[CompletedCommand] = ()
         self._running = ExitStack()
         self._environment = environment
-        self._request = request
+        self._cases = cases
+        self._seeds = seeds
         self._listener = listener
 
     def runs_of(self, case: str, seed: int) -> RunsByVariant:
@@ -129,11 +124,11 @@ class Study:
         self.pipeline.scan()
         self.commands = tuple(self.pipeline.commands)
         self._listener.on_activity("starting the app as it is")
-        with self._environment.launch_app(launch_file(self._environment.ros)) as app:
-            session = AppSession(self._environment, app, self._request.camera_rate)
+        with launch_app(self._environment, launch_file(self._environment.ros)) as app:
+            session = AppSession(self._environment, app)
             session.wait_until_connected()
-            for case in self._request.cases:
-                for seed in self._request.seeds:
+            for case in self._cases:
+                for seed in self._seeds:
                     for variant in _UNGUARDED:
                         self._add_run(self._run(session, case, seed, variant))
 
@@ -144,20 +139,18 @@ class Study:
         The last guarded app runs on until the end of the block. With a service the guard's
         decisions are recorded, and become part of the runs; it gets the app's graph, too.
         """
-        request = self._request
         if service:
             service.wait()
         with self._running:
-            for decisions, seeds in worlds_by_decisions(
-                request.cases, request.seeds, self._conditions
-            ):
+            worlds = worlds_by_decisions(self._cases, self._seeds, self._conditions)
+            for decisions, seeds in worlds:
                 self._run_with_decisions(decisions, seeds, service)
             yield
 
     def _conditions(self, case: Case, seed: int) -> RunConditions:
         """Return what decisions of a case may depend on, in a world that was run before."""
         scene, speed = self.scenes[case.name, seed], self._environment.speed
-        return RunConditions(scene=scene, speed=speed, rate=self._request.camera_rate)
+        return RunConditions(scene=scene, speed=speed, rate=CAMERA_RATE)
 
     def _run_with_decisions(
         self, decisions: Decisions, seeds: Sequence[int], service: DemoService | None
@@ -166,14 +159,14 @@ class Study:
         launch = self._instrument(decisions)
         began = time.time_ns()
         session = self._launch(launch, service.environ() if service else None)
-        cases = [(case, seed) for case in self._request.cases for seed in seeds]
+        cases = [(case, seed) for case in self._cases for seed in seeds]
         runs = [(case, self._run(session, case, seed, Variant.GUARDED)) for case, seed in cases]
         for case, run in runs:
             if case.over_bridge:
                 self._note_incident(case, run)
         events: Sequence[Event] = ()
         if service:
-            events = service.history.events(began, time.time_ns() + _COUNTS_DELAY)
+            events = service.events(began, time.time_ns() + _COUNTS_DELAY)
             service.upload(self.pipeline.graph)
         for case, run in runs:
             self._add_run(with_verdicts(run, case, events, self.pipeline.plan))
@@ -191,20 +184,19 @@ class Study:
         if not self.decisions:
             self.commands = tuple(self.pipeline.commands)
             self.plan = self.pipeline.plan.read_text(encoding="utf-8")
-            for case in self._request.cases:
-                setting = self._conditions(case, self._request.seeds[0])
+            for case in self._cases:
+                setting = self._conditions(case, self._seeds[0])
                 self.decisions[case.name] = case.decisions(setting)
         return launch
 
     def _launch(self, launch: Path, more: Mapping[str, str] | None) -> AppSession:
         """Start a guarded app, which runs until the next one does."""
         self._listener.on_activity("starting the guarded app")
-        app = self._environment.launch_app(launch, more, self.pipeline.plan)
+        app = launch_app(self._environment, launch, more, self.pipeline.plan)
         session = AppSession(
             self._environment,
             self._running.enter_context(app),
-            self._request.camera_rate,
-            self.pipeline.plan,
+            plan=self.pipeline.plan,
         )
         session.wait_until_connected()
         return session
@@ -218,11 +210,7 @@ class Study:
     def _add_run(self, run: CaseRun) -> None:
         """Keep a run with how far it is from the unattacked one, which came before it."""
         reference = self.runs_of(run.case, run.seed).get(Variant.UNATTACKED)
-        off = (
-            measure_deviation(trajectory_of(run.samples), trajectory_of(reference.samples))
-            if reference
-            else None
-        )
+        off = measure_deviation(run.trajectory, reference.trajectory) if reference else None
         measured = replace(run, deviation=off)
         self.runs.append(measured)
         self._listener.on_run(measured)

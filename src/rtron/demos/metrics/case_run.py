@@ -8,7 +8,7 @@ from typing import Any
 from rtron.demos.metrics.deviation import TrajectoryDeviation
 from rtron.demos.metrics.guard_events import Event
 from rtron.demos.metrics.message_journal import Attack
-from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.ground_truth import GroundTruth, Position
 
 COLLISION = "collision"
 _RUN_FIELDS = ("case", "ros", "seed", "speed", "outcome", "completed", "harm", "collided", "ended")
@@ -59,9 +59,9 @@ class CaseRun:
     publishers: Mapping[tuple[str, str], str] = field(default_factory=dict)
 
     @property
-    def is_guarded(self) -> bool:
-        """Whether the guard stood in the way."""
-        return self.variant is Variant.GUARDED
+    def trajectory(self) -> tuple[Position, ...]:
+        """Where the robot went, in order."""
+        return tuple(each.position for each in self.samples)
 
     @property
     def is_attacked(self) -> bool:

@@ -34,10 +34,8 @@ def decision_counts(events: Iterable[Event]) -> tuple[SecondCounts, ...]:
     )
 
 
-def first_stop(
-    events: Iterable[Event], topic: str, attacker: str, since: float = 0.0
-) -> float | None:
-    """Return when (wall s) the first message of an attacker was stopped, from `since` (wall s) on.
+def first_stop(events: Iterable[Event], topic: str, attacker: str) -> float | None:
+    """Return when (wall s) the first message of an attacker was stopped.
 
     None if no verdict tells so: one is told where it differs from its flow's before. A node that
     the plan does not name is an attacker, too.
@@ -50,4 +48,4 @@ def first_stop(
         and event["decision"] in _STOPPED
         and (event["publisher"] == attacker or event["flow"] == UNAPPROVED)
     )
-    return min((at for at in verdict_times if at >= since), default=None)
+    return min(verdict_times, default=None)

@@ -1,7 +1,6 @@
 """The table of a case: the same world without an attack, attacked, and attacked with the guard."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from rtron.demos.metrics.case_run import NEVER, NOTHING, CaseRun, Variant
 
@@ -15,14 +14,6 @@ COLUMN_TITLES = {
 _NONE = "-"
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
-    """A line of the table: what it says of the runs of a variant."""
-
-    title: str
-    cell: Callable[[Column], str]
-
-
 def columns(runs: Iterable[CaseRun]) -> Mapping[Variant, Column]:
     """Return the runs by variant, in the order of variants; those that were not made are absent."""
     all_runs = list(runs)
@@ -32,7 +23,7 @@ def columns(runs: Iterable[CaseRun]) -> Mapping[Variant, Column]:
 
 def cells(table: Mapping[Variant, Column]) -> list[tuple[str, list[str]]]:
     """Return the table's lines: a title, and a cell for each variant that was run."""
-    return [(row.title, [row.cell(column) for column in table.values()]) for row in _ROWS]
+    return [(title, [cell(column) for column in table.values()]) for title, cell in _ROWS.items()]
 
 
 def _outcome(column: Column) -> str:
@@ -82,11 +73,11 @@ def _time(column: Column) -> str:
     return f"{most:.1f} s" if len(times) == 1 else f"{least:.1f} to {most:.1f} s"
 
 
-_ROWS = (
-    Row("outcome", _outcome),
-    Row("collision", _collided),
-    Row("malicious messages sent / delivered", _sent),
-    Row("stopped after, at most", _mitigated),
-    Row("off the way, at most / mean", _deviation),
-    Row("time to the goal (simulated)", _time),
-)
+_ROWS: dict[str, Callable[[Column], str]] = {
+    "outcome": _outcome,
+    "collision": _collided,
+    "malicious messages sent / delivered": _sent,
+    "stopped after, at most": _mitigated,
+    "off the way, at most / mean": _deviation,
+    "time to the goal (simulated)": _time,
+}

@@ -4,11 +4,15 @@ from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
+from pathlib import Path
 from string import Template
+
+from rich.text import Text
 
 from rtron.demos.cases import Case
 from rtron.demos.metrics.case_run import CaseRun
 from rtron.demos.metrics.table import COLUMN_TITLES, cells, columns
+from rtron.demos.runtime.processes import CompletedCommand
 from rtron.reports.inline_page import policy
 from rtron.sanitize import sanitize
 
@@ -57,18 +61,10 @@ _DECIDED = Template("""<h2>The developer's decisions in the plan</h2>
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A PNG and what it shows."""
+    """The file of a PNG, and what it shows."""
 
-    png: bytes
+    path: Path
     caption: str
-
-
-@dataclass(frozen=True, slots=True)
-class CommandOutput:
-    """A command and what it printed."""
-
-    command: str
-    text: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,29 +75,27 @@ class CaseFindings:
     ros: int
     runs: Sequence[CaseRun]
     decisions: str
+    pictures: Sequence[Picture] = ()
 
 
-Part = tuple[CaseFindings, Sequence[Picture]]
-
-
-def render_report(parts: Iterable[Part], commands: Iterable[CommandOutput]) -> str:
+def render_report(cases: Iterable[CaseFindings], commands: Iterable[CompletedCommand]) -> str:
     """Return the page; the commands are those that led to the guarded app.
 
     All text from outside is escaped, and nothing is loaded from elsewhere.
     """
-    shown = "".join(_part(found, pictures) for found, pictures in parts)
+    shown = "".join(map(_part, cases))
     command_blocks = "".join(map(_command, commands))
     allowed = escape(policy((), _STYLE))
     return _PAGE.substitute(policy=allowed, style=_STYLE, parts=shown, commands=command_blocks)
 
 
-def _part(found: CaseFindings, pictures: Sequence[Picture]) -> str:
+def _part(found: CaseFindings) -> str:
     return _PART.substitute(
         title=escape(f"{found.case.title} (ROS {found.ros})"),
         story=_story(found.case),
         conditions=escape(_conditions(found.runs)),
         table=_table(found.runs),
-        pictures="".join(map(_picture, pictures)),
+        pictures="".join(map(_picture, found.pictures)),
         decided=_decisions_html(found) if found.decisions else "",
     )
 
@@ -137,12 +131,12 @@ def _cell(tag: str, text: str) -> str:
 
 
 def _picture(picture: Picture) -> str:
-    data, caption = b64encode(picture.png).decode(), escape(picture.caption)
+    data, caption = b64encode(picture.path.read_bytes()).decode(), escape(picture.caption)
     image = f'<img alt="{caption}" src="data:image/png;base64,{data}">'
     return f"<figure>{image}<figcaption>{caption}</figcaption></figure>\n"
 
 
-def _command(output: CommandOutput) -> str:
-    text = "\n".join(map(sanitize, output.text.splitlines()))
-    summary = f"<summary><code>$ {escape(sanitize(output.command))}</code></summary>"
+def _command(ran: CompletedCommand) -> str:
+    text = "\n".join(map(sanitize, Text.from_ansi(ran.text).plain.splitlines()))
+    summary = f"<summary><code>$ {escape(sanitize(ran.command))}</code></summary>"
     return f"<details>{summary}<pre>{escape(text)}</pre></details>\n"

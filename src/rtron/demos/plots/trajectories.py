@@ -1,12 +1,11 @@
 """The map of a case with the ways that the robot took."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rtron.demos.metrics.case_run import CaseRun, RunsByVariant, Variant
 from rtron.demos.metrics.table import COLUMN_TITLES
-from rtron.demos.metrics.trajectory import ROBOT_RADIUS, SceneDocument, position_of, trajectory_of
 from rtron.demos.plots.style import (
     AREA,
     COLOURS,
@@ -19,7 +18,9 @@ from rtron.demos.plots.style import (
     figure_file,
     legend_below,
 )
+from rtron.demos.world import robot_base
 from rtron.demos.world.ground_truth import GroundTruth, Position
+from rtron.demos.world.scenes.scene import Crossing, Obstacle, RoundObstacle, Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,24 +29,24 @@ if TYPE_CHECKING:
 Edges = tuple[float, float, float, float]
 
 
-def scene_bounds(scene: SceneDocument) -> Edges:
+def scene_bounds(scene: Scene) -> Edges:
     """Return left, bottom, right and top (m) of what there is to see."""
-    points = [(x, y) for x1, y1, x2, y2 in scene["walls"] for x, y in ((x1, y1), (x2, y2))]
-    points += [scene["start"][:2], scene["goal"], *(scene["area"] or ())]
+    points = [(x, y) for x1, y1, x2, y2 in scene.walls for x, y in ((x1, y1), (x2, y2))]
+    points += [scene.start[:2], scene.goal, *(scene.area or ())]
     xs, ys = [x for x, _ in points], [y for _, y in points]
     return min(xs), min(ys), max(xs), max(ys)
 
 
-def draw_scenery(axes: "Axes", scene: SceneDocument) -> None:
+def draw_scenery(axes: "Axes", scene: Scene) -> None:
     """Draw walls, obstacles, the unstable area, the light, start and goals."""
     axes.set_facecolor("white")
     axes.grid(visible=True)
-    _draw_area(axes, scene["area"])
-    for x1, y1, x2, y2 in scene["walls"]:
+    _draw_area(axes, scene.area)
+    for x1, y1, x2, y2 in scene.walls:
         axes.plot((x1, x2), (y1, y2), color=INK, linewidth=3, zorder=3)
-    for obstacle in scene["obstacles"]:
+    for obstacle in scene.obstacles:
         _draw_obstacle(axes, obstacle)
-    _draw_walks(axes, scene["pedestrian_paths"])
+    _draw_walks(axes, scene.crossings)
     _draw_marks(axes, scene)
 
 
@@ -58,31 +59,31 @@ def _draw_area(axes: "Axes", area: Sequence[Position] | None) -> None:
     axes.add_patch(Polygon(area, label="area without network", zorder=1, **style))
 
 
-def _draw_obstacle(axes: "Axes", obstacle: Mapping[str, Any]) -> None:
+def _draw_obstacle(axes: "Axes", obstacle: Obstacle) -> None:
     from matplotlib.patches import Circle, Polygon  # noqa: PLC0415 - only with the extra
 
     style: Style = {"facecolor": FAINT, "edgecolor": MUTED, "zorder": 2}
-    if "polygon" in obstacle:
-        axes.add_patch(Polygon(obstacle["polygon"], **style))
+    if isinstance(obstacle, RoundObstacle):
+        axes.add_patch(Circle(obstacle.center, obstacle.radius, **style))
     else:
-        axes.add_patch(Circle(obstacle["center"], obstacle["radius"], **style))
+        axes.add_patch(Polygon(obstacle.polygon, **style))
 
 
-def _draw_walks(axes: "Axes", walks: Iterable[Sequence[Position]]) -> None:
+def _draw_walks(axes: "Axes", walks: Iterable[Crossing]) -> None:
     label: str | None = "a pedestrian's way"
     for walk in walks:
-        xs, ys = [position[0] for position in walk], [position[1] for position in walk]
+        xs, ys = zip(walk.start, walk.stand, strict=True)
         dots: Style = {"linestyle": (0, (1, 2)), "linewidth": 2, "color": MUTED, "zorder": 2}
         axes.plot(xs, ys, marker="o", markersize=4, label=label, **dots)
         label = None
 
 
-def _draw_marks(axes: "Axes", scene: SceneDocument) -> None:
-    marks = [("start", scene["start"][:2], "o", GROUND), ("goal", scene["goal"], "*", "#f0c000")]
-    if scene["bad_goal"]:
-        marks.append(("the attacker's goal", scene["bad_goal"], "*", AREA))
-    if scene["light"]:
-        marks.append(("traffic light", scene["light"], "s", "#c01030"))
+def _draw_marks(axes: "Axes", scene: Scene) -> None:
+    marks = [("start", scene.start[:2], "o", GROUND), ("goal", scene.goal, "*", "#f0c000")]
+    if scene.bad_goal:
+        marks.append(("the attacker's goal", scene.bad_goal, "*", AREA))
+    if scene.light:
+        marks.append(("traffic light", scene.light, "s", "#c01030"))
     for label, position, marker, colour in marks:
         size = 190 if marker == "*" else 70
         style: Style = {"s": size, "edgecolors": INK, "linewidths": 1.0, "zorder": 8}
@@ -99,7 +100,7 @@ _LINES: dict[Variant, Style] = {
 }
 
 
-def draw_trajectories(path: Path, title: str, scene: SceneDocument, runs: RunsByVariant) -> None:
+def draw_trajectories(path: Path, title: str, scene: Scene, runs: RunsByVariant) -> None:
     """Draw the scene and each run's way into the PNG `path`."""
     left, bottom, right, top = scene_bounds(scene)
     scaled = WIDTH * (top - bottom) / (right - left)
@@ -118,7 +119,7 @@ def draw_trajectories(path: Path, title: str, scene: SceneDocument, runs: RunsBy
 
 
 def _draw_run(axes: "Axes", run: CaseRun) -> None:
-    positions = trajectory_of(run.samples)
+    positions = run.trajectory
     if not positions:
         return
     axes.plot(
@@ -130,14 +131,14 @@ def _draw_run(axes: "Axes", run: CaseRun) -> None:
     )
     _draw_body(axes, run.samples[-1], COLOURS[run.variant])
     for harm, truth in run.first_harms.items():
-        _draw_harm(axes, harm, position_of(truth))
+        _draw_harm(axes, harm, truth.position)
 
 
 def _draw_body(axes: "Axes", last: GroundTruth, colour: str) -> None:
     """Draw the robot where it ended up, as large as it is."""
     from matplotlib.patches import Circle  # noqa: PLC0415 - only with the extra
 
-    body = Circle(position_of(last), ROBOT_RADIUS, facecolor=colour, alpha=0.25, edgecolor=colour)
+    body = Circle(last.position, robot_base.RADIUS, facecolor=colour, alpha=0.25, edgecolor=colour)
     axes.add_patch(body)
 
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from rtron.demos.metrics.case_run import CaseRun, RunsByVariant, Variant
 from rtron.demos.metrics.table import COLUMN_TITLES
-from rtron.demos.metrics.trajectory import SceneDocument
 from rtron.demos.plots.style import (
     COLOURS,
     INK,
@@ -17,6 +16,7 @@ from rtron.demos.plots.style import (
     shade_attack,
 )
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.scene import OVERSPEED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,9 +29,7 @@ _LINES: dict[Variant, Style] = {
 }
 
 
-def draw_velocity(
-    path: Path, title: str, scene: SceneDocument, runs: RunsByVariant, *, turn: bool
-) -> None:
+def draw_velocity(path: Path, title: str, runs: RunsByVariant, *, turn: bool) -> None:
     """Draw the speed of each run, and how fast it turned if `turn`, into the PNG `path`."""
     rows = 2 if turn else 1
     with figure_file(path, _HEIGHT[rows], rows) as (figure, axes):
@@ -43,7 +41,7 @@ def draw_velocity(
                 _draw(axes[1], run, _turn)
         if turn:
             axes[1].set_ylabel("turn [rad/s]")
-        axes[0].axhline(scene["overspeed"], color=LIMIT, linewidth=1.4, label="too fast above this")
+        axes[0].axhline(OVERSPEED, color=LIMIT, linewidth=1.4, label="too fast above this")
         for each in axes:
             shade_attack(each, *runs.values())
             each.margins(y=0.1)

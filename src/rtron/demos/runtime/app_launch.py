@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rtron.demos.runtime.app_files import first_party_packages, third_party_packages
+from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import Command, ProcessGroup, StartedProcess
 from rtron.errors import InputError, SourceError
@@ -18,9 +18,6 @@ from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
 from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.vocabulary import GUARD_NODE, LaunchNode, build_streams, is_bridge_client
-
-if TYPE_CHECKING:
-    from rtron.demos.runtime.environment import DemoEnvironment
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,15 +91,23 @@ class LaunchedApp:
 
 @contextmanager
 def launch_app(
-    environment: "DemoEnvironment", launch: Path, more_environ: Mapping[str, str], plan: Path | None
+    environment: DemoEnvironment,
+    launch: Path,
+    more_environ: Mapping[str, str] | None = None,
+    plan: Path | None = None,
 ) -> Iterator[LaunchedApp]:
-    """Run the app of a launch file; see Begun.launched."""
+    """Run the app of a launch file until the end of the block, which starts when all nodes run.
+
+    `more_environ` is added to the environment. With `plan` the block also waits until every path
+    of that plan is closed. An attack that was armed is disarmed.
+    """
+    environment.arm_attack("none", 0)
     commands, nodes = _launch_commands(environment, launch)
     started: dict[str, StartedProcess] = {}
     try:
         for each in commands:
             started[each.node] = _start_node(
-                environment.processes, each, {**environment.environ, **more_environ}
+                environment.processes, each, {**environment.environ, **(more_environ or {})}
             )
         app = LaunchedApp(started, nodes)
         if plan:
@@ -117,7 +122,7 @@ def launch_app(
 
 
 def _launch_commands(
-    environment: "DemoEnvironment", launch: Path
+    environment: DemoEnvironment, launch: Path
 ) -> tuple[Sequence[NodeCommand], Collection[str]]:
     """Return the commands that start an app, and the nodes that are there then."""
     folders = (first_party_packages(environment.ros), third_party_packages(environment.ros))
@@ -136,7 +141,7 @@ def _start_node(
     )
 
 
-def _is_joined(environment: "DemoEnvironment", app: LaunchedApp) -> bool:
+def _is_joined(environment: DemoEnvironment, app: LaunchedApp) -> bool:
     """Tell whether each node of the app publishes or subscribes something."""
     app.check()
     generation = (
@@ -155,13 +160,14 @@ def _is_joined(environment: "DemoEnvironment", app: LaunchedApp) -> bool:
     return joined.issuperset(app.nodes)
 
 
-def _is_guarded(environment: "DemoEnvironment", app: LaunchedApp, plan: Path) -> bool:
-    """Tell whether the app is joined and every path of the plan is closed, asked at a time.
+def _is_guarded(environment: DemoEnvironment, app: LaunchedApp, plan: Path) -> bool:
+    """Tell whether the app is joined and every path of the plan is closed.
 
     The clients of a bridge come later.
     """
     publishers = {flow.publisher for each in build_streams(read_plan(plan)) for flow in each.flows}
     clients = [f"--absent={node}" for node in publishers if is_bridge_client(node)]
     arguments: Command = ["verify", "--live", "--plan", plan, *clients, *_DISCOVERY_OPTIONS]
-    with environment.run_rtron_in_background(*arguments, codes=_VERDICTS) as verified:
-        return _is_joined(environment, app) and verified().code == 0
+    if not _is_joined(environment, app):
+        return False
+    return environment.run_rtron(*arguments, codes=_VERDICTS).code == 0

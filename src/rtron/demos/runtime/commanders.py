@@ -13,13 +13,13 @@ from pathlib import Path
 from shapely import LineString, Point
 
 from rtron.bridge.rights.tokens import new_token, token_hash
-from rtron.demos.metrics.trajectory import SceneDocument, position_of
 from rtron.demos.runtime.app_files import APPS, third_party_packages
 from rtron.demos.runtime.environment import DemoEnvironment, has_started
 from rtron.demos.runtime.isolation import free_port
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import Command, StartedProcess
 from rtron.demos.world.ground_truth import GroundTruth
+from rtron.demos.world.scenes.scene import Scene
 
 NAME = "assistant"
 RIGHTS = "bridge.yaml"
@@ -100,13 +100,13 @@ class PersonDriving:
         self._command = command
         self._send(0.0, 0.0)
 
-    def drive(self, truth: GroundTruth, scene: SceneDocument) -> None:
+    def drive(self, truth: GroundTruth, scene: Scene) -> None:
         """Steer along the right way, as the robot and the room are now."""
         if truth.distance_to_goal <= _ARRIVED:
             self._send(0.0, 0.0)
             return
-        x, y = position_of(truth)
-        way = LineString(scene["route"])
+        x, y = truth.position
+        way = LineString(scene.route)
         target = way.interpolate(way.project(Point(x, y)) + _AHEAD)
         aside = remainder(atan2(target.y - y, target.x - x) - truth.pose[2], tau)
         self._send(_CRUISE, max(-_MOST_TURN, min(_MOST_TURN, _GAIN * aside)))

@@ -2,10 +2,9 @@
 
 import json
 import os
-import secrets
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,7 +12,6 @@ from typing import Any
 from uuid import getnode
 
 from rtron.demos.runtime.app_files import APPS, third_party_packages
-from rtron.demos.runtime.app_launch import LaunchedApp, launch_app
 from rtron.demos.runtime.isolation import (
     free_port,
     reserve_domain,
@@ -25,13 +23,14 @@ from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import Command, CompletedCommand, ProcessGroup, StartedProcess
 from rtron.demos.runtime.ros_installation import find_ros_python
 from rtron.demos.world.client import WorldClient
+from rtron.demos.world.scenes.geometry import clearance_map
+from rtron.demos.world.scenes.scene import Scene
 from rtron.errors import SourceError
 from rtron.workflows.live_app import master_answers
 
 _NAME = "/rtron_demo"
 _ANSWER_TIMEOUT_S = 2.0
 _BEGIN_TIMEOUT_S = 20.0
-_LIMIT = 60.0
 
 
 @contextmanager
@@ -100,35 +99,15 @@ class DemoEnvironment:
         order = {"mac": mac, "attack": attack, "after": after, "run": run}
         _write_json(self.trigger, {**order, "goal": None if goal is None else list(goal)})
 
-    def write_map(self, scene: Mapping[str, Any]) -> None:
-        """Give the navigation the walls and obstacles of a scene."""
-        _write_json(self.map, scene)
+    def write_map(self, scene: Scene) -> None:
+        """Give the navigation the static map of a scene."""
+        _write_json(self.map, clearance_map(scene))
 
     def run_rtron(self, *arguments: str | Path, codes: Sequence[int] = (0,)) -> CompletedCommand:
         """Run a command of RTron; SourceError if it ends with none of the exit codes."""
-        with self.run_rtron_in_background(*arguments, codes=codes) as finished:
-            typed = " ".join(map(_display_argument, arguments))
-            return replace(finished(), command=f"rtron {typed}")
-
-    def run_rtron_in_background(
-        self, *arguments: str | Path, codes: Sequence[int] = (0,)
-    ) -> AbstractContextManager[Callable[[], CompletedCommand]]:
-        """Run a command of RTron beside the block, which waits for its end."""
         command = [self.python, "-m", "rtron", *arguments]
-        return self.processes.run_in_background(
-            command, self.environ, codes, name=str(arguments[0])
-        )
-
-    def launch_app(
-        self, launch: Path, more_environ: Mapping[str, str] | None = None, plan: Path | None = None
-    ) -> AbstractContextManager[LaunchedApp]:
-        """Run the app of a launch file until the end of the block, which starts when all nodes run.
-
-        `more_environ` is added to the environment. With `plan` the block also waits until every
-        path of that plan is closed. An attack that was armed is disarmed.
-        """
-        self.arm_attack("none", 0)
-        return launch_app(self, launch, more_environ or {}, plan)
+        done = self.processes.run_command(command, self.environ, codes, name=str(arguments[0]))
+        return replace(done, command=" ".join(["rtron", *map(_display_argument, arguments)]))
 
     @contextmanager
     def run_manual_attacker(self) -> Iterator[StartedProcess]:
@@ -245,10 +224,14 @@ def run_world(
 
     SourceError if it does not come up, with what it said.
     """
-    key = secrets.token_hex()
-    command: Command = [sys.executable, "-m", "rtron.demos.world", socket, "--speed", f"{speed:g}"]
+    command: Command = [sys.executable, "-m", "rtron.demos.world", socket, str(speed)]
     with (
-        processes.running(command, {**environ, "DEMO_KEY": key}, name="world"),
-        WorldClient.connect(socket, key, _LIMIT) as owner,
+        processes.running(command, environ, name="world") as world,
+        closing(wait_for(lambda: _become_owner(world, socket), "the world")) as owner,
     ):
         yield owner
+
+
+def _become_owner(world: StartedProcess, socket: Path) -> WorldClient | None:
+    world.check()
+    return WorldClient.connect(socket)

@@ -4,17 +4,18 @@ Decisions are plain data with the words of the plan's file. What they do not men
 was proposed.
 
     {"app": "tb3_demo",
-     "grcn": {"/cmd_vel": {"policy": "Preemption", "priorities": {"/move_base": 2}},
-              "/goal": {"flows": {"/mission": {"timeout": "1 s"}}}},
+     "grcn": {"/cmd_vel": {"policy": "Preemption", "flows": {"/move_base": {"priority": 2}}}},
      "rsrcn": {"policy": "Constrain", "max_vel_limit": "0.22 m/s", "vflows": ["/control/max_vel"]},
      "msrcn": {"aflows": ["/goal"], "areas": […], "rules": […]},
      "fps_monitor": [{"node": "/recogniser", "topic": "/detect/objects"}],
      "clients": {"/teleop/cmd_vel": ["/bridge/assistant"]},
      "leases": […], "incidents": {…}}
 
+`flows` of a GRCN are by publisher. `vflows` and `aflows` name those that are left of the proposed.
 `clients` are nodes that no scan sees, since they come over a bridge; each gets a flow on a topic.
 """
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -28,14 +29,8 @@ from rtron.planning.plan_file.yaml_parser import read_text
 
 PlanSection = dict[str, Any]
 _FLOWS = {"rsrcn": "vflows", "msrcn": "aflows"}
-_WHOLE = ("leases", "incidents")
-
-
-class _AliasFreeDumper(yaml.SafeDumper):
-    """Writes what stands in two places twice: a plan has no aliases."""
-
-    def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002 - as its base class has it
-        return True
+_WHOLE = ("app", "leases", "incidents")
+_COMMAND = {"domain": "Control", "kind": "command", "sharing": "contend"}
 
 
 def write_decided_plan(plan: Path, out: Path, decisions: Mapping[str, Any]) -> None:
@@ -43,105 +38,52 @@ def write_decided_plan(plan: Path, out: Path, decisions: Mapping[str, Any]) -> N
 
     InputError if a decision names what the plan does not have, PlanError if no plan comes out.
     """
-    decided = with_decisions(yaml.safe_load(read_text(plan)), decisions)
-    text = yaml.dump(decided, Dumper=_AliasFreeDumper, sort_keys=False)
+    decided = yaml.safe_load(read_text(plan))
+    apply_decisions(decided, plain_copy(decisions))
+    text = yaml.safe_dump(plain_copy(decided), sort_keys=False)
     out.write_text(write_plan(parse_plan(text, str(out))), encoding="utf-8")
 
 
-def with_decisions(plan: Mapping[str, Any], decisions: Mapping[str, Any]) -> PlanSection:
-    """Return a plan, as its file has it, with the decisions in it."""
-    plan = _with_clients(plan, decisions.get("clients", {}))
-    whole = {name: decisions[name] for name in _WHOLE if name in decisions}
-    decided = {**plan, **whole, "app": decisions.get("app", plan["app"])}
-    chosen = decisions.get("grcn", {})
-    for topic in chosen:
-        _grcn_of_topic(plan, topic)
-    if chosen:
-        decided["grcn"] = [_grcn(each, chosen.get(each["topic"])) for each in plan["grcn"]]
+def plain_copy(data: Any) -> Any:  # noqa: ANN401 - JSON
+    """Return a copy in which nothing occurs in two places: as YAML it has no aliases."""
+    return json.loads(json.dumps(data))
+
+
+def apply_decisions(plan: PlanSection, decisions: PlanSection) -> None:
+    """Change a plan, as its file has it, by the decisions."""
+    for topic, clients in decisions.get("clients", {}).items():
+        _add_clients(plan, topic, clients)
+    for topic, decision in decisions.get("grcn", {}).items():
+        grcn = _entry(plan["grcn"], "topic", topic)
+        for publisher, change in decision.pop("flows", {}).items():
+            _entry(grcn["flows"], "publisher", publisher).update(change)
+        grcn.update({"mode": "enforce", **decision})
     for kind in _FLOWS.keys() & decisions.keys():
-        decided[kind] = _node(plan, kind, decisions[kind])
+        _decide_node(plan[kind], _FLOWS[kind], decisions[kind])
     if "fps_monitor" in decisions:
-        decided["fps_monitor"] = [_monitor(plan, each) for each in decisions["fps_monitor"]]
-    return decided
+        plan["fps_monitor"] = [
+            _entry(plan["fps_monitor"], "node", each["node"]) | each
+            for each in decisions["fps_monitor"]
+        ]
+    plan.update({name: decisions[name] for name in _WHOLE if name in decisions})
 
 
-def _with_clients(
-    plan: Mapping[str, Any], clients: Mapping[str, Sequence[str]]
-) -> Mapping[str, Any]:
-    """Return a plan in which these clients publish topics of the MSRCN, which get GRCNs."""
-    added, aflows = [], list(plan.get("msrcn", {}).get("aflows", ()))
-    for topic, nodes in clients.items():
-        index = next((n for n, each in enumerate(aflows) if each["topic"] == topic), None)
-        if index is None:
-            raise _unknown("action", topic)
-        flows = [{"name": node.rpartition("/")[2], "publisher": node} for node in nodes]
-        aflows[index] = {**aflows[index], "flows": [*aflows[index]["flows"], *flows]}
-        added.append({"id": f"grcn{topic.replace('/', '_')}", **_COMMAND, **aflows[index]})
-    if not added:
-        return plan
-    msrcn = {**plan["msrcn"], "aflows": aflows}
-    return {**plan, "grcn": [*plan["grcn"], *added], "msrcn": msrcn}
+def _add_clients(plan: PlanSection, topic: str, clients: Sequence[str]) -> None:
+    """Let clients publish a topic of the MSRCN, which gets a GRCN."""
+    aflow = _entry(plan["msrcn"]["aflows"], "topic", topic)
+    aflow["flows"] += [{"name": node.rpartition("/")[2], "publisher": node} for node in clients]
+    added = {"id": f"grcn{topic.replace('/', '_')}", **_COMMAND, **aflow}
+    plan["grcn"].append(plain_copy(added))
 
 
-_COMMAND = {"domain": "Control", "kind": "command", "sharing": "contend"}
+def _decide_node(node: PlanSection, flows: str, decision: PlanSection) -> None:
+    """Change the RSRCN or MSRCN; of its topics those stay that the decision names."""
+    guarded = [_entry(node[flows], "topic", topic) for topic in decision[flows]]
+    node.update({"mode": "enforce", **decision, flows: guarded})
 
 
-def _grcn(proposed: PlanSection, decision: Mapping[str, Any] | None) -> PlanSection:
-    """Return a GRCN; of the decision, `priorities` and `flows` are by publisher."""
-    if decision is None:
-        return proposed
-    decision_fields = dict(decision)
-    priorities, changes = decision_fields.pop("priorities", {}), decision_fields.pop("flows", {})
-    unknown = {*priorities, *changes} - {flow["publisher"] for flow in proposed["flows"]}
-    if unknown:
-        raise _unknown(f"publisher of {proposed['topic']}", min(unknown))
-    flows = [
-        {**flow, **_priority(flow, priorities), **changes.get(flow["publisher"], {})}
-        for flow in proposed["flows"]
-    ]
-    return {**proposed, "mode": "enforce", **decision_fields, "flows": flows}
-
-
-def _priority(flow: PlanSection, priorities: Mapping[str, int]) -> PlanSection:
-    priority = priorities.get(flow["publisher"])
-    return {} if priority is None else {"priority": priority}
-
-
-def _node(plan: Mapping[str, Any], kind: str, decision: Mapping[str, Any]) -> PlanSection:
-    """Return the RSRCN or MSRCN; of its topics those that the decision names, in that order."""
-    proposed = plan.get(kind) or {"id": kind, "policy": "Block"}
-    flows, decision_fields = _FLOWS[kind], dict(decision)
-    known = proposed.get(flows, [])
-    topics: Sequence[str] = decision_fields.pop(flows, [each["topic"] for each in known])
-    guarded = [_guarded(plan, known, topic) for topic in topics]
-    return {**proposed, "mode": "enforce", **decision_fields, flows: guarded}
-
-
-def _guarded(plan: Mapping[str, Any], known: Sequence[PlanSection], topic: str) -> PlanSection:
-    """Return a guarded topic as it was proposed, or else as the GRCN on it has it."""
-    for each in known:
-        if each["topic"] == topic:
-            return each
-    grcn = _grcn_of_topic(plan, topic)
-    flows = [{key: flow[key] for key in ("name", "publisher")} for flow in grcn["flows"]]
-    return {**{key: grcn[key] for key in ("topic", "type", "successors")}, "flows": flows}
-
-
-def _monitor(plan: Mapping[str, Any], decision: Mapping[str, Any]) -> PlanSection:
-    """Return an fps_monitor, on what was proposed for its node and topic."""
-    for each in plan.get("fps_monitor", []):
-        if (each["node"], each["topic"]) == (decision["node"], decision["topic"]):
-            return {**each, **decision}
-    return dict(decision)
-
-
-def _grcn_of_topic(plan: Mapping[str, Any], topic: str) -> PlanSection:
-    for grcn in plan.get("grcn", []):
-        if grcn["topic"] == topic:
-            found: PlanSection = grcn
-            return found
-    raise _unknown("guarded topic", topic)
-
-
-def _unknown(what: str, name: str) -> InputError:
-    return InputError(f"the plan has no {what} {name}", help="`rtron plan` shows what it has")
+def _entry(entries: Sequence[PlanSection], key: str, value: str) -> PlanSection:
+    for entry in entries:
+        if entry[key] == value:
+            return entry
+    raise InputError(f"the plan has no {key} {value}", help="`rtron plan` shows what it has")

@@ -12,7 +12,7 @@ _PAUSE = 0.05
 _HELP = "is the machine busy with other things? end them, or try it with --speed 1"
 
 
-def wait_for(condition: Callable[[], T], what: str, limit: float = _LIMIT) -> T:
+def wait_for(condition: Callable[[], T | None], what: str, limit: float = _LIMIT) -> T:
     """Return what `condition` gives once it is true; SourceError after `limit` seconds."""
     deadline = time.monotonic() + limit
     while not (found := condition()):

@@ -8,7 +8,7 @@ import shlex
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -92,7 +92,7 @@ class ProcessGroup:
         """Start a process; what it says goes to a file that is named after it."""
         self._count += 1
         log = self._folder / f"{self._count:02}-{name or Path(command[0]).name}.log"
-        mark = new_mark()
+        mark = uuid4().hex
         with log.open("wb") as output, defer_signals():
             popen = subprocess.Popen(  # noqa: S603 - the commands are the demo's own
                 [str(word) for word in command],
@@ -130,20 +130,8 @@ class ProcessGroup:
         self, command: Command, environ: Environ, codes: Collection[int] = (0,), name: str = ""
     ) -> CompletedCommand:
         """Run a command to its end; SourceError if it takes too long or ends with another code."""
-        with self.run_in_background(command, environ, codes, name) as finished:
-            return finished()
-
-    @contextmanager
-    def run_in_background(
-        self, command: Command, environ: Environ, codes: Collection[int] = (0,), name: str = ""
-    ) -> Iterator[Callable[[], CompletedCommand]]:
-        """Run a command beside the block; the yielded function waits for its end.
-
-        A command that still runs after the block is ended.
-        """
         command_line = shlex.join(map(str, command))
-
-        def finished() -> CompletedCommand:
+        with self.running(command, environ, name) as started:
             try:
                 code = started.popen.wait(_COMMAND_LIMIT)
             except subprocess.TimeoutExpired:
@@ -152,9 +140,6 @@ class ProcessGroup:
                 raise SourceError(f"{command_line} failed ({code})")
             return CompletedCommand(command_line, code, started.output())
 
-        with self.running(command, environ, name) as started:
-            yield finished
-
     def end(self, started_processes: Sequence[StartedProcess]) -> None:
         """End processes together, and with force what they started and left behind."""
         with defer_signals():
@@ -162,7 +147,7 @@ class ProcessGroup:
                 for started in _alive(started_processes):
                     started.popen.send_signal(number)
                 _wait(_alive(started_processes), grace)
-            kill_descendants({started.mark for started in started_processes})
+            _kill_descendants({started.mark for started in started_processes})
             self._running = [other for other in self._running if other not in started_processes]
 
 
@@ -177,12 +162,7 @@ def _wait(started_processes: Iterable[StartedProcess], limit: float) -> None:
             started.popen.wait(max(0.0, deadline - time.monotonic()))
 
 
-def new_mark() -> str:
-    """Return a mark that nobody else has."""
-    return uuid4().hex
-
-
-def kill_descendants(marks: Collection[str]) -> None:
+def _kill_descendants(marks: Collection[str]) -> None:
     """Kill every process that has one of the marks, and wait until they are gone."""
     markers = {f"{MARK}={mark}".encode() for mark in marks}
     deadline = time.monotonic() + _LIMIT

@@ -1,13 +1,13 @@
 """The security service of a run: it records what the guard decides, and shows it in its console."""
 
 import sys
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rtron.demos.metrics.guard_events import SECOND, Event
 from rtron.demos.runtime.isolation import free_port
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import ProcessGroup, StartedProcess
@@ -17,85 +17,8 @@ from rtron.service.server.database_setup import open_database
 from rtron.workflows.service_client import SecurityServiceClient
 from rtron.workflows.service_events import stored_events
 
-Event = Mapping[str, Any]
-"""An event as the service has it: `at` (wall ns), `kind`, `topic`, `flow`, `decision`, `reason`…"""
-_SECOND = 1_000_000_000
 _STORE_DELAY = 1.5
 """Seconds after which what the guard had to tell of a moment is stored: it tells once a second."""
-
-
-@dataclass(frozen=True, slots=True)
-class DecisionCounts:
-    """How many messages of a flow met which decision."""
-
-    passed: int = 0
-    held: int = 0
-    dropped: int = 0
-    modified: int = 0
-
-    def __add__(self, other: "DecisionCounts") -> "DecisionCounts":
-        return DecisionCounts(
-            self.passed + other.passed,
-            self.held + other.held,
-            self.dropped + other.dropped,
-            self.modified + other.modified,
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class EventHistory:
-    """The events of one robot's guard. The errors are those of the client.
-
-    Times are ns of the wall clock; `until` is excluded, None is now.
-    """
-
-    client: SecurityServiceClient
-    robot: str
-
-    def robots(self) -> list[Mapping[str, Any]]:
-        """Return the robots that the service knows, with the state of each one's guard."""
-        found: list[Mapping[str, Any]] = self.client.get("robots")
-        return found
-
-    def state(self) -> Mapping[str, Any] | None:
-        """Return what the guard told of itself last (a GuardState as JSON); None: nothing yet."""
-        found: list[Mapping[str, Any] | None]
-        found = [each["state"] for each in self.robots() if each["name"] == self.robot]
-        return found[0] if found else None
-
-    def wait_until_linked(self, since: int) -> None:
-        """Wait until a guard that runs has told its state at `since` or later."""
-        wait_for(
-            lambda: self._last_state_time() >= since, "the guard to tell the service of itself"
-        )
-
-    def events(self, since: int, until: int | None = None, kind: str = "") -> list[Event]:
-        """Return events in the order of time, once all of them are stored."""
-        end = time.time_ns() if until is None else until
-        self.wait_until_linked(end + int(_STORE_DELAY * _SECOND))
-        found = stored_events(
-            self.client, robot=self.robot, since=since, until=end, kind=kind or None
-        )
-        return sorted(found, key=lambda event: event["at"])
-
-    def counts(self, since: int, until: int | None = None) -> dict[str, dict[str, DecisionCounts]]:
-        """Return by topic and flow how many messages met which decision."""
-        return sum_decision_counts(self.events(since, until, "counts"))
-
-    def _last_state_time(self) -> int:
-        state = self.state()
-        return int(state["at"]) if state else 0
-
-
-def sum_decision_counts(events: list[Event]) -> dict[str, dict[str, DecisionCounts]]:
-    """Return the sums of `counts` events, by topic and flow."""
-    found: dict[str, dict[str, DecisionCounts]] = {}
-    for event in events:
-        for topic, stream in event["values"]["streams"].items():
-            flows = found.setdefault(topic, {})
-            for flow, tally in stream["flows"].items():
-                flows[flow] = flows.get(flow, DecisionCounts()) + DecisionCounts(*tally)
-    return found
 
 
 ROBOT = "tb3"
@@ -108,13 +31,15 @@ _GUARD, _DEVELOPER, _READ = _SCOPES = ("guard", "developer", "read")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemoService:
-    """A service that was started: its address, the admin's password, what it recorded."""
+    """A service that was started: its address, the admin's password, the files of its tokens.
+
+    The errors of what asks it are those of its client.
+    """
 
     url: str
     password: str
-    guard_token: Path
-    developer_token: Path
-    history: EventHistory
+    tokens: Mapping[str, Path]
+    client: SecurityServiceClient
     processes: ProcessGroup
     started: StartedProcess
     base_environ: Mapping[str, str]
@@ -126,7 +51,7 @@ class DemoService:
 
     def environ(self) -> dict[str, str]:
         """Return what leads a guard to the service."""
-        return self._environ(self.guard_token)
+        return self._environ(_GUARD)
 
     def wait(self) -> None:
         """Wait until the service answers; SourceError if it has ended."""
@@ -137,16 +62,37 @@ class DemoService:
 
         To be called once its guard has told of itself; SourceError if the service refuses.
         """
-        environ = {**self.base_environ, **self._environ(self.developer_token)}
+        environ = {**self.base_environ, **self._environ(_DEVELOPER)}
         self.processes.run_command(_rtron_command("upload-graph", graph), environ, name="upload")
 
-    def _environ(self, token: Path) -> dict[str, str]:
-        return {"RTRON_ROBOT": ROBOT, "RTRON_SERVICE": self.url, "RTRON_TOKEN_FILE": str(token)}
+    def wait_until_linked(self, since: int) -> None:
+        """Wait until a guard that runs has told its state at `since` (wall ns) or later."""
+        wait_for(
+            lambda: self._last_state_time() >= since, "the guard to tell the service of itself"
+        )
+
+    def events(self, since: int, until: int) -> list[Event]:
+        """Return the events from `since` until before `until` (wall ns), once all are stored."""
+        self.wait_until_linked(until + int(_STORE_DELAY * SECOND))
+        found = stored_events(self.client, robot=ROBOT, since=since, until=until)
+        return sorted(found, key=lambda event: event["at"])
+
+    def _environ(self, scope: str) -> dict[str, str]:
+        token = str(self.tokens[scope])
+        return {"RTRON_ROBOT": ROBOT, "RTRON_SERVICE": self.url, "RTRON_TOKEN_FILE": token}
+
+    def _last_state_time(self) -> int:
+        states = [each["state"] for each in self._robots() if each["name"] == ROBOT]
+        return max((int(state["at"]) for state in states if state), default=0)
+
+    def _robots(self) -> list[Mapping[str, Any]]:
+        found: list[Mapping[str, Any]] = self.client.get("robots")
+        return found
 
     def _answers(self) -> bool:
         self.started.check()
         try:
-            self.history.robots()
+            self._robots()
         except SourceError:
             return False
         return True
@@ -174,9 +120,8 @@ def run_service(
         yield DemoService(
             url=url,
             password=password,
-            guard_token=paths[_GUARD],
-            developer_token=paths[_DEVELOPER],
-            history=EventHistory(SecurityServiceClient(url, tokens[_READ]), ROBOT),
+            tokens=paths,
+            client=SecurityServiceClient(url, tokens[_READ]),
             processes=processes,
             started=started,
             base_environ=base_environ,

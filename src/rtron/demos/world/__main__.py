@@ -1,62 +1,26 @@
-"""`python -m rtron.demos.world SOCKET --speed X`: the simulated world of the case studies.
+"""`python -m rtron.demos.world SOCKET SPEED`: the simulated world of the case studies.
 
-It serves the device protocol on a Unix socket until SIGINT or SIGTERM. The key of its owner is in
-the environment variable DEMO_KEY.
+It serves the device protocol on a Unix socket until SIGINT or SIGTERM.
 """
 
-import argparse
+import asyncio
 import logging
-import os
 import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 
-from rtron.demos.world.server.loop import WorldServer
-from rtron.demos.world.server.unix_socket import listen_on_unix_socket
-from rtron.errors import RTronError, SourceError
-
-_SLOWEST, _FASTEST = 0.25, 8.0
+from rtron.demos.world.server import WorldServer
 
 
-def _speed(text: str) -> float:
-    speed = float(text)
-    if not _SLOWEST <= speed <= _FASTEST:
-        raise argparse.ArgumentTypeError(f"need {_SLOWEST:g} to {_FASTEST:g}")
-    return speed
-
-
-def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog="python -m rtron.demos.world",
-        description="The simulated world of the case studies; its owner's key is in DEMO_KEY.",
-    )
-    parser.add_argument("socket", type=Path, metavar="SOCKET", help="the Unix socket to listen on")
-    parser.add_argument("--speed", type=_speed, default=1.0, help="simulated s a wall s (1)")
-    return parser.parse_args()
-
-
-def _serve(path: Path, speed: float) -> None:
-    key = os.environ.get("DEMO_KEY")
-    if not key:
-        raise SourceError("DEMO_KEY is not set: it is what the world's owner shows")
-    with listen_on_unix_socket(path) as listener:
-        server = WorldServer(listener, speed, key)
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda _number, _frame: server.stop())
-        server.run()
-
-
-def main() -> int:
-    """Run the world, and return the exit code."""
-    logging.basicConfig(format="world: %(message)s", level=logging.WARNING)
-    arguments = _arguments()
-    try:
-        _serve(arguments.socket, arguments.speed)
-    except RTronError as error:
-        sys.stderr.write(f"error: {error}\n")
-        return 2
-    return 0
+async def _serve(path: Path, speed: float) -> None:
+    serving = asyncio.ensure_future(WorldServer(speed).run(path))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, serving.cancel)
+    with suppress(asyncio.CancelledError):
+        await serving
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    logging.basicConfig(format="world: %(message)s", level=logging.WARNING)
+    asyncio.run(_serve(Path(sys.argv[1]), float(sys.argv[2])))

@@ -23,10 +23,14 @@ class GroundTruth:
     clearance: float
     collided: bool
     in_area: bool
-    network: bool
     light: str
     pedestrians: tuple[Position, ...]
     distance_to_goal: float
+
+    @property
+    def position(self) -> Position:
+        """Where the robot is."""
+        return self.pose[0], self.pose[1]
 
     def as_json(self) -> dict[str, Any]:
         """Return the truth as the protocol has it."""

@@ -14,7 +14,9 @@ from rtron.demos.world.robot_base import ZERO_VELOCITY, VelocityCommand
 from rtron.demos.world.scenes import geometry
 from rtron.demos.world.scenes.generator import make_scene
 from rtron.demos.world.scenes.scene import Scene
-from rtron.demos.world.server.requests import ResetRequest
+
+CAMERA_RATE = 10.0
+"""Images a simulated second, if nobody asks for another rate."""
 
 
 class RobotSimulation:
@@ -28,7 +30,7 @@ class RobotSimulation:
         self.run = -1
         self.steps = 0
         self._started: float | None = None
-        self._begin_run(ResetRequest("gr", 0))
+        self.reset("gr", 0)
         self._is_braked = False
 
     @property
@@ -36,9 +38,14 @@ class RobotSimulation:
         """Simulated s since the world began."""
         return round(self.steps * robot_base.STEP, 6)
 
-    def reset(self, order: ResetRequest) -> None:
-        """Begin the next run: the robot at the start of a scene, and still."""
-        self._begin_run(order)
+    def reset(self, case: str, seed: int, camera_rate: float = CAMERA_RATE) -> None:
+        """Begin the next run: the robot at the start of the scene of a case and seed, and still."""
+        self._load_scene(make_scene(case, seed))
+        self.run += 1
+        self.camera_rate = camera_rate
+        self.collided = self.in_area = False
+        self._is_braked = True
+        self._started = None
 
     def start(self) -> None:
         """Release the brake; the light's time begins."""
@@ -54,7 +61,7 @@ class RobotSimulation:
         for pedestrian in self._pedestrians:
             pedestrian.step(robot_base.STEP, self._robot)
         target_velocity = self._command.end_step()
-        stays = self._is_braked or self.collided or not self.network
+        stays = self._is_braked or self.collided or self.in_area
         people = [pedestrian.position for pedestrian in self._pedestrians]
         self._simulator.step(ZERO_VELOCITY if stays else target_velocity, people)
         self.steps += 1
@@ -86,7 +93,6 @@ class RobotSimulation:
             clearance=self._clearance(),
             collided=self.collided,
             in_area=self.in_area,
-            network=self.network,
             light=self.light,
             pedestrians=self.people,
             distance_to_goal=dist(self._robot, self.scene.goal),
@@ -112,16 +118,6 @@ class RobotSimulation:
         x, y, _ = self._simulator.pose
         return x, y
 
-    def _begin_run(self, order: ResetRequest) -> None:
-        scene = make_scene(order.case, order.seed)
-        self._load_scene(scene)
-        self.run += 1
-        self.camera_rate = order.camera_rate
-        self.collided = self.in_area = False
-        self.network = True
-        self._is_braked = True
-        self._started = None
-
     def _load_scene(self, scene: Scene) -> None:
         self.scene = scene
         self._simulator = IrSimBackend(scene)
@@ -137,7 +133,6 @@ class RobotSimulation:
             self.collided = True
             self._simulator.halt()
         self.in_area = bool(self._area.contains(Point(self._robot)))
-        self.network = not self.in_area
 
     def _clearance(self) -> float:
         """Return the free space around the robot's body, m; 0 where it touches something."""

@@ -9,8 +9,14 @@ from rtron.findings.inventory.command_topics import STOPPING
 from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors
 from rtron.findings.inventory.limits import limits
-from rtron.findings.inventory.node_roles import FIRMWARE_PACKAGES, NodeRoles, may_drive_unread
+from rtron.findings.inventory.node_roles import (
+    FIRMWARE_PACKAGES,
+    MOVING_HARDWARE,
+    NodeRoles,
+    may_drive_unread,
+)
 from rtron.findings.inventory.stopping import Stopping, stopping
+from rtron.findings.inventory.things import vagueness
 from rtron.findings.measurement_names import moves_nothing
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
@@ -44,7 +50,7 @@ def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
     merged = _merged(groups)
     movers = [_mover(app, commands, thing, found) for thing, found in merged]
     movers = _with_limits(movers, limits(app, commands))
-    movers += _unread(app, movers)
+    movers += [*_unread(app, movers), *_uncommanded_hardware(app, commands.roles, movers)]
     order = list(Thing)
     return tuple(sorted(movers, key=lambda each: order.index(each.thing)))
 
@@ -77,6 +83,23 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
     has_driver = any(mover.drivers or mover.unread for mover in movers)
     if unread := named or (() if has_driver else tuple(packages)):
         yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread), doors=doors(app, ()))
+
+
+def _uncommanded_hardware(app: AppFacts, roles: NodeRoles, movers: list[Mover]) -> Iterator[Mover]:
+    """Yield the nodes with hardware that can only move, which obey nothing of the app that moves.
+
+    They may decide themselves, or obey a joystick or a link of their own.
+    """
+    moving = (mover for mover in movers if mover.thing not in NO_MOTION)
+    listed = {node for mover in moving for node in mover.drivers}
+    for node in filter(roles.moves_hardware, sorted(app.nodes)):
+        hardware = tuple(dict.fromkeys(fact.value for fact in roles.devices((node,))))
+        if node not in listed and not (
+            MOVING_HARDWARE.isdisjoint(hardware) or roles.is_called_sensor(node)
+        ):
+            thing = Thing.VEHICLE if roles.is_autopilot(node) else Thing.DEVICE
+            links = doors(app, (node,))
+            yield Mover(thing=thing, commands=(), drivers=(node,), hardware=hardware, doors=links)
 
 
 def _merged(
@@ -174,7 +197,8 @@ def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
     """Return commands in the order of harm, since reports tell the first of many only.
 
     What is nearer to the hardware goes first, and of requests those that lead to most others, then
-    to most topics. Mere signals come last, those that stop after those that start.
+    to most topics; of topics those that somebody sends. Then comes what says more clearly that it
+    moves something. Mere signals come last, those that stop after those that start.
     """
     sent: dict[str, list[Command]] = defaultdict(list)
     for each in commands:
@@ -182,13 +206,16 @@ def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
             sent[node].append(each)
     order = list(Means)
 
-    def harm(command: Command) -> tuple[bool, bool, int, int, int, int]:
+    def harm(command: Command) -> tuple[int, ...]:
         is_end = bool(STOPPING.match(snake_case(command.name.rpartition("/")[2])))
         is_signal = command.type in SIGNALS
-        led = [] if command.means is Means.TOPIC else _led(command, sent)
+        is_topic = command.means is Means.TOPIC
+        led = [] if is_topic else _led(command, sent)
         requests = sum(each.means is not Means.TOPIC for each in led)
-        means = order.index(command.means)
-        return is_signal, is_signal and is_end, command.hops, means, -requests, -len(led)
+        first = (is_signal, is_signal and is_end, command.hops, order.index(command.means))
+        is_open = is_topic and not command.senders
+        vague = vagueness(command.name, command.type, command.means)
+        return *first, -requests, -len(led), is_open, vague
 
     return tuple(sorted(commands, key=harm))
 

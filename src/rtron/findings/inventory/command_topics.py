@@ -9,7 +9,12 @@ from itertools import chain
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.derived_commands import DerivedCommands
 from rtron.findings.inventory.node_roles import NodeRoles
-from rtron.findings.inventory.things import may_be_command, thing_of, thing_of_node
+from rtron.findings.inventory.things import (
+    COMMAND_NAMES,
+    may_be_command,
+    thing_of,
+    thing_of_node,
+)
 from rtron.findings.inventory.unheard_commands import UnheardCommands
 from rtron.findings.measurement_names import may_be_measured
 from rtron.findings.motion.arbiter import arbiters, priorities
@@ -17,8 +22,6 @@ from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, norma
 from rtron.vocabulary.inventory import SIGNALS, Command, Means, Thing
 from rtron.vocabulary.names import snake_case
 
-COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
-"""What in a name says that it is a command."""
 _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
 _ORDERS = SIGNALS | {"std_msgs/String"}
@@ -64,12 +67,18 @@ class CommandTopics:
         if topic in self.releases:
             is_end = STOPPING.match(snake_case(topic.rpartition("/")[2]))
             return Thing.STOP if is_end else Thing.ARMING
-        thing = self._things.get(topic) or self.derived.get(topic, Thing.DEVICE)
+        thing = self._things.get(topic)
+        if thing in {None, Thing.DEVICE}:
+            thing = self.derived.get(topic, Thing.DEVICE)
         if thing is Thing.BASE and self._has_arm and self._moves_tool(topic):
             return Thing.ARM
-        nodes = (*self.app.publishers(topic), *self.app.readers(topic))
-        named = filter(None, map(thing_of_node, nodes)) if thing is Thing.DEVICE else ()
-        return next(iter(named), thing)
+        return thing if thing is not Thing.DEVICE else self._thing_of_nodes(topic) or thing
+
+    def _thing_of_nodes(self, topic: str) -> Thing | None:
+        """Return what the names tell of all that obey a topic, or of one that sends it."""
+        obeying = set(map(thing_of_node, filter(self.roles.obeys, self.app.readers(topic))))
+        sending = filter(None, map(thing_of_node, self.app.publishers(topic)))
+        return obeying.pop() if len(obeying) == 1 and obeying != {None} else next(sending, None)
 
     @cached_property
     def _has_arm(self) -> bool:

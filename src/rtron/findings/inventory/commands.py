@@ -6,11 +6,11 @@ from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.command_topics import COMMAND_NAMES, CommandTopics
+from rtron.findings.inventory.command_topics import CommandTopics
 from rtron.findings.inventory.forwarding import Forwarding
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.requests import actions, services
-from rtron.findings.inventory.things import thing_of
+from rtron.findings.inventory.things import COMMAND_NAMES, thing_of
 from rtron.vocabulary import ActionRole, Trust
 from rtron.vocabulary.inventory import NO_MOTION, SWITCHES, Command, Means, Thing
 
@@ -50,10 +50,13 @@ class AppCommands:
             is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
             is_sent = command.senders and (thing not in SWITCHES or _is_of_autopilot(topic))
             is_report = self._is_reading(command) or self._is_echo(command)
-            is_command = not (is_report or self.forwarding.is_feedback(topic))
+            is_feedback = self.forwarding.is_feedback(topic) and not self.topics.unheard.is_order(
+                topic
+            )
+            is_command = not (is_report or is_feedback)
             has_sides = bool(receivers or is_sent) and is_command and not self._is_operated(command)
             if topic in self.topics.locks | self.topics.releases or (
-                has_sides and not (is_vague or self._is_forwarded(command))
+                has_sides and not (is_vague or self._is_forwarded(thing, command))
             ):
                 yield self._as_driven(thing, command)
 
@@ -68,9 +71,13 @@ class AppCommands:
         return is_open and bool(command.senders) and all(map(self._is_measured, command.senders))
 
     def _is_echo(self, command: Command) -> bool:
-        """Return whether nobody obeys a setpoint whose senders send others that are obeyed."""
-        is_setpoint = command.name.rpartition("/")[2].startswith(_SETPOINTS)
-        is_open = is_setpoint and not command.receivers and bool(command.senders)
+        """Return whether nobody obeys a setpoint whose senders send others that are obeyed.
+
+        So it is with a copy of the same command that has a time stamp.
+        """
+        last = command.name.rpartition("/")[2]
+        is_echo = last.startswith(_SETPOINTS) or last.endswith("_stamped")
+        is_open = is_echo and not command.receivers and bool(command.senders)
         return is_open and self._obeyed.issuperset(command.senders)
 
     @cached_property
@@ -170,9 +177,13 @@ class AppCommands:
                 found.update(filter(self.roles.may_drive, last) if last[1:] else last)
         return frozenset(found)
 
-    def _is_forwarded(self, command: Command) -> bool:
-        """Return whether those that obey a topic hand it on to others; the rest only listens."""
-        rest = [node for node in command.receivers if not self.forwarding.forwards(node, command)]
+    def _is_forwarded(self, thing: Thing, command: Command) -> bool:
+        """Return whether those that obey a topic hand it on to others; the rest only listens.
+
+        A stop is where it is asked for, if nobody here obeys what is made of it.
+        """
+        forwards, to_unread = self.forwarding.forwards, thing is not Thing.STOP
+        rest = [n for n in command.receivers if not forwards(n, command, to_unread=to_unread)]
         return len(rest) < len(command.receivers) and not self._any_drives(rest)
 
 

@@ -28,6 +28,11 @@ REPORTS = re.compile(
 """Words in the names of what a controller tells of its work."""
 
 
+_DEMANDED = re.compile(
+    r"^(?!.*(?:state|error))(?:.*_)?(?:target|goal|cmd|command|desired|setpoint)"
+)
+
+
 @dataclass(frozen=True)
 class DerivedCommands:
     """Finds the commands that are made of others."""
@@ -38,15 +43,18 @@ class DerivedCommands:
     def find(self, known: Mapping[str, Thing]) -> dict[str, Thing]:
         """Return the topics that nodes make of `known` commands, each with what it moves.
 
-        What is made of several moves the first of `Thing`.
+        What is made of several moves the first of `Thing`. Known commands that do not tell what
+        they move are found, too: they move what they are made of.
         """
         found = dict(self._demanded_states)
         order = list(Thing)
         pending = [(t, x) for t, x in {**known, **found}.items() if x not in NO_MOTION]
         pending.sort(key=lambda each: order.index(each[1]), reverse=True)
+        clear = {topic for topic, thing in known.items() if thing is not Thing.DEVICE}
         while pending:
             topic, thing = pending.pop()
-            for end in self._made_of(topic, known.keys() | found.keys()):
+            done = known.keys() if thing is Thing.DEVICE else clear
+            for end in self._made_of(topic, done | found.keys()):
                 found[end.topic] = self._thing(end, thing)
                 pending.append((end.topic, found[end.topic]))
         return found
@@ -88,12 +96,17 @@ class DerivedCommands:
         )
 
     def _leaves(self, end: Endpoint) -> bool:
-        """Return whether nobody here hears numbers whose name moves something."""
-        if self.app.readers(end.topic) or REPORTS.search(end.topic.rpartition("/")[2]):
+        """Return whether nobody here hears numbers whose name moves something.
+
+        So may joints be that a name demands.
+        """
+        if self.app.readers(end.topic):
             return False
-        type = normalise_type(end.type)
+        type, last = normalise_type(end.type), end.topic.rpartition("/")[2]
+        if type == "sensor_msgs/JointState" and _DEMANDED.search(last):
+            return True
         is_number = _NUMBER.fullmatch(type) and self.roles.is_called_driver(end.node)
-        may_leave = bool(_NUMBERS.fullmatch(type) or is_number)
+        may_leave = not REPORTS.search(last) and bool(_NUMBERS.fullmatch(type) or is_number)
         return may_leave and self._named(end) not in {None, Thing.DEVICE, *NO_MOTION}
 
     def _thing(self, end: Endpoint, source: Thing) -> Thing:

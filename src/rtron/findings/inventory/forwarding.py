@@ -4,10 +4,10 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import chain
+from itertools import chain, filterfalse
 
-from rtron.findings.inventory.command_topics import COMMAND_NAMES, CommandTopics
-from rtron.findings.inventory.things import thing_of
+from rtron.findings.inventory.command_topics import CommandTopics
+from rtron.findings.inventory.things import COMMAND_NAMES, is_order, thing_of
 from rtron.vocabulary import Endpoint, normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Command, Means
 
@@ -47,11 +47,12 @@ class Forwarding:
                     yield self.topics.command(topic, 1)
 
     def buttons(self, requests: Iterable[Command]) -> Iterator[Command]:
-        """Yield the signals and joysticks by which those who call services and actions are told."""
+        """Yield the signals, texts and joysticks that tell those who call services and actions."""
         for node in dict.fromkeys(node for each in requests for node in each.senders):
             commands = map(self.topics.command, self.topics.inputs.get(node, ()))
             for each in () if self.topics.roles.drives(node) else commands:
-                if each.type in SIGNALS or self.topics.is_by_hand(each.type):
+                is_pressed = each.type in SIGNALS or self.topics.is_by_hand(each.type)
+                if is_pressed or is_order(each.name, each.type):
                     yield replace(each, hops=1)
 
     def decides(self, node: str) -> bool:
@@ -84,10 +85,11 @@ class Forwarding:
         services = self.topics.app.graph.services
         return frozenset(s.node for s in services if thing_of(s.name, s.type, Means.SERVICE))
 
-    def forwards(self, node: str, command: Command) -> bool:
+    def forwards(self, node: str, command: Command, *, to_unread: bool = True) -> bool:
         """Return whether a node makes another command of one, not only tells how it moves.
 
-        What it sends goes further, and not back to who commands it.
+        What it sends goes further, and not back to who commands it; with `to_unread` it may go to
+        who is not in the app.
         """
         if self.topics.roles.drives(node):
             return False
@@ -95,8 +97,9 @@ class Forwarding:
         obeying = self._obedient.get(command.name, frozenset())
         is_sender = node in command.senders
         others = behind.keys() - self._upstream(command)
+        unread = self._unread_outputs.get(node, ()) if to_unread else ()
         return any(behind[each] > (is_sender and each in obeying) for each in others) or any(
-            self._is_another(end, command) for end in self._unread_outputs.get(node, ())
+            self._is_another(end, command) for end in unread
         )
 
     def _is_another(self, end: Endpoint, command: Command) -> bool:
@@ -156,10 +159,10 @@ class Forwarding:
 
     @cached_property
     def _sources(self) -> dict[str, frozenset[str]]:
-        """Who sends what each node makes its commands of."""
-        senders = self.topics.app.publishers
+        """Who sends what each node makes its commands of; drivers only tell how they move."""
+        senders, is_feedback = self.topics.app.publishers, self.is_feedback
         return {
-            node: frozenset(chain.from_iterable(map(senders, topics)))
+            node: frozenset(chain.from_iterable(map(senders, filterfalse(is_feedback, topics))))
             for node, topics in self.topics.inputs.items()
         }
 

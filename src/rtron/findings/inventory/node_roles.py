@@ -9,6 +9,7 @@ from rtron.findings.measurement_names import is_called_sensor, is_measured, may_
 from rtron.findings.motion.network_bridge import carriers
 from rtron.findings.motion.several_publishers import moves
 from rtron.vocabulary import Endpoint, Node, WiringFact, WiringFactKind, normalise_type
+from rtron.vocabulary.names import EMERGENCY_STOP, snake_case
 
 FIRMWARE_PACKAGES = (
     *("rosserial_arduino", "rosserial_python", "rosserial_server", "rosserial_xbee"),
@@ -32,11 +33,11 @@ _SHOWING = r"lights?|leds?|lcd|sound|display\w*|speech\w*"
 """Words in the names of nodes that show or sound, also where they open hardware for it."""
 _LISTENERS = re.compile(
     r"(?:filter|locali[sz]|odom|estimat|ekf|record|visuali|plot|marker)\w*"
-    rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status"
+    rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status|web(?:site|page|app)?|reports?"
 )
 """Words in the names of nodes that hear commands and obey none."""
-_STOPS = re.compile(r"(?:e_?stop|emergency)(?:_|$)")
-"""How the names of nodes begin that stop a robot and drive none."""
+MOVING_HARDWARE = frozenset({"motor controller", "vehicle link", "servo bus", "EtherCAT"})
+"""What a node opens to move something, and seldom only to read."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
 _SHOWN = frozenset({"sensor_msgs/JointState", "tf2_msgs/TFMessage", "tf/tfMessage"})
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
@@ -181,7 +182,9 @@ class NodeRoles:
 
 def may_drive_unread(node: Node) -> bool:
     """Return whether the names of a node that was not read leave open that it drives something."""
-    return not is_called_sensor(node) and not _STOPS.match(node.name.rpartition("/")[2].lower())
+    only_listens = _has_word(node, _LISTENERS) and not moves(node.name, node.package)
+    is_stop = EMERGENCY_STOP.match(snake_case(node.name.rpartition("/")[2]))
+    return not (only_listens or is_stop or is_called_sensor(node))
 
 
 def unread_drivers(app: AppFacts) -> list[str]:

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.command_timeout import (
-    CLEVER_DEVICES,
     STREAMS,
     TIMEOUT_NAMES,
     UNCHECKED,
     is_off,
+    other_stop,
     repeated_topics,
 )
 from rtron.vocabulary import Endpoint, LastMessageFate, WiringFact, WiringFactKind
@@ -152,8 +152,8 @@ def _stopped(node: str, stop: WiringFact) -> Stopping:
 def _of_unchecked(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
     """Return what becomes of the commands of a driver in whose source nothing tells of an age."""
     devices = {fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)}
-    if topics and not devices.isdisjoint(CLEVER_DEVICES):
-        return Stopping(Stops.UNKNOWN, f"{node} looks at no age of commands; its device may")
+    if topics and (other := other_stop(app, node, topics)):
+        return Stopping(Stops.UNKNOWN, other)
     if topics and devices:
         why = "nothing in the source of"
         where = join_names(topics)

@@ -5,7 +5,7 @@ import re
 from rtron.findings.measurement_names import is_measured
 from rtron.vocabulary import normalise_type
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Means, Thing
-from rtron.vocabulary.names import snake_case
+from rtron.vocabulary.names import EMERGENCY_STOP, snake_case
 
 _TYPES: tuple[tuple[str, Thing], ...] = (
     (r"mavros_msgs/CommandBool", Thing.ARMING),
@@ -34,10 +34,6 @@ _USUAL_TYPES: tuple[tuple[str, Thing], ...] = (
 )
 """What a type mostly means, where the name says nothing."""
 _WORDS: tuple[tuple[Thing, str], ...] = (
-    (
-        Thing.STOP,
-        "estop runstop stop_button emergency kill killswitch halt freeze stop_robot stop_all",
-    ),
     (Thing.ARMING, "arming disarm unarm motors_on enable_motors"),
     (Thing.POWER, "power breaker charger poweroff shutdown reboot relay relays battery_switch"),
     (Thing.ARM, "shoulder elbow wrist forearm pick pickup"),
@@ -64,7 +60,6 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.DEVICE, "actuator actuators execute exec"),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
-_STOP_PARTS = ("e_stop", "emergency", "run_stop")
 _PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
 _GENERIC = frozenset(
     ("goal", "go", "goto", "move", "path", "speed", "motor", "motors", "servo", "servos", "pwm")
@@ -72,17 +67,24 @@ _GENERIC = frozenset(
 """What any part of a robot may have: in `/arm/goal` the part before it is what moves."""
 _VAGUE = (None, Thing.DEVICE, Thing.MODE)
 """What a name may say that a type says better."""
+_CONTROLS = re.compile(r"_(?:control|cmd|command)$")
+"""How the names of commands end: what stands before it tells who commands, as in `manual_cmd`."""
+COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
+"""What in a name says that it is a command."""
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _ASKING = "get|list|query|is|has|check|read"
-_PREPARING = "save|describe|download|generate|connect|reconnect|compute|create|delete|advertise"
+_PREPARING = (
+    "save|describe|download|generate|connect|reconnect|compute|create|delete|advertise|plan"
+    "|register"
+)
 """Verbs that move nothing, whatever their object is; nobody prepares a command."""
 _INSPECTING, _PLACES = re.compile(r"^scan_|calibrat"), re.compile(r"_(?:area|field|room)")
 """Verbs that move what they inspect, if it can move, or the robot about a place."""
 _READINGS = (
     "map|costmap|odom|odometry|imu|gps|image|scan|parameters?|detections?|diagnostics|tf|status"
-    "|states?|running|saved|log|feedback|info|markers?|initialpose|clicked_point|measured"
+    "|states?|timers?|running|saved|log|feedback|info|markers?|initialpose|clicked_point|measured"
     "|estimated?"
 )
 """Last words of what is read, shown or estimated."""
@@ -92,7 +94,7 @@ _READS = re.compile(
     r"|^clear_\w*maps?$|^set_\w*(?:transform|frame)s?$"
 )
 _STATES = re.compile(r"_?states?$")
-_SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps|transform|frame))")
+_SETS = re.compile(r"(?:set|switch)_(?!\w*(?:odom|map|imu|gps|transform|frame|timer))")
 _ASKING_TYPES = re.compile(r"\w+/(?:Get|Query|List|Check|Compute|Describe)[A-Z]")
 _EXECUTES = re.compile(r"(?:^|_)(?:exec|execute|go|goto|move|drive)(?:_|$)")
 _MANNER = re.compile(r"_(?:in|from|to|at|by|with|for)_\w+$")
@@ -138,7 +140,32 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
         return Thing.ARMING
     named = _by_words(name)
     usual = _by_type(type, _USUAL_TYPES) if named in _VAGUE else None
-    return usual or named or (Thing.DEVICE if _COMMAND_TYPE.search(type) else None)
+    if named is Thing.MODE and (means is Means.ACTION or _is_control(last, type, means)):
+        named = Thing.DEVICE
+    is_command = _COMMAND_TYPE.search(type) or is_order(name, type)
+    return usual or named or (Thing.DEVICE if is_command else None)
+
+
+def is_order(name: str, type: str) -> bool:
+    """Return whether a topic carries orders in words, which its name says."""
+    last = _last_part(name)
+    return _plain_type(type) == "std_msgs/String" and bool(
+        COMMAND_NAMES.search(last) or last == "action"
+    )
+
+
+def _is_control(last: str, type: str, means: Means) -> bool:
+    """Return whether a topic carries more than a signal, and is called a command of somebody."""
+    is_stream = means is Means.TOPIC and type not in SIGNALS
+    return is_stream and _CONTROLS.search(last) is not None
+
+
+def vagueness(name: str, type: str, means: Means) -> int:
+    """Return how little a name and a type say that something moves: 0 for a topic of commands."""
+    is_topic = means is Means.TOPIC
+    if is_topic and (COMMAND_NAMES.search(name) or _by_type(_plain_type(type), _USUAL_TYPES)):
+        return 0
+    return 1 + (_by_words(name) in _VAGUE)
 
 
 def thing_of_node(name: str) -> Thing | None:
@@ -179,7 +206,8 @@ def may_be_command(name: str, type: str) -> bool:
 
 def may_be_derived(name: str, type: str) -> bool:
     """Return whether what is made of a command may be one: states may be those that wheels get."""
-    return may_be_command(_STATES.sub("", name.rstrip("/")) or name, type)
+    stem = _STATES.sub("", name.rstrip("/")) or name
+    return not is_measured(name) and may_be_command(stem, type)
 
 
 def _is_of_nav2(type: str) -> bool:
@@ -209,7 +237,7 @@ def _by_words(name: str) -> Thing | None:
     found: Thing | None = None
     for part in reversed(parts):
         words = {part, *re.split(r"[_\d-]+", part)}
-        if any(word in part for word in _STOP_PARTS):
+        if EMERGENCY_STOP.search(part):
             return Thing.STOP
         thing = next((t for t, known in _WORDS if not words.isdisjoint(known.split())), None)
         if thing not in {None, Thing.DEVICE} and (found is not Thing.BASE or thing in _PARTS):

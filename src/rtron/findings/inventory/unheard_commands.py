@@ -15,8 +15,11 @@ from rtron.vocabulary.names import snake_case
 
 _SETS = re.compile(r"^set_|_cmd$|_command$|^cmd_|^command_")
 """How the names of commands begin or end; `set` alone is vague."""
+_ORDERS = re.compile(r"_(?:cmd|command|control)$")
+"""How names end of what orders a part of a robot, in messages of one's own."""
 _NUMBER = re.compile(r"std_msgs/(?:U?Int|Float)\d+")
 _PARTS = frozenset({Thing.GRIPPER, Thing.TOOL, Thing.HEAD, Thing.THRUSTERS})
+_TOOLS = _PARTS | {Thing.ARM}
 _WHOLE = re.compile(r"std_msgs/U?Int\d+")
 _OF_ALL = re.compile(r"(?:std|geometry|sensor|nav|actionlib|action|trajectory)_msgs/")
 """Packages of types that say more about what is measured or planned than about firmware."""
@@ -37,7 +40,7 @@ class UnheardCommands:
         """
         type, senders = self.app.facts.topic(topic).type, self.app.publishers(topic)
         thing, last = self.things[topic], snake_case(topic.rpartition("/")[2])
-        if topic in self.to_firmware:
+        if topic in self.to_firmware or self.is_order(topic):
             return True
         if not self._is_moving(topic) or not self._is_unheard(topic):
             return False
@@ -45,6 +48,12 @@ class UnheardCommands:
         is_plain = type in SIGNALS and thing in _PARTS and "_" not in last
         is_number = _NUMBER.match(type) and not may_be_measured(topic)
         return bool(is_set or ((is_number or is_plain) and all(map(self.only_commands, senders))))
+
+    def is_order(self, topic: str) -> bool:
+        """Return whether a message of one's own, which nobody here obeys, orders a part to move."""
+        last = snake_case(topic.rpartition("/")[2])
+        is_own = _ORDERS.search(last) and not _OF_ALL.match(self.app.facts.topic(topic).type)
+        return bool(is_own) and self.things[topic] in _TOOLS and self._is_unheard(topic)
 
     @cached_property
     def to_firmware(self) -> frozenset[str]:
@@ -92,4 +101,5 @@ class UnheardCommands:
     def _is_unheard(self, topic: str) -> bool:
         """Return whether somebody sends a topic that nobody here hears, and that is no report."""
         is_report = REPORTS.search(snake_case(topic.rpartition("/")[2]))
-        return not (is_report or self.app.readers(topic)) and bool(self.app.publishers(topic))
+        is_obeyed = any(map(self.roles.obeys, self.app.readers(topic)))
+        return not (is_report or is_obeyed) and bool(self.app.publishers(topic))

@@ -25,7 +25,7 @@ scan sees.
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import inf
 
 from rtron.findings.app_facts import AppFacts
@@ -54,8 +54,17 @@ TIMEOUT_NAMES = (
     "timeout_cmd",
 )
 """Parameters that say how long a command counts."""
-CLEVER_DEVICES = frozenset({"vehicle link", "vendor SDK", "TCP link"})
-"""Devices that mostly stop by themselves: an autopilot, a base with a controller of its own."""
+CLEVER_DEVICES = {
+    "moteus": ", by default after 0.1 s",
+    "VESC": ", by default after 1 s",
+    "Roboteq": ", by default after 1 s",
+    **dict.fromkeys(("vehicle link", "vendor SDK", "TCP link"), ""),
+}
+"""Devices that mostly stop by themselves, and when: an autopilot, a base with its own controller.
+
+Documented are servo.default_timeout_s (mjbots' reference of moteus), APPCONF_TIMEOUT_MSEC (VESC's
+firmware) and RWD (Roboteq's user manual).
+"""
 STREAMS = re.compile(
     r"geometry_msgs/Twist|ackermann_msgs/|sensor_msgs/Joy|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)"
 )
@@ -87,14 +96,30 @@ def _ageless_drivers(app: AppFacts) -> Iterator[tuple[str, WiringFact]]:
     """Yield the nodes that obey velocities by a device, and whose source knows no age of them."""
     kinds = (WiringFactKind.DEVICE, WiringFactKind.COMMAND_AGE)
     devices, aged = ({f.subject: f for f in app.graph.wiring if f.kind is kind} for kind in kinds)
-    opened: dict[str, set[str]] = defaultdict(set)
-    for fact in app.graph.wiring:
-        opened[fact.subject].add(fact.value)
     for node in sorted(devices.keys() - aged.keys()):
         velocities = {end.topic for end in app.graph.subscribed_by(node) if _is_velocity(end)}
         last = set(app.last_messages(node, velocities))
-        if last and last <= UNCHECKED and opened[node].isdisjoint(CLEVER_DEVICES):
+        if last and last <= UNCHECKED and not other_stop(app, node, velocities):
             yield node, devices[node]
+
+
+def other_stop(app: AppFacts, node: str, topics: Iterable[str]) -> str:
+    """Return what may stop a driver in whose source nothing looks at the age of its commands.
+
+    Another node that hears them, looks at their age, and sends such itself; or its device.
+    """
+    watchers = {
+        other
+        for topic in topics
+        for other in app.publishers(topic)
+        if other != node and not UNCHECKED.issuperset(app.last_messages(other, {topic}))
+    }
+    if watchers:
+        return f"{node} does not by itself; {min(watchers)} may stop it"
+    opened = {fact.value for fact in app.graph.wiring if fact.subject == node}
+    clever = next((each for each in CLEVER_DEVICES if each in opened), "")
+    may = f"its device may{CLEVER_DEVICES[clever]}" if clever else ""
+    return may and f"{node} looks at no age of commands; {may}"
 
 
 def _repeaters(app: AppFacts) -> Iterator[tuple[str, dict[str, set[str]]]]:

@@ -4,7 +4,7 @@
 
 A launch starts a program that its package does not build or install, includes a launch file that is
 not there, or loads a parameter file that is not there. The launch fails, or the node is missing or
-has its defaults.
+has its defaults. So is a controller of ros2_control missing whose type its manager does not know.
 
 For example, `my_robot/launch/base.launch` starts `base_node`, and CMakeLists.txt makes
 `base_driver`.
@@ -25,7 +25,8 @@ from pathlib import PurePath
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.vocabulary import Certainty, Consequence, Finding, UnresolvedItem
+from rtron.findings.wiring_groups import WiringGroup, fact_finding, wiring_groups
+from rtron.vocabulary import Certainty, Consequence, Finding, UnresolvedItem, WiringFactKind
 from rtron.wording import join_names
 
 _CAUSES = {
@@ -53,6 +54,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
             yield _program(missing, nodes[missing], of_missing, app.graph.ros)
         else:
             yield _file(missing, of_missing)
+    yield from map(_controller, wiring_groups(app.graph, WiringFactKind.UNTYPED_CONTROLLER))
 
 
 def _ending(path: str) -> str:
@@ -69,6 +71,18 @@ def _file(name: str, notes: list[UnresolvedItem]) -> Finding:
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY,
         evidence=[place for note in notes for place in note.evidence[:1]],
+    )
+
+
+def _controller(group: WiringGroup) -> Finding:
+    others = f"; it knows that of {join_names(group.others)}" if group.others else ""
+    meant = f"did you mean {group.others[0]}? Else give" if group.others else "give"
+    return fact_finding(
+        RULE.name,
+        group,
+        summary=f"{join_names(group.values)} cannot load the controller {group.subject}",
+        cause=f"the controller manager is given no type for it{others}",
+        remedy=f"{meant} it a type in the parameters of the manager",
     )
 
 

@@ -1,12 +1,14 @@
-"""A node calls a service or an action that nobody offers, and a near name is offered.
+"""A node calls a service or an action that nobody offers, and another one may be meant.
 
 ## What it finds
 
 A client of a service or an action without a server, while one with a near name and the same type
-has a server. The client waits in vain.
+has a server. Of an action it may have any name: the only one of its type that nobody calls. The
+client waits in vain.
 
 For example, `/mission` sends goals to `/navigate_to_pos`, and `/bt_navigator` serves
-`/navigate_to_pose`.
+`/navigate_to_pose`; or MoveIt calls `/arm_controller/follow_joint_trajectory`, and the spawner
+starts `/trajectory_controller`.
 
 ## What to do
 
@@ -14,8 +16,8 @@ Correct the name.
 
 ## When it is silent
 
-Without a near name (`incomplete_launch`), and for calls of a lifecycle manager
-(`missing_managed_node`).
+Where none is likely meant (`incomplete_launch`), between twins (`left_arm`, `right_arm`), and for
+calls of a lifecycle manager (`missing_managed_node`).
 """
 
 from collections import defaultdict
@@ -24,6 +26,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts, near_names
+from rtron.findings.lost_commands import are_twins
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring.missing_managed_node import is_managing
 from rtron.vocabulary import (
@@ -50,7 +53,7 @@ class _RequestSide(NamedTuple):
 
 
 class UnservedName(NamedTuple):
-    """A service or an action that nodes call and nobody offers, and near names that are offered."""
+    """What nodes call and nobody offers, and those that are offered and may be meant."""
 
     what: str
     nodes: list[str]
@@ -58,7 +61,7 @@ class UnservedName(NamedTuple):
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
-    """Yield a finding for each name with a client and no server, while a near one has a server."""
+    """Yield a finding for each name with a client and no server, while another may be meant."""
     for name, unserved in unserved_names(app).items():
         if unserved.near:
             yield _finding(app, name, unserved)
@@ -76,13 +79,27 @@ def unserved_names(app: AppFacts) -> Mapping[str, UnservedName]:
         counts &= not is_managing(app, call.node, call.name)
         if counts and (call.what, call.name) not in served:
             unserved[call.name].append(call)
-    return {name: _unserved(unserved[name], offers) for name in sorted(unserved)}
+    called = {(call.what, call.name) for call in calls}
+    spare = [offer for offer in offers if (offer.what, offer.name) not in called]
+    missing = [call for of_name in unserved.values() for call in of_name]
+    found = {}
+    for name, calls_of_it in sorted(unserved.items()):
+        near = _near_servers(calls_of_it, offers) or _only_server(name, missing, spare)
+        what = " and ".join(sorted({call.what for call in calls_of_it}))
+        nodes = sorted({call.node for call in calls_of_it})
+        found[name] = UnservedName(what, nodes, [e for e in near if not are_twins(name, e)])
+    return found
 
 
-def _unserved(calls: list[_RequestSide], offers: list[_RequestSide]) -> UnservedName:
-    what = " and ".join(sorted({call.what for call in calls}))
-    nodes = sorted({call.node for call in calls})
-    return UnservedName(what, nodes, _near_servers(calls, offers))
+def _only_server(name: str, missing: list[_RequestSide], spare: list[_RequestSide]) -> list[str]:
+    """Return the only action of the type that nobody calls, where only this name misses one."""
+    type = next((each.type for each in missing if each.name == name and each.what == "action"), "")
+    called, offered = (
+        {each.name for each in sides if type and (each.what, each.type) == ("action", type)}
+        for sides in (missing, spare)
+    )
+    is_only = len(called) == len(offered) == 1 and not any("{" in each for each in offered)
+    return list(offered) if is_only else []
 
 
 def _offers(app: AppFacts) -> list[_RequestSide]:
@@ -134,13 +151,13 @@ def _finding(app: AppFacts, name: str, unserved: UnservedName) -> Finding:
         level=FindingLevel.REGULAR if is_read else FindingLevel.PEDANTIC,
         nodes=nodes,
         topics=(name,),
-        evidence=app.node_evidence(nodes),
+        evidence=app.node_evidence([*nodes, *(o.node for o in _offers(app) if o.name in near[:1])]),
     )
 
 
 RULE = FindingRule(
     name="no_server",
-    title="A node calls a service or an action that nobody offers, and a near name is offered",
+    title="A node calls a service or an action that nobody offers, and another one may be meant",
     consequence="failure: likely where all nodes were read, else possible",
     since="0.1.0",
     check=check,

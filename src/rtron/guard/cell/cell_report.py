@@ -15,8 +15,8 @@ from pathlib import Path
 from rtron.errors import SourceError
 from rtron.guard.cell.access import CellAccess, CellState
 from rtron.guard.cell.isolation import SHARED_MEMORY, Gap, process_users
-from rtron.vocabulary import Mode, Plan, build_streams, matches_node
-from rtron.vocabulary.verification import GuardedPath, PathState, UnguardedPath, Verification
+from rtron.vocabulary import Mode, Plan, UnguardedPath, build_streams, matches_node
+from rtron.vocabulary.verification import GuardedPath, PathState, Verification
 
 _CLONE_NEWUSER, _CLONE_NEWNET = 0x10000000, 0x40000000
 _SYS_PIDFD_GETFD = 438

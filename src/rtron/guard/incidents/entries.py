@@ -192,7 +192,6 @@ class RecorderTask(NamedTuple):
     plan: Plan
     settings: str
     folder: str
-    log_level: int
 
 
 class RecorderReport(NamedTuple):

@@ -1,7 +1,7 @@
 """The recorder: a process that writes the ring, and saves incidents from it.
 
-It is the bulk process's child and knows the others by that one connection. Whatever its disk does,
-no process of the guard waits for it.
+It knows the others by its connection to the bulk process. Whatever its disk does, no command waits
+for it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,6 @@ from rtron.guard.incidents.incident_file import write_incident
 from rtron.guard.incidents.incident_folder import IncidentFolder
 from rtron.guard.incidents.ring import IncidentRing
 from rtron.guard.lanes.exchange.message_channel import MessageChannel
-from rtron.guard.log_format import start_logging
 from rtron.guard.system.process_attributes import lower_priority
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND, IncidentCause, IncidentHeader, Plan
@@ -76,7 +75,7 @@ class RecorderProcess:
     def __init__(self, loop: EventLoop, sock: socket.socket) -> None:
         self._loop = loop
         self._recorder: IncidentRecorder | None = None
-        self._last_report = RecorderReport("", "")
+        self._last_report: RecorderReport | None = None
         self._channel = MessageChannel(loop, sock, self._take, loop.stop)
 
     def close(self) -> None:
@@ -87,7 +86,6 @@ class RecorderProcess:
     def _take(self, message: object) -> None:
         match message:
             case RecorderTask():
-                start_logging(logging.getLevelName(message.log_level), "incidents")
                 self._open(message)
             case NotedEntries(entries) if self._recorder:
                 self._recorder.add(entries, self._loop.now())
@@ -120,9 +118,10 @@ class RecorderProcess:
     def _say(self, problem: str, saved: str = "") -> None:
         report = RecorderReport(problem, saved)
         if report != self._last_report:
-            if problem and problem != self._last_report.problem:
+            former = self._last_report.problem if self._last_report else ""
+            if problem and problem != former:
                 log.error("incidents are not recorded: %s", problem)
-            elif self._last_report.problem and not problem:
+            elif former and not problem:
                 log.warning("incidents are recorded again")
             self._last_report = report
             self._channel.send(report)

@@ -1,8 +1,7 @@
-"""The bulk process's side of the recorder: it starts it, and hands on what both lanes note."""
+"""The bulk process's side of the recorder: it hands on what both lanes note."""
 
 import logging
 import socket
-import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,10 +20,10 @@ from rtron.guard.incidents.entries import (
     RevisionChanged,
     Sent,
 )
+from rtron.guard.incidents.recorder_port import connect
 from rtron.guard.incidents.stream_notes import StreamNotes, observed_state
 from rtron.guard.incidents.stream_tap import is_due
 from rtron.guard.lanes.exchange.message_channel import MessageChannel
-from rtron.guard.supervision.programs import INCIDENTS, start_program
 from rtron.vocabulary import SECOND, Alarm, Plan, Settings
 from rtron.wire.common.incident_format import encode_settings
 
@@ -39,37 +38,36 @@ MAX_WAITING_BYTES = 1 << 22
 """What may wait for a recorder that writes to a slow disk, bytes."""
 _BATCH_BYTES = 1 << 19
 _SEND_PERIOD = SECOND // 20
-_RESTART_AFTER = 2 * SECOND
-_LONGEST_RESTART = 60 * SECOND
-_STABLE = 10 * SECOND
-"""A recorder that lives so long is well, ns; one that ends sooner is started more seldom."""
-_END_S = 8.0
-"""How long the recorder may take to save what has begun; the supervisor waits 10 s for us."""
+_RETRY = 2 * SECOND
 _SLOW = 10 * SECOND
 """After which a recorder that reads nothing is said, ns."""
 
 
 class RecorderLink:
-    """Starts the recorder, again when it ends, and sends it entries 20 times a second."""
+    """Connects to the recorder, again when it ends, and sends it entries 20 times a second."""
 
     def __init__(
         self,
         plan: Plan,
         folder: Path,
+        port: socket.socket,
         host: Coordinator,
         loop: EventLoop,
         settings: "SettingsInForce | None" = None,
     ) -> None:
-        """`host` carries the streams of the bulk process, and knows the alarms of both."""
+        """`port` is the bulk process's side of the recorder's port.
+
+        `host` carries the streams of the bulk process, and knows the alarms of both.
+        """
         self._plan = plan
         self._folder = folder
+        self._port = port
         self._host = host
         self._loop = loop
         self._settings = settings
         self._own = StreamNotes(host, loop.now, MAX_WAITING_BYTES)
         self._others = EntryBuffer(MAX_WAITING_BYTES)
         self._types: dict[str, LearnedType] = {}
-        self._process: subprocess.Popen[bytes] | None = None
         self._channel: MessageChannel | None = None
         self._report = RecorderReport("", "")
         self.on_saved: Callable[[str], None] = lambda name: None
@@ -77,33 +75,21 @@ class RecorderLink:
         self._observed: Observed | None = None
         self._revision: int | None = None
         self._read_at = loop.now()
-        self._started_at, self._restart_delay = 0, _RESTART_AFTER // 2
-        self._is_closed = False
+        self._is_answered = self._is_closed = False
 
     def open(self) -> None:
-        """Start the recorder, and tell it what happens from now on."""
+        """Tell the recorder what happens from now on."""
         self._own.open()
         self._follow_alarms()
-        self._start()
+        self._connect()
         self._send()
 
     def close(self) -> None:
-        """Send what is left; the recorder saves what is under way, and ends before this process."""
+        """Send what is left; the recorder saves what is under way, and ends."""
         self._is_closed = True
         self._send_batches()
         if self._channel:
             self._channel.close()
-        if self._process:
-            self._end(self._process)
-
-    @staticmethod
-    def _end(process: subprocess.Popen[bytes]) -> None:
-        """Wait for the recorder's end; one whose disk hangs is killed and not waited for."""
-        try:
-            process.wait(_END_S)
-        except subprocess.TimeoutExpired:
-            log.exception("the recorder of incidents does not end: it is killed")
-            process.kill()
 
     def receive(self, message: object) -> None:
         """Take what the command process has noted."""
@@ -123,54 +109,40 @@ class RecorderLink:
         text = f"not recorded: {problem}" if problem else "recorded"
         return [Status(WARN if problem else OK, "rtron: incidents", text, values)]
 
-    def _start(self) -> None:
-        """Start the recorder, and tell it what the one before knew."""
+    def _connect(self) -> None:
+        """Tell the next recorder what the one before knew."""
         if self._is_closed:
             return
-        if self._process:
-            self._process.poll()
-        self._started_at = self._loop.now()
-        own, others = socket.socketpair()
+        self._is_answered = False
         try:
-            self._process = start_program(INCIDENTS, [others.fileno()])
+            connection = connect(self._port)
         except OSError as error:
-            own.close()
-            self._on_report(RecorderReport(f"no recorder can be started: {error}", ""))
-            self._start_again()
+            self._note(RecorderReport(f"the recorder is not reached: {error}", ""))
+            self._loop.call_at(self._loop.now() + _RETRY, self._connect)
             return
-        finally:
-            others.close()
         self._report = RecorderReport("", self._report.saved)
-        self._channel = MessageChannel(self._loop, own, self._on_report, self._on_lost)
-        level = logging.getLogger().getEffectiveLevel()
-        self._channel.send(
-            RecorderTask(self._plan, self._settings_text(), str(self._folder), level)
-        )
+        self._channel = MessageChannel(self._loop, connection, self._take, self._on_lost)
+        self._channel.send(RecorderTask(self._plan, self._settings_text(), str(self._folder)))
         self._channel.send(NotedEntries(tuple(self._types.values())))
 
     def _settings_text(self) -> str:
         return encode_settings(self._settings.current if self._settings else Settings())
 
-    def _on_report(self, message: object) -> None:
+    def _take(self, message: object) -> None:
         if isinstance(message, RecorderReport):
+            self._is_answered = True
             if message.saved not in ("", self._report.saved):
                 self.on_saved(message.saved)
-            self._report = message._replace(saved=message.saved or self._report.saved)
+            self._note(message)
+
+    def _note(self, report: RecorderReport) -> None:
+        self._report = report._replace(saved=report.saved or self._report.saved)
 
     def _on_lost(self) -> None:
         self._channel = None
         if not self._is_closed:
-            log.error("the recorder of incidents is gone; it is started again")
-            self._start_again()
-
-    def _start_again(self) -> None:
-        """Start the recorder in a while, which is longer each time that it has ended at once."""
-        now = self._loop.now()
-        is_well = now - self._started_at > _STABLE
-        self._restart_delay = (
-            _RESTART_AFTER if is_well else min(2 * self._restart_delay, _LONGEST_RESTART)
-        )
-        self._loop.call_at(now + self._restart_delay, self._start)
+            log.error("the recorder of incidents is gone; the next one goes on")
+            self._connect()
 
     def _send(self) -> None:
         self._loop.call_at(self._loop.now() + _SEND_PERIOD, self._send)
@@ -181,7 +153,9 @@ class RecorderLink:
         """Send what both lanes have noted, if the recorder has read what it got before."""
         if self._channel is None or self._channel.has_pending:
             return
-        self._read_at = now = self._loop.now()
+        now = self._loop.now()
+        if self._is_answered:
+            self._read_at = now
         entries = [*self._own.take(_BATCH_BYTES), *self._others.take(_BATCH_BYTES, now)]
         if entries:
             self._types |= {each.topic: each for each in entries if isinstance(each, LearnedType)}

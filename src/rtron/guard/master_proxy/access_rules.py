@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rtron.errors import WireError
-from rtron.vocabulary import BULK_NODE, GUARD_NODE, PRIVATE_ROOT, SUPERVISOR_NODE, TopicAccess
-from rtron.vocabulary.names import matches_node
+from rtron.vocabulary import TopicAccess, is_guard_name, is_private_name, matches_node
 from rtron.wire.ros1.xmlrpc import split_uri
 
 ROSOUT = "/rosout"
@@ -47,16 +46,6 @@ def denial_reason(topics: Topics, method: str, params: Sequence[Any]) -> str:
     if not isinstance(params[0], str):
         return "a caller_id is a string"
     return api.check(topics, *params)
-
-
-def is_guard_name(node: str) -> bool:
-    """Tell whether a node name is one that only the guard goes by."""
-    return node in (GUARD_NODE, BULK_NODE, SUPERVISOR_NODE) or is_private_name(node)
-
-
-def is_private_name(name: str) -> bool:
-    """Tell whether a name lies where all names are the guard's to give."""
-    return name == PRIVATE_ROOT or name.startswith(PRIVATE_ROOT + "/")
 
 
 def is_global_name(name: object) -> bool:

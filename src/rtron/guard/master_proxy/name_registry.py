@@ -15,9 +15,15 @@ from ipaddress import ip_address
 
 from rtron.errors import RTronError, SourceError, WireError
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.master_proxy.access_rules import ROSOUT, is_guard_name
-from rtron.vocabulary import BULK_NODE, GUARD_NODE, SUPERVISOR_NODE, TopicAccess
-from rtron.vocabulary.names import matches_node
+from rtron.guard.master_proxy.access_rules import ROSOUT
+from rtron.vocabulary import (
+    BULK_NODE,
+    GUARD_NODE,
+    SUPERVISOR_NODE,
+    TopicAccess,
+    is_guard_name,
+    matches_node,
+)
 from rtron.vocabulary.topic_access import ANY_NODE
 from rtron.wire.ros1.ros_api import query_node_uri, query_process_id
 from rtron.wire.ros1.xmlrpc import split_uri

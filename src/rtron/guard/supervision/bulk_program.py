@@ -1,5 +1,6 @@
 """The bulk process as a program that a supervisor starts."""
 
+import socket
 import sys
 
 from rtron.guard.lanes.bulk.bulk_process import run_bulk_process
@@ -12,14 +13,15 @@ from rtron.guard.transport.factory import share_memory
 def main(numbers: str) -> None:
     """Be the bulk process of the configuration in an open file; end with the exit code."""
     leave_terminal()
-    (config_file,) = open_descriptors(numbers)
+    config_file, port = open_descriptors(numbers)
     config = read_config(config_file)
     start_logging(config.log_level, "bulk")
     share_memory(config.plan.ros, on=True)
 
     def carry() -> int:
         link = config.options.get("link")
-        run_bulk_process(config.plan, config.master, config.digest, link=link)
+        with socket.socket(fileno=port) as recorder:
+            run_bulk_process(config.plan, config.master, config.digest, recorder, link=link)
         return 0
 
     sys.exit(run_program(carry))

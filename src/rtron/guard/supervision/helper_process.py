@@ -2,7 +2,7 @@
 
 import logging
 import signal
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from rtron.guard.supervision.fork_server import ForkServer
 from rtron.guard.supervision.forked_process import ForkedProcess
@@ -17,7 +17,7 @@ MIN_RESTART_DELAY = SECOND
 """The time before the next start of one that ended soon, ns; it doubles while each does."""
 MAX_RESTART_DELAY = 4 * SECOND
 _STOP_TIMEOUT_S = 10.0
-"""The bulk process waits 8 s for the recorder of incidents."""
+"""How long a helper may take to deliver or save what waits."""
 
 
 class HelperProcess:
@@ -35,13 +35,14 @@ class HelperProcess:
         files: Sequence[int] = (),
         beat: SharedBeat | None = None,
         has_plan: bool = True,
+        is_needed: Callable[[], bool] = lambda: True,
     ) -> None:
         """Start the program with the configuration and `files`; one that `has_plan` follows it.
 
-        One that has a `beat` gets it as the first of its files.
+        One that has a `beat` gets it as the first of its files. It is started when it `is_needed`.
         """
         self._files = [beat.descriptor, *files] if beat else files
-        self._beat, self._has_plan = beat, has_plan
+        self._beat, self._has_plan, self._is_needed = beat, has_plan, is_needed
         self.process: ForkedProcess | None = None
         self._server = server
         self._program = program
@@ -59,7 +60,7 @@ class HelperProcess:
             return
         if self._start_due is None:
             self._start_due = now + self._wait(now - self._started_at)
-        if now >= self._start_due:
+        if now >= self._start_due and self._is_needed():
             self._start(now)
 
     def _end_if_hung(self, now: int, process: ForkedProcess) -> None:

@@ -1,13 +1,25 @@
-"""The recorder of incidents as a program that the bulk process starts."""
+"""The recorder of incidents as a program that a supervisor starts."""
 
+import signal
 import socket
 
 from rtron.guard.incidents.recorder import run_recorder
+from rtron.guard.incidents.recorder_port import accept
+from rtron.guard.log_format import start_logging
+from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.programs import leave_terminal, open_descriptors
 
 
 def main(numbers: str) -> None:
-    """Record what comes over the socket that is open."""
+    """Record what comes over the connection that waits at the port, until that ends.
+
+    It hears no SIGTERM: what the bulk process has noted last is still saved.
+    """
     leave_terminal()
-    (descriptor,) = open_descriptors(numbers)
-    run_recorder(socket.socket(fileno=descriptor))
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    config_file, port = open_descriptors(numbers)
+    start_logging(read_config(config_file).log_level, "incidents")
+    with socket.socket(fileno=port) as recorder_side:
+        connection = accept(recorder_side)
+    if connection:
+        run_recorder(connection)

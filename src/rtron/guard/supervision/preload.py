@@ -56,6 +56,8 @@ def _modules(config: GuardConfig) -> Iterator[str]:
     is_dry = config.options.get("dry_run")
     yield "guard.supervision.guard_program"
     yield "guard.dry_run" if is_dry else "guard.supervision.bulk_program"
+    if not is_dry and config.plan.incidents.keep:
+        yield "guard.supervision.incident_program"
     if config.options.get("link"):
         yield "guard.supervision.link_program"
         yield "guard.link.service_link"

@@ -10,6 +10,7 @@ from functools import partial
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
+from rtron.guard.incidents.recorder_port import RecorderPort
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.fork_server import ForkServer
 from rtron.guard.supervision.forked_process import START_FAILED, UNKNOWN_END
@@ -24,7 +25,13 @@ from rtron.guard.supervision.guard_process import GuardProcess, spawn_guard
 from rtron.guard.supervision.helper_process import HelperProcess
 from rtron.guard.supervision.intrusion_file import intrusion_file
 from rtron.guard.supervision.plan_trial import PlanTrial, make_plan_slot
-from rtron.guard.supervision.programs import BULK, JOB_CONTROL_SIGNALS, LINK, TERMINATION_SIGNALS
+from rtron.guard.supervision.programs import (
+    BULK,
+    INCIDENTS,
+    JOB_CONTROL_SIGNALS,
+    LINK,
+    TERMINATION_SIGNALS,
+)
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.stream_brakes import StreamBrakes
 from rtron.guard.supervision.supervisor_fsm import (
@@ -369,7 +376,16 @@ def _helpers(
 ) -> Iterator[HelperProcess]:
     """Yield what runs beside the guard: a dry run is one process."""
     if not config.options.get("dry_run"):
-        yield HelperProcess(server, config_file, BULK)
+        port = RecorderPort()
+        yield HelperProcess(server, config_file, BULK, files=[port.bulk_side.fileno()])
+        yield HelperProcess(
+            server,
+            config_file,
+            INCIDENTS,
+            files=[port.recorder_side.fileno()],
+            has_plan=False,
+            is_needed=port.has_connection,
+        )
     if config.options.get("link"):
         yield HelperProcess(
             server, config_file, LINK, files=slot_files, beat=SharedBeat.create(), has_plan=False

@@ -44,6 +44,7 @@ from rtron.vocabulary import (
     StringEnum,
     Supervision,
     Transform,
+    UnguardedPath,
     WatchedFlow,
 )
 
@@ -176,6 +177,7 @@ PLAN_TYPES: Mapping[type, str] = {
     Supervision: "the supervision",
     IncidentRecording: "the recording of incidents",
     MessageDefinition: "a message definition",
+    UnguardedPath: "an unguarded command",
 }
 
 

@@ -21,6 +21,7 @@ from rtron.vocabulary import (
     Point,
     StopButton,
     Transform,
+    UnguardedPath,
     WatchedFlow,
 )
 
@@ -108,11 +109,14 @@ _SECTIONS = {
     "cell": """
 # Nodes that run in a cell: a network of their own, into which only the guard leads.
 """,
+    "unguarded": """
+# What moves the robot, too, and no coordination node guards.
+""",
     "accept_unenforceable": """
 # What cannot be guarded and was accepted.
 """,
 }
-_ON_ONE_LINE = (Flow, LeaseGroup, StopButton, WatchedFlow, Point)
+_ON_ONE_LINE = (Flow, LeaseGroup, StopButton, UnguardedPath, WatchedFlow, Point)
 _ON_ONE_LINE_IF_SHORT = (EventFlow, MissionRule, Transform)
 _SHORT = 100
 _SAFE = re.compile(r"[A-Za-z/][A-Za-z0-9_/.-]*")

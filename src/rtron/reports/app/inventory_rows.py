@@ -29,6 +29,8 @@ class MoverRow(NamedTuple):
     tone: Tone = Tone.PLAIN
 
 
+_UNREAD = "may obey any topic: what is behind it was not read"
+_UNCOMMANDED = "moves it by itself, or obeys a device or link of its own: no topic commands it"
 _STOP_TONE = {Stops.YES: Tone.GOOD, Stops.NO: Tone.WARNING, Stops.UNKNOWN: Tone.UNCERTAIN}
 
 
@@ -36,10 +38,8 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
     """Yield what drives a thing, who commands it, what else can, and whether it stops."""
     last = mover.last_commands
     if not last:
-        nodes = join_names(mover.drivers)
-        yield MoverRow(
-            f"{nodes} may obey any topic: what is behind it was not read", Tone.UNCERTAIN
-        )
+        how = _UNCOMMANDED if mover.hardware else _UNREAD
+        yield MoverRow(f"{join_names(mover.drivers)}{_hardware(mover)} {how}", Tone.UNCERTAIN)
     for means in Means:
         commands = [each for each in last if each.means is means]
         yield from _MEANS_ROWS[means](mover, commands) if commands else ()
@@ -54,6 +54,10 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
         yield MoverRow(
             f"stops when commands end: {mover.stops}; {mover.stop}", _STOP_TONE[mover.stops]
         )
+
+
+def _hardware(mover: Mover) -> str:
+    return f" ({', '.join(mover.hardware)})" if mover.hardware else ""
 
 
 def _open(mover: Mover) -> list[Command]:
@@ -73,10 +77,9 @@ def _nobody(mover: Mover) -> str:
 
 
 def _topic_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
-    hardware = f" ({', '.join(mover.hardware)})" if mover.hardware else ""
     if mover.drivers:
         verb = conjugate(mover.drivers, "obey")
-        yield MoverRow(f"{join_names(mover.drivers)}{hardware} {verb} {_names(last)}")
+        yield MoverRow(f"{join_names(mover.drivers)}{_hardware(mover)} {verb} {_names(last)}")
     else:
         yield MoverRow(f"{_names(last)}, obeyed by {_nobody(mover)}")
     yield MoverRow(f"sent by {_sources(mover, last)}{_order(mover)}")

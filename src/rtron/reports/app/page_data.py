@@ -39,12 +39,18 @@ def page_data(
 ) -> Any:  # noqa: ANN401
     """Return all that the page shows as plain JSON, every text on one line and harmless."""
     names, colours = page_ids(graph, report, plan), risk_marks(graph, report)
+    findings, inventory = tuple(findings), tuple(inventory)
+    commands = (command.name for mover in inventory for command in mover.last_commands)
+    named = {*commands, *(topic for finding in findings for topic in finding.topics)}
     document = {
         "app": graph.app or "app",
         "ros": graph.ros,
         "kinds": {kind.value: KIND_TITLE[kind] for kind in RiskKind},
         "nodes": _nodes(graph, names, colours),
-        "topics": _topics(graph, report, names, colours),
+        "topics": [
+            {**topic, "isNamed": topic["name"] in named}
+            for topic in _topics(graph, report, names, colours)
+        ],
         "endpoints": [_endpoint(endpoint, names, colours) for endpoint in graph.endpoints],
         "services": [_side(names, s.node, s.name, s.type, "") for s in graph.services],
         "actions": [_side(names, a.node, a.name, a.type, a.role.value) for a in graph.actions],

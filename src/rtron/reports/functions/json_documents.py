@@ -41,7 +41,7 @@ def _rounded(probability: float | None) -> float | None:
 
 
 def functions_to_json(graph: AbstractGraph) -> dict[str, Any]:
-    """Return the graph as a JSON document; see docs/functions_graph.md for its keys."""
+    """Return the graph as a JSON document; see docs/functions.md for its keys."""
     return {
         "schema": FUNCTIONS_SCHEMA,
         "packages": graph.packages,

@@ -24,11 +24,11 @@ function shownEndpoints() {
   return state.leaves ? passing : withoutLeaves(passing);
 }
 
-// A topic with only publishers or only subscribers is a leaf, unless a risk touches it.
+// A topic with only publishers or only subscribers is a leaf, unless a risk touches it, or the page names it.
 function withoutLeaves(endpoints) {
   const published = new Set(), subscribed = new Set();
   for (const e of endpoints) (e.publishes ? published : subscribed).add(e.topic);
-  return endpoints.filter(({ topic }) => (published.has(topic) && subscribed.has(topic)) || topic.risks.length);
+  return endpoints.filter(({ topic }) => (published.has(topic) && subscribed.has(topic)) || topic.risks.length || topic.isNamed);
 }
 
 function leafTopics() {

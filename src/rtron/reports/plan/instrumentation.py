@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.text import Text
 
-from rtron.reports.plan.problems import NOTHING_GUARDED, Remark, remark_lines
+from rtron.reports.plan.problems import Remark, remark_lines, void_lines
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 
 
@@ -65,7 +65,7 @@ def instrumentation_text(launch: InstrumentedLaunch) -> Report:
 
 def _lines(launch: InstrumentedLaunch, page: TextPage) -> Iterator[Text]:
     if launch.guards_nothing:
-        yield line((NOTHING_GUARDED, "bold red"))
+        yield from void_lines(is_void=True)
         yield from heading(f"Left out ({len(launch.left_out)})") if launch.left_out else ()
         yield from remark_lines(launch.left_out, page)
         return

@@ -22,7 +22,7 @@ from rtron.reports.plan.descriptions import (
     one_line,
     seconds,
 )
-from rtron.reports.plan.problems import NOTHING_GUARDED, Remark, remark_lines
+from rtron.reports.plan.problems import Remark, remark_lines, void_lines
 from rtron.reports.text_layout import Report, TextPage, columns, counted, heading, line, paragraph
 from rtron.vocabulary import (
     GRCN,
@@ -97,8 +97,7 @@ def _remarks(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[
 
 
 def _lines(plan: Plan, guess: str, page: TextPage) -> Iterator[Text]:
-    if guards_nothing(plan):
-        yield line((NOTHING_GUARDED, "bold red"))
+    yield from void_lines(is_void=guards_nothing(plan))
     yield line((plan.app or "app", "bold"), f"  plan for ROS {plan.ros}, revision {plan.revision}")
     yield line(_summary(plan))
     yield from paragraph(guess, page, style="dim") if guess else ()

@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Protocol
 
 from rich.text import Text
@@ -31,9 +32,15 @@ NOTHING_GUARDED = "This plan guards nothing: none of its coordination nodes stan
 """The first line of a report on such a plan."""
 
 
-def problems_text(title: str, remarks: Sequence[Remark]) -> Report:
-    """Return the remarks after their number, or that there is none."""
-    return Report(lambda page: _lines(title, remarks, page))
+def problems_text(title: str, remarks: Sequence[Remark], *, is_void: bool = False) -> Report:
+    """Return the remarks after their number, or that there is none; first that a plan is void."""
+    return Report(lambda page: chain(void_lines(is_void=is_void), _lines(title, remarks, page)))
+
+
+def void_lines(*, is_void: bool) -> Iterator[Text]:
+    """Yield the first line of a report on a plan if that guards nothing."""
+    if is_void:
+        yield line((NOTHING_GUARDED, "bold red"))
 
 
 def _lines(title: str, remarks: Sequence[Remark], page: TextPage) -> Iterator[Text]:

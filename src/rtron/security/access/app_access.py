@@ -13,7 +13,6 @@ from rtron.security.access.names import (
     is_legal_name,
     is_legal_node,
     is_own_node,
-    is_private,
     is_tool,
     means_own_node,
     process_name,
@@ -41,6 +40,7 @@ from rtron.vocabulary import (
     Direction,
     InteractionGraph,
     Plan,
+    is_private_name,
     matches_node,
 )
 
@@ -123,7 +123,7 @@ class _AppRights:
                 continue
             if not is_legal_name(right.name):
                 self._refuse(node, right, "is no name that is known before the app runs")
-            elif is_private(right.name):
+            elif is_private_name(right.name):
                 self._check_private(node, right)
             elif moved := self._plan.granted(node, right):
                 yield moved

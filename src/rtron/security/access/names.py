@@ -8,6 +8,7 @@ from rtron.vocabulary import (
     PRIVATE_ROOT,
     SUPERVISOR_NODE,
     VERIFY_NODE,
+    is_guard_name,
     matches_node,
 )
 
@@ -36,14 +37,9 @@ def is_legal_node(name: str) -> bool:
     return is_legal_name(name) or (len(name) <= _LONGEST and _PATTERN.fullmatch(name) is not None)
 
 
-def is_private(name: str) -> bool:
-    """Tell whether a name is one that only the guard and the plan's nodes use."""
-    return name.startswith(f"{PRIVATE_ROOT}/")
-
-
 def is_own_node(name: str) -> bool:
     """Tell whether a node is one of RTron's."""
-    return name in _OWN_NODES or is_private(name)
+    return name == VERIFY_NODE or is_guard_name(name)
 
 
 def means_own_node(pattern: str) -> bool:

@@ -25,6 +25,7 @@ from rtron.sources.code.ir import (
     While,
 )
 from rtron.sources.code.ir.references import cache_by_identity, ir_nodes
+from rtron.vocabulary.names import snake_case
 
 _COMPARISONS = frozenset({"<", ">", "<=", ">="})
 RESULT = "result"
@@ -33,7 +34,23 @@ _LOGGING = re.compile(
     r"(?:log)?_?(?:debug|info|warn|warning|error|fatal|critical)(?:_\w+)?|print|log"
 )
 SELF = frozenset({"self", "this"})
-_STOPPING = re.compile(r"stop|zero|halt|brake|neutral|idle|coast|disable|shut_?down", re.IGNORECASE)
+_STOP_NAME = re.compile(
+    r"(?:(?:all|apply|base|car|cmd|command|controller|do|drive|emergency|force|full|go|hard"
+    r"|motors?|publish|robot|safe|safety|send|set|soft|speed|timeout|to|vehicle|vel|velocity"
+    r"|watchdog|wheels?|write)_)*"
+    r"(?:e_?stop|stop|zeros?|halt|brake|neutral|idle|coast|disable|shut_?down)"
+    r"(?:_(?:all|base|both|car|chassis|cmd|commands?|drive|driving|engine|front|it|left|motion"
+    r"|motors?|movement|moving|now|outputs?|pwm|rear|right|robot|rover|servos?|speeds?|thrusters?"
+    r"|torque|twist|vehicle|vel|velocity|velocities|wheels?))*"
+)
+"""Names of functions that stop what drives: a verb, and nothing but that beside it."""
+ADDING = frozenset(
+    [
+        *("append", "appendleft", "extend", "insert", "push", "push_back", "emplace_back"),
+        *("put", "put_nowait", "__setitem__"),
+    ]
+)
+"""Methods that put something into a container."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +65,15 @@ class Test:
 class FunctionSteps:
     """What a function does, as far as it matters here; `members` outlive its call.
 
-    `marks` are the constants that it writes to members, or into them.
+    `marks` are the constants that it writes to members, or into them, `clocks` the names of the
+    program's own functions that tell the time.
     """
 
-    def __init__(self, function: Function, *, is_cpp: bool) -> None:
+    def __init__(
+        self, function: Function, *, is_cpp: bool, clocks: frozenset[str] = frozenset()
+    ) -> None:
         self.function = function
+        self.clocks = clocks
         nodes = list(ir_nodes(function.body))
         self.declared = {n.name for n in nodes if isinstance(n, Declare)}
         self.declared |= {param.name for param in function.params}
@@ -67,7 +88,7 @@ class FunctionSteps:
         self.locals: list[tuple[str, Expr]] = []
         self.marks: set[tuple[str, Expr]] = set()
         for node in nodes:
-            for target, value in assignments(node):
+            for target, value in (*assignments(node), *_additions(node)):
                 stored = self.member(target)
                 (self.members if stored else self.locals).append(
                     (stored or last_name(target), value)
@@ -116,6 +137,12 @@ def assignments(node: object) -> Iterator[tuple[Expr, Expr]]:
         yield Name(node.name), node.value
 
 
+def _additions(node: object) -> Iterator[tuple[Expr, Expr]]:
+    """Yield the containers that a step puts something into, and the values."""
+    if isinstance(node, Call) and isinstance(node.function, Attr) and node.function.name in ADDING:
+        yield from ((node.function.owner, value) for value in node.args)
+
+
 def last_name(part: Expr) -> str:
     """Return the last name of what is called or written to."""
     while isinstance(part, Index):
@@ -158,7 +185,7 @@ def is_stop(node: object, sent: frozenset[str]) -> bool:
     """Return whether a step sets what is sent to zero, sends a zero, or is called like a stop."""
     if isinstance(node, Call):
         return not is_log(node) and (
-            bool(_STOPPING.search(last_name(node.function)))
+            bool(_STOP_NAME.fullmatch(snake_case(last_name(node.function)).strip("_")))
             or any(is_zero(each) for each in (*node.args, *(value for _, value in node.keywords)))
         )
     return any(is_zero(v) and mentioned_names(t) & sent for t, v in assignments(node))

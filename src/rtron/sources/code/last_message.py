@@ -5,6 +5,7 @@ it keeps the message alone, and what runs besides goes on with it.
 """
 
 import re
+import sys
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -23,25 +24,26 @@ from rtron.sources.code.function_steps import (
     last_name,
     mentioned_names,
 )
+from rtron.sources.code.interpreter.abstract_values.value_types import Instance
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.ir import (
-    Assign,
-    Call,
-    Const,
-    Expr,
-    Function,
-    New,
-)
+from rtron.sources.code.ir import Assign, Binary, Call, Const, Expr, Function, New
 from rtron.sources.code.ir.references import ir_nodes
-from rtron.sources.code.reachability import reachable_functions
+from rtron.sources.code.reachability import methods, reachable_functions, unknown_bases
 from rtron.sources.code.repeated_message import (
     dependent_nodes,
     find_repetition,
     is_cleared_by,
+    is_compared,
     is_counted,
     made_of,
 )
-from rtron.sources.code.watchdogs import CLOCKS, has_timed_wait, is_time, may_be_watched
+from rtron.sources.code.watchdogs import (
+    CLOCKS,
+    clock_functions,
+    has_timed_wait,
+    is_time,
+    may_be_watched,
+)
 from rtron.sources.declaration import Declaration, DeclarationKind, LastMessageUse
 from rtron.vocabulary import Evidence, LastMessageFate
 
@@ -53,6 +55,8 @@ _STATES = re.compile(
 _ORDERS = re.compile(r"cmd|command|target|desired|goal|set_?point|reference", re.IGNORECASE)
 """Words in the names of topics that command, also where their type tells what was measured."""
 _HEADERS = (".h", ".hh", ".hpp", ".hxx", ".inl")
+_STANDARD = frozenset({"object", *sys.stdlib_module_names})
+"""Where classes are from that know nothing of messages."""
 _MAX_FUNCTIONS = 1000
 _MAX_REACHED = 100
 
@@ -61,9 +65,16 @@ def last_messages(machine: AbstractMachine) -> Iterator[LastMessageUse]:
     """Yield what becomes of the last message of each subscription whose callback is known."""
     program = _Program(machine)
     for declared in machine.recorder.declared(DeclarationKind.SUBSCRIBE):
-        callbacks = [f for at in declared.evidence for f in machine.callbacks_at.get(at, ())]
+        given = (f for at in declared.evidence for f in machine.callbacks_at.get(at, ()))
+        callbacks = {each.key: each for each in given if _takes_message(each)}.values()
         if callbacks and not _STATES.match(declared.type):
-            yield program.fate(declared.evidence[0], callbacks)
+            uses = [program.fate(declared.evidence[0], [each]) for each in callbacks]
+            is_one = len({use.fate for use in uses}) == 1  # else: which is whose, on one line
+            yield uses[0] if is_one else replace(uses[0], fate=LastMessageFate.CHECKED)
+
+
+def _takes_message(callback: Function) -> bool:
+    return any(param.name != "self" for param in callback.params)
 
 
 @dataclass
@@ -79,6 +90,11 @@ class _Program:
         functions = {f.key: f for _, f in self.machine.runtime.program_functions()}
         functions |= {f.key: f for given in self.machine.callbacks_at.values() for f in given}
         return [self._code(each) for each in _sources_first(functions.values(), _MAX_FUNCTIONS)]
+
+    @cached_property
+    def _clocks(self) -> frozenset[str]:
+        """The names of the program's own functions that tell the time."""
+        return clock_functions(f for _, f in self.machine.runtime.program_functions())
 
     def fate(self, place: Evidence, callbacks: list[Function]) -> LastMessageUse:
         """Return what becomes of the last message that a subscription's callbacks got."""
@@ -97,12 +113,14 @@ class _Program:
         if found := self._age_test(times, others, stored):  # who calls them is not known
             evidence = (place, *found.evidence)
             return replace(found, fate=LastMessageFate.CHECKED, evidence=evidence)
-        if may_be_watched(reached, others) or self._is_marked(reached, others):
+        is_watched = may_be_watched(reached, others) or self._may_base_watch(callbacks)
+        if is_watched or self._is_marked(reached, others):
             return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
         repetition = find_repetition(stored, reached, beside)
         made = dict(self._publishers_made(repetition.publishers))
         fate = LastMessageFate.REPEATED
-        if repetition.is_cleared or is_counted(reached, others) or has_timed_wait(reached, others):
+        is_noticed = is_counted(reached, others) or is_compared(stored, others)
+        if repetition.is_cleared or is_noticed or has_timed_wait(reached, others):
             fate = LastMessageFate.CHECKED
         elif not repetition.publishers or (made and all(map(_is_state, made.values()))):
             fate = LastMessageFate.UNNOTICED
@@ -173,6 +191,19 @@ class _Program:
             for node in ir_nodes(each.function.body)
         )
 
+    def _may_base_watch(self, callbacks: list[Function]) -> bool:
+        """Return whether callbacks are methods of a class with a base that is not read."""
+        keys = {each.key for each in callbacks}
+        instances = [each for each in self.machine.instances if isinstance(each, Instance)]
+        return any(
+            method.function.key in keys
+            for each in instances
+            if not _STANDARD.issuperset(
+                b.partition(".")[0] for b in unknown_bases(self.machine, each)
+            )
+            for method in methods(self.machine, each)
+        )
+
     @staticmethod
     def _is_marked(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
         """Return whether a callback sets something to a value that others set back, and test."""
@@ -192,7 +223,8 @@ class _Program:
     def _code(self, function: Function) -> FunctionSteps:
         if id(function) not in self._known:
             is_cpp = self.machine.runtime.passes_by_reference
-            self._known[id(function)] = FunctionSteps(function, is_cpp=is_cpp)
+            steps = FunctionSteps(function, is_cpp=is_cpp, clocks=self._clocks)
+            self._known[id(function)] = steps
         return self._known[id(function)]
 
 
@@ -235,7 +267,14 @@ def _sent_names(code: FunctionSteps, stored: set[str]) -> frozenset[str]:
     """Return the names that a function makes of what was stored, or gives to others."""
     calls = [call for call in code.calls if not is_log(call)]
     given = [mentioned_names(part) for call in calls for part in (call.args, call.keywords)]
-    return frozenset({RESULT, *made_of(code, stored)}).union(*given) - SELF
+    sums = [n for n in ir_nodes(code.function.body) if isinstance(n, Binary) and n.operator == "+"]
+    sides = [(mentioned_names(a), mentioned_names(b)) for n in sums for a, b in _orders(n)]
+    addends = {name for one, other in sides if one & stored for name in other} - stored
+    return frozenset({RESULT, *made_of(code, stored)}).union(*given) - SELF - addends
+
+
+def _orders(sum: Binary) -> tuple[tuple[Expr, Expr], ...]:
+    return (sum.left, sum.right), (sum.right, sum.left)
 
 
 def _returns_verdict(code: FunctionSteps, times: set[str]) -> bool:

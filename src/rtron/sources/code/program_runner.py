@@ -59,7 +59,7 @@ from rtron.sources.code.library_models.rclcpp.registry import (
     RCLCPP_FUNCTIONS,
 )
 from rtron.sources.code.library_models.rclpy.registry import rclpy_library
-from rtron.sources.code.library_models.roscpp.nodelets import start_nodelet
+from rtron.sources.code.library_models.roscpp.plugins import start_nodelet
 from rtron.sources.code.library_models.roscpp.registry import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
 from rtron.sources.code.library_models.rospy.registry import ROSPY
 from rtron.sources.code.parameter_reads import mark_parameters_read_once
@@ -226,26 +226,9 @@ def _run_cpp_program(
         else:
             _run_part(machine, Path(found[0]), runtime.initialise_globals)
             _run_all(machine, Path(found[0]), found[1])
-            _run_embedded_python(machine, files)
         return machine
 
     return _run_to_fixpoint(run, other_components, of_node=of_node)
-
-
-def _run_embedded_python(machine: AbstractMachine, files: SourceProvider) -> None:
-    """Run what a C++ program calls of Python, which does not get the arguments of the process."""
-    given = machine.recorder.site
-    named = replace(given, has_launch_name=False, has_launch_namespace=False, loading=None)
-    site = replace(named, args=(), settings=(), parameters_complete=True)
-    for (module, name), place in machine.python_calls.items():
-        script = files.python_module(module, Path(place.file))
-        if script is None:
-            why = "the module of Python is not here: what it joins is missing"
-            machine.recorder.add_unresolved(f"{module}.{name}", why, place)
-            continue
-        found = run_python(script, site, files, name)
-        nodes = tuple(replace(made, uses_global_arguments=False) for made in found.nodes)
-        machine.recorder.include(replace(found, nodes=nodes))
 
 
 def _make_component(site: NodeSite, runtime: CppRuntime, cls: ClassValue) -> None:

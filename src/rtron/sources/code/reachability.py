@@ -60,11 +60,10 @@ ROS2_CPP_API = _ROS2_API | {
     *("createSharedInstance", "createUniqueInstance", "createUnmanagedInstance"),
     *("registerFromPlugin", "registerNodeType", "registerBuilder", "InteractiveMarkerServer"),
     *("CameraInfoManager", "ParameterEventHandler", "AsyncParametersClient"),
-    *("SyncParametersClient", "popen", "createBond", "create_action_server"),
+    *("SyncParametersClient", "popen", "createBond", "create_action_server", "RegisterRosNode"),
     *("create_action_client", "ServiceClient", "ServiceServer", "LifecycleServiceClient"),
     *("SimpleActionServer", "declare_parameter_if_not_declared", "declare_or_get_parameter"),
     *("get_plugin_type_param", "add_parameter", "shared_from_this", "weak_from_this"),
-    "RegisterRosNode",
 }
 """The same for ROS 2; parameters decide names there, so declaring one counts."""
 ROS2_PYTHON_API = _ROS2_API | {
@@ -121,13 +120,12 @@ def run_frame_users(machine: AbstractMachine) -> None:
     Those that joined nodes ran before. What these declare comes too late to count.
     """
     instances = [each for each in machine.instances if isinstance(each, Instance)]
-    methods = [method for each in instances for method in _methods(machine, each)]
-    called = (*machine.pending_callbacks, *machine.passed_functions, *methods)
+    called = [*machine.pending_callbacks, *machine.passed_functions]
+    called += [method for each in instances for method in methods(machine, each)]
     found = {each.function.key: each for each in called}
     users = {e.function.name.rpartition("::")[2] for e in called if _uses_frames(e.function)}
-    for key in machine.executed_functions & found.keys():
-        del found[key]
-    waiting = (e for e in found.values() if _uses_frames(e.function, users))
+    new = [e for key, e in found.items() if key not in machine.executed_functions]
+    waiting = (e for e in new if _uses_frames(e.function, users))
     for each in islice(waiting, MAX_FRAME_USERS):
         at = Arguments(frame=StackFrame(file=each.function.file))
         with suppress(EndError, RecursionError), machine.step_budget(MAX_FRAME_USERS_STEPS):
@@ -190,7 +188,7 @@ def _instance_methods(machine: AbstractMachine, instance: Instance) -> Iterator[
     """Yield an object's destructor, and the methods that an unknown base class may call."""
     yield from _destructor(machine, instance)
     if has_unknown_base(machine, instance):
-        for method in _methods(machine, instance):
+        for method in methods(machine, instance):
             if _is_unexecuted(machine, method.function):
                 yield method
 
@@ -322,16 +320,18 @@ def _call_operators(machine: AbstractMachine, words: frozenset[str]) -> Iterator
 
 def has_unknown_base(machine: AbstractMachine, instance: Instance) -> bool:
     """Tell whether a class of an object is not here, which may call its methods."""
+    return not {"object"}.issuperset(unknown_bases(machine, instance))
+
+
+def unknown_bases(machine: AbstractMachine, instance: Instance) -> list[str]:
+    """Return the names of an object's classes that are not here; that of C++ may be empty."""
     lineage = machine.runtime.lineage(instance.type)
     unknown = (cls for cls in lineage if isinstance(cls, (ExternalSymbol, Unknown)))
-    return not all(map(_is_object, unknown))
+    return [cls.name if isinstance(cls, ExternalSymbol) else "" for cls in unknown]
 
 
-def _is_object(cls: Value) -> bool:
-    return isinstance(cls, ExternalSymbol) and cls.name == "object"
-
-
-def _methods(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
+def methods(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
+    """Yield the methods of an object, as far as its classes are here."""
     for cls in machine.runtime.lineage(instance.type):
         if isinstance(cls, ClassValue):
             for name in machine.runtime.method_names(cls.definition):

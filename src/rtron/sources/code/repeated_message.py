@@ -5,14 +5,17 @@ from itertools import chain, repeat
 from typing import Any, NamedTuple
 
 from rtron.sources.code.function_steps import (
+    ADDING,
     FunctionSteps,
+    Test,
     assignments,
     is_constant,
+    is_log,
     is_zero,
     last_name,
     mentioned_names,
 )
-from rtron.sources.code.ir import Attr, Binary, Call, Const, Expr, Index, SequenceExpr
+from rtron.sources.code.ir import Assign, Attr, Binary, Call, Const, Expr, Index, SequenceExpr
 from rtron.sources.code.ir.references import called_names, ir_nodes
 
 _TAKING = frozenset(
@@ -21,7 +24,7 @@ _TAKING = frozenset(
         *("release", "move", "exchange", "swap"),
     ]
 )
-_ADDING = frozenset({"append", "extend", "insert", "push_back", "emplace_back"})
+_EQUAL, _OTHER = frozenset({"==", "is"}), frozenset({"!=", "is not"})
 
 
 class Repetition(NamedTuple):
@@ -83,13 +86,36 @@ def _conditions(code: FunctionSteps) -> Iterator[Expr]:
 
 
 def _is_step(name: str, value: Expr) -> bool:
-    """Return whether a value is what a name held, and a number more or less."""
-    return (
-        isinstance(value, Binary)
-        and value.operator.rstrip("=") in {"+", "-"}
-        and any(is_constant(side) for side in (value.left, value.right))
-        and name in {last_name(value.left), last_name(value.right)}
+    """Return whether a value is what a name held, and a number more or less; at least zero, too."""
+    return any(
+        isinstance(node, Binary)
+        and node.operator.rstrip("=") in {"+", "-"}
+        and any(is_constant(side) for side in (node.left, node.right))
+        and name in {last_name(node.left), last_name(node.right)}
+        for node in ir_nodes(value)
     )
+
+
+def is_compared(stored: set[str], others: list[FunctionSteps]) -> bool:
+    """Return whether somebody keeps what was stored, and acts where the next is still the same."""
+    members = [pair for each in others for pair in each.members]
+    copies = {name for name, value in members if mentioned_names(value) & stored} - stored
+    return any(_acts_on_same(test, stored, copies) for each in others for test in each.tests)
+
+
+def _acts_on_same(test: Test, stored: set[str], copies: set[str]) -> bool:
+    for node in ir_nodes(test.condition):
+        if isinstance(node, Binary) and node.operator in _EQUAL | _OTHER:
+            sides = mentioned_names(node.left), mentioned_names(node.right)
+            is_pair = any(one & stored and other & copies for one, other in (sides, sides[::-1]))
+            branch = test.branches[node.operator in _OTHER :][:1] if is_pair else ()
+            if any(_acts(each) for each in ir_nodes(branch)):
+                return True
+    return False
+
+
+def _acts(node: object) -> bool:
+    return isinstance(node, Assign) or (isinstance(node, Call) and not is_log(node))
 
 
 def _publishers(stored: set[str], user: FunctionSteps, sender: FunctionSteps) -> set[str]:
@@ -136,7 +162,7 @@ def made_of(code: FunctionSteps, names: set[str]) -> set[str]:
 
 def _fed_names(code: FunctionSteps, node: object, made: set[str]) -> set[str]:
     if isinstance(node, Call) and isinstance(node.function, Attr):
-        is_adding = node.function.name in _ADDING and mentioned_names(node.args) & made
+        is_adding = node.function.name in ADDING and mentioned_names(node.args) & made
         return _roots(node.function.owner, code) if is_adding else set()
     fed = (target for target, value in assignments(node) if mentioned_names(value) & made)
     return {root for target in fed for root in _roots(target, code)}

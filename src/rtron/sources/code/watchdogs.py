@@ -1,21 +1,38 @@
 """Signs that a program notices when no more messages come: watchdogs, and waits with a limit."""
 
 import re
+from collections.abc import Iterable
 
 from rtron.sources.code.function_steps import (
+    ADDING,
     SELF,
     FunctionSteps,
     assignments,
+    is_constant,
+    is_stop,
     last_name,
     mentioned_names,
 )
-from rtron.sources.code.ir import Attr, Call, Expr, Index, Name, SequenceExpr
+from rtron.sources.code.ir import (
+    Attr,
+    Binary,
+    Call,
+    Const,
+    Expr,
+    Function,
+    Index,
+    Name,
+    Return,
+    SequenceExpr,
+)
 from rtron.sources.code.ir.references import ir_nodes
 
 CLOCKS = frozenset(
     [
         *("now", "time", "time_ns", "monotonic", "monotonic_ns", "perf_counter", "get_time"),
         *("get_rostime", "utcnow", "millis", "micros", "clock_gettime", "gettimeofday", "stamp"),
+        *("default_timer", "perf_counter_ns", "HAL_GetTick", "xTaskGetTickCount", "ticks_ms"),
+        *("esp_timer_get_time", "get_absolute_time", "time_us_64", "rmw_uros_epoch_millis"),
     ]
 )
 """Names of functions and members that tell the time."""
@@ -27,14 +44,66 @@ _ALARMS = frozenset(
 )
 """What a callback starts anew, and what comes where no more does."""
 _TIMED_WAITS = frozenset({"wait_for", "wait_until", "get_nowait"})
-_DEADLINES = frozenset({"deadline_callback", "SubscriptionEventCallbacks"})
-_KEEPING = frozenset({"update", "append", "put", "set", "store"})
+_SILENCE = frozenset(
+    [
+        *("deadline_callback", "SubscriptionEventCallbacks", "count_publishers"),
+        *("get_publisher_count", "get_publishers_info_by_topic", "getNumPublishers"),
+    ]
+)
+"""What tells a subscription that no message came, or that nobody sends any."""
+_KEEPING = ADDING | {"update", "set", "setattr", "setdefault", "store"}
+_SLEEPS = frozenset({"sleep", "usleep", "msleep", "nanosleep", "sleep_for", "delay"})
+_ZERO_TEXT = re.compile(r"[^1-9]*0[^1-9]*")
 
 
 def may_be_watched(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
-    """Return whether a callback restarts a timer or keeps the time, or silence has a callback."""
-    has_deadline = any(not _DEADLINES.isdisjoint(mentioned_names(o.function.body)) for o in others)
-    return has_deadline or _restarts_timer(reached) or any(map(_keeps_time, reached))
+    """Return whether a program may learn that messages ended, or moves only so long for each.
+
+    A callback restarts a timer, keeps the time, or sends a stop by itself; or others ask who sends.
+    """
+    has_question = any(not _SILENCE.isdisjoint(mentioned_names(o.function.body)) for o in others)
+    members = [pair for each in others for pair in each.members]
+    timers = {name for name, value in members if mentioned_names(value) & _TIMER_MAKERS}
+    restarts = any(_starts_timer(c.function, timers) for each in reached for c in each.calls)
+    signs = (_keeps_time, _stops_after_waiting)
+    return has_question or restarts or any(sign(each) for each in reached for sign in signs)
+
+
+def _stops_after_waiting(code: FunctionSteps) -> bool:
+    """Return whether a function waits, and sends something like a stop thereafter."""
+    waits = [call.line for call in code.calls if last_name(call.function) in _SLEEPS]
+    return bool(waits) and any(
+        is_stop(call, frozenset()) or (bool(call.args) and _may_be_zero(call.args[-1]))
+        for call in code.calls
+        if call.line >= min(waits) and last_name(call.function) not in _SLEEPS
+    )
+
+
+def _may_be_zero(value: Expr) -> bool:
+    """Return whether what is sent may mean a stop: a text of zeros, or what is called low."""
+    if isinstance(value, Const) and isinstance(value.value, (str, bytes)):
+        text = value.value if isinstance(value.value, str) else value.value.decode("latin-1")
+        return bool(_ZERO_TEXT.fullmatch(text))
+    return last_name(value) in {"LOW", "False"} or value == Const(value=False)
+
+
+def clock_functions(functions: Iterable[Function]) -> frozenset[str]:
+    """Return the names of functions that return the time, as it is or in another unit."""
+    returned = [
+        (function.name.rpartition("::")[2], node.value)
+        for function in functions
+        for node in ir_nodes(function.body)
+        if isinstance(node, Return) and node.value is not None
+    ]
+    others = {name for name, value in returned if not _is_clock_reading(value)}
+    return frozenset(name for name, _ in returned) - others
+
+
+def _is_clock_reading(value: Expr) -> bool:
+    """Return whether a value is a clock's, changed by numbers alone."""
+    sides = [(n.left, n.right) for n in ir_nodes(value) if isinstance(n, Binary)]
+    is_plain = all(any(map(is_constant, each)) for each in sides)
+    return is_plain and bool(mentioned_names(value) & CLOCKS - {"stamp"})
 
 
 def has_timed_wait(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
@@ -51,6 +120,7 @@ def has_timed_wait(reached: list[FunctionSteps], others: list[FunctionSteps]) ->
 def _is_wait(call: Call) -> bool:
     name = last_name(call.function)
     is_timed = any(key == "timeout" for key, _ in call.keywords)
+    is_timed |= len(call.args) > 1 and call.args[0] == Const(value=True)
     return (name in {"get", "wait"} and is_timed) or (name == "wait" and bool(call.args))
 
 
@@ -81,18 +151,15 @@ def _is_hidden(target: Expr, value: Expr, code: FunctionSteps) -> bool:
 
 def is_time(value: Expr, code: FunctionSteps) -> bool:
     """Return whether a value is now, or a message's stamp; a local may hold it."""
-    names = mentioned_names(value)
-    return bool(names & CLOCKS) or any(
-        name in names and mentioned_names(given) & CLOCKS for name, given in code.locals
+    names, clocks = mentioned_names(value), CLOCKS | code.clocks
+    return bool(names & clocks) or any(
+        name in names and mentioned_names(given) & clocks for name, given in code.locals
     )
 
 
-def _restarts_timer(reached: list[FunctionSteps]) -> bool:
-    """Return whether a callback starts a timer anew, which stops where nothing comes."""
-    return any(_starts_timer(call.function) for each in reached for call in each.calls)
-
-
-def _starts_timer(function: Expr) -> bool:
+def _starts_timer(function: Expr, timers: set[str]) -> bool:
+    """Return whether a timer starts anew, which stops something where no more comes."""
     if isinstance(function, Attr) and function.name in _RESTARTS:
-        return any(_TIMERS.search(name) for name in mentioned_names(function.owner))
+        names = mentioned_names(function.owner)
+        return bool(names & timers) or any(map(_TIMERS.search, names))
     return last_name(function) in _TIMER_MAKERS | _ALARMS

@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import translate
-from functools import lru_cache
-from pathlib import Path
+from functools import cached_property, lru_cache
+from pathlib import Path, PurePath
 
 from rtron.errors import InputError
 from rtron.folders import walk
@@ -41,31 +41,31 @@ class PackageFiles:
         """Return whether a path is a folder inside the roots."""
         return is_inside(path, self.roots) and path.is_dir()
 
-    def glob(self, pattern: str, *, recursive: bool) -> tuple[Path, ...]:
+    def glob(self, pattern: str, *, recursive: bool, with_folders: bool) -> tuple[Path, ...]:
         """Return the files and folders that a pattern of CMake's file(GLOB) names, an absolute one.
 
-        A recursive one names no folders; its last part is looked for in all folders below the rest
-        of it.
+        The last part of a recursive one is looked for in all folders below the rest of it.
         """
         relative = os.path.relpath(os.path.normpath(pattern), self.folder)
         folder, _, last = relative.rpartition("/")
         parts = folder.split("/") if folder else []
-        folders = [] if recursive else self._folders_in(folder, last)
-        files = tuple(
+        folders = self._folders_by_parent if with_folders else {}
+        return tuple(
             self.folder / below / name
-            for below, names in self._by_folder.items()
+            for group in (self._by_folder, folders)
+            for below, names in group.items()
             if _matches_folder(below.split("/") if below else [], parts, recursive=recursive)
             for name in names
             if _pattern(last).match(name)
         )
-        return (*files, *folders)
 
-    def _folders_in(self, folder: str, pattern: str) -> list[Path]:
-        """Return the folders right in a folder that a pattern names; of plain folders alone."""
-        start = f"{folder}/" if folder else ""
-        below = (path.removeprefix(start) for path in self._by_folder if path.startswith(start))
-        names = sorted({path.partition("/")[0] for path in below if path})
-        return [self.folder / folder / name for name in names if _pattern(pattern).match(name)]
+    @cached_property
+    def _folders_by_parent(self) -> Mapping[str, list[str]]:
+        """The folders that hold files, at whatever depth, by the folder that they lie in."""
+        holding = (PurePath(name).parents for name in self._by_folder)
+        inner = {str(parent) for parents in holding for parent in parents} | {*self._by_folder}
+        pairs = (name.rpartition("/") for name in sorted(inner - {".", ""}))
+        return _group_by_key((parent, last) for parent, _, last in pairs)
 
 
 def list_files(folder: Path, roots: tuple[Path, ...]) -> PackageFiles:

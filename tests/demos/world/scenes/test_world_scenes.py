@@ -1,7 +1,7 @@
 """The scenes of the case studies: drivable over all seeds, and with room for what happens."""
 
 import heapq
-import json
+from dataclasses import replace
 from functools import cache
 from math import cos, dist, hypot, pi, sin
 
@@ -124,8 +124,8 @@ def test_pedestrians_come_from_behind_the_wall_into_the_way():
             assert outside > PEDESTRIAN_RADIUS
             assert way.distance(Point(crossing.stand)) < 0.01
             walk = LineString([crossing.start, crossing.stand])
-            things = [o for o in scene.as_json()["obstacles"] if "polygon" in o]
-            assert all(Polygon(o["polygon"]).distance(walk) > PEDESTRIAN_RADIUS for o in things)
+            things = [o for o in scene.obstacles if isinstance(o, PolygonObstacle)]
+            assert all(Polygon(o.polygon).distance(walk) > PEDESTRIAN_RADIUS for o in things)
 
 
 def test_a_slow_robot_can_brake_for_a_pedestrian_and_a_fast_one_cannot():
@@ -155,7 +155,7 @@ def test_the_light_stands_before_the_first_pedestrian_and_in_sight():
 @scenes
 def test_a_seed_makes_one_scene_and_seeds_make_many(case):
     assert drawn.make_scene(case, 3) == make_scene(case, 3)
-    assert len({json.dumps(make_scene(case, seed).as_json()) for seed in SEEDS}) == len(SEEDS)
+    assert len({replace(make_scene(case, seed), seed=0) for seed in SEEDS}) == len(SEEDS)
     headings = {round(abs(sin(make_scene(case, seed).start[2] / 2))) for seed in SEEDS}
     assert headings == {0, 1}
 

@@ -30,6 +30,7 @@ def states(report):
 
 
 def test_verify_and_the_audit_tell_what_comes_and_goes(base):
+    """Long: `rtron verify` twice waits until the domain is quiet for 3.5 s."""
     base.start()
     found = base.verified(0)
     assert (found["verdict"], found["problems"]) == ("closed", [])

@@ -57,6 +57,7 @@ def assert_cleared_without_the_rogue(base):
 
 
 def test_an_intrusion_outlives_the_process_of_the_audit(base):
+    """Long: the next bulk process discovers the domain anew, and a person asks twice."""
     bulk = process(base, "the bulk process is there")
     os.kill(bulk, signal.SIGKILL)
     wait_for(lambda: "the bulk process is gone" in base.guard.log, what="its loss")

@@ -52,6 +52,7 @@ def base(ros2, guard):
 
 
 def test_commands_do_not_wait_for_pictures(ros2):
+    """Long: pictures of megabytes take both cores while the base hears 300 commands."""
     heard, longest_gap = commands_beside_pictures(ros2.environ, ros2.folder, ros=2)
     assert longest_gap <= MOST_DELAY
     assert heard.unguarded() == []

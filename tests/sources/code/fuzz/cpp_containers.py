@@ -229,9 +229,6 @@ def copied(w: Writer):
         f"std::vector<std::string> {other};\nstd::swap({made}, {other});",
         f"std::vector<std::string> {other};\n{other}.swap({made});",
         f"std::vector<std::string> {other};\n{other}.assign({made}.begin(), {made}.end());",
-        f"std::vector<std::string> {other};\n"
-        f"std::copy_if({made}.begin(), {made}.end(), std::back_inserter({other}),\n"
-        "  [](const std::string & s) { return !s.empty(); });",
     )
     w.body += [
         f"std::vector<std::string> {made} = {{{w.quoted(names)}}};",
@@ -268,7 +265,6 @@ def tuples(w: Writer):
             f"{e.make(f'std::get<0>({made})')};\n{e.make(f'std::get<2>({made})')};",
             f"auto [a{made}, n{made}, b{made}] = {made};\n"
             f"{e.make(f'a{made}')};\n{e.make(f'b{made}')};",
-            f"std::apply([&](auto a, int, auto b) {{ {e.make('a')}; {e.make('b')}; }}, {made});",
         ]),
     ]  # fmt: skip
 
@@ -295,7 +291,6 @@ def variants(w: Writer):
     e, made = w.endpoint(), w.unused("v")
     name = w.names(e, 1)[0]
     uses = (
-        f"std::visit([&](auto & held) {{ std::ostringstream s; s << held; {e.make('s.str()')}; }}, {made});",
         f"if (std::holds_alternative<std::string>({made})) {{\n"
         f"  {e.make(f'std::get<std::string>({made})')};\n}}",
         f"if (auto held = std::get_if<std::string>(&{made})) {{ {e.make('*held')}; }}",

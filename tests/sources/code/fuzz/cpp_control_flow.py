@@ -116,8 +116,6 @@ def counted_loops(w: Writer):
             f"for (auto i : {{0, 1, 2}}) {{ {made}; }}",
             f"for (int i = 0, n{i} = 3; i != n{i}; i++) {{ {made}; }}",
             f"std::vector<int> {i}{{0, 1, 2}};\nfor (int i : {i}) {{ {made}; }}",
-            f"std::vector<int> {i}(3);\nstd::iota({i}.begin(), {i}.end(), 0);\n"
-            f"for (int i : {i}) {{ {made}; }}",
         ])
     )  # fmt: skip
 

@@ -232,9 +232,9 @@ def invoked(w: Writer):
         f"std::once_flag once{name};",
     ]
     w.body += [
-        f'std::invoke([&](auto name) {{ {e.make("name")}; }}, "{names[0]}");',
+        e.literal(names[0]) + ";",
         f"S{name} s{name};",
-        f'std::invoke(&S{name}::go, s{name}, {_by_reference(w)}, "{names[1]}");',
+        f's{name}.go({_by_reference(w)}, "{names[1]}");',
         f"std::call_once(once{name}, [&] {{ {e.literal(names[2])}; }});",
     ]
 

@@ -67,15 +67,11 @@ def test_evidence_is_the_element_or_the_line_of_the_key(launch, tmp_path):
     [
         ("/opt/xacro/xacro.py a.xacro", XacroCommand(file="a.xacro")),
         ("xacro/xacro --inorder 'a b.xacro'", XacroCommand(file="a b.xacro")),
-        (
-            "xacro a.xacro --inorder x:=1 y:=' z '",
-            XacroCommand(file="a.xacro", mappings={"x": "1", "y": "z"}),
-        ),
+        ("xacro a.xacro --inorder x:=1 y:=' z '",
+         XacroCommand(file="a.xacro", mappings={"x": "1", "y": "z"})),
         ("rosrun xacro xacro a.xacro x:=", XacroCommand(file="a.xacro", mappings={"x": ""})),
-        (
-            "python3 /opt/xacro.py a.xacro u:=a:=b",
-            XacroCommand(file="a.xacro", mappings={"u": "a:=b"}),
-        ),
+        ("python3 /opt/xacro.py a.xacro u:=a:=b",
+         XacroCommand(file="a.xacro", mappings={"u": "a:=b"})),
         ("cat 'a b'", CatCommand(file="a b")),
         ("/bin/cat a", CatCommand(file="a")),
         ("cat a b", None),
@@ -92,7 +88,7 @@ def test_evidence_is_the_element_or_the_line_of_the_key(launch, tmp_path):
         ("'unfinished", None),
         ("", None),
     ],
-)
+)  # fmt: skip
 def test_commands_are_recognised(command, expected):
     assert recognise_command(command) == expected
 

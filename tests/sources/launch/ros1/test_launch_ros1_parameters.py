@@ -97,21 +97,14 @@ LAUNCHES = (
     ("<rosparam>a: {b: 1, c: 2}</rosparam>", '<rosparam command="delete" param="a/b"/>'),
     ("<rosparam>a: {b: 1, c: 2}</rosparam>", '<rosparam command="delete"/>'),
     ("<rosparam>a: {b: 1}</rosparam>", '<group ns="a" clear_params="true"/>'),
-    (
-        "<rosparam>n: {b: 1}\nm: {b: 1}</rosparam>",
-        '<node pkg="p" type="t" name="n" clear_params="true"><param name="c" value="1"/></node>',
-    ),
+    ("<rosparam>n: {b: 1}\nm: {b: 1}</rosparam>",
+     '<node pkg="p" type="t" name="n" clear_params="true"><param name="c" value="1"/></node>'),
     ("<rosparam>a: {b: 1}</rosparam>", '<group ns="a" clear_params="false"/>'),
-    (
-        "<rosparam>a: {b: {c: 1}, d: 2}</rosparam>",
-        f'<group ns="a"><group ns="b" clear_params="true"/></group>{DELETE}',
-    ),
-    (
-        "<rosparam>a: {b: 1}</rosparam>",
-        '<param name="a" value="1"/>',
-        "<rosparam>a: {c: 2}</rosparam>",
-    ),
-)
+    ("<rosparam>a: {b: {c: 1}, d: 2}</rosparam>",
+     f'<group ns="a"><group ns="b" clear_params="true"/></group>{DELETE}'),
+    ("<rosparam>a: {b: 1}</rosparam>", '<param name="a" value="1"/>',
+     "<rosparam>a: {c: 2}</rosparam>"),
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("bodies", LAUNCHES)

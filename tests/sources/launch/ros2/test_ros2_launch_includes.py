@@ -96,14 +96,11 @@ def test_a_file_included_under_a_condition(python, child):
     [
         ("'/nowhere/x.launch.py'", "is no file", "/nowhere/x.launch.py"),
         ("'/nowhere/x.launch.xml'", "No such file", "/nowhere/x.launch.xml"),
-        (
-            "os.path.join(get_package_share_directory('no'), 'x.py')",
-            "what it includes is not known",
-            "",
-        ),
+        ("os.path.join(get_package_share_directory('no'), 'x.py')", "what it includes is not known",
+         ""),
         ("[LaunchConfiguration('dir'), '/x.py']", "argument 'dir' is not given", ""),
     ],
-)
+)  # fmt: skip
 def test_a_file_that_is_not_here_is_noted_and_the_rest_is_read(python, file, why, missing):
     app = python(f"IncludeLaunchDescription({file}), Node(executable='e', name='n')")
     assert names(app) == ["/n"]
@@ -156,3 +153,82 @@ def generate_launch_description():
     assert names(app) == ["/left", "/r/right"]
     assert app.starts[0].remaps == (("out", "/cmd_vel"),)
     assert app.starts[0].evidence.file.endswith("robot_parts.py")
+
+
+def leaks(app):
+    """Return the arguments that come from a file before: how sure, the name, and the values."""
+    facts = ((fact.kind, fact.subject, fact.value, fact.others[2]) for fact in app.wiring)
+    return [(str(kind), *values) for kind, *values in facts]
+
+
+@pytest.fixture
+def included(package, xml):
+    """Return what a file leaks that has these elements; `NAME.xml` includes a file beside it."""
+
+    def read(text, **files):
+        for name, elements in files.items():
+            (package / "launch" / f"{name}.xml").write_text(f"<launch>{elements}</launch>")
+        for name in files:
+            path = f'<include file="$(find-pkg-share pkg)/launch/{name}.xml"'
+            text = text.replace(f"<{name}", path).replace(f"</{name}>", "</include>")
+        return leaks(xml(text))
+
+    return read
+
+
+FRONT, REAR = (f'<arg name="topic" default="{each}/scan"/>' for each in ("front", "rear"))
+LEAK = ("leaked_argument", "topic", "front/scan", "rear/scan")
+
+
+def test_a_default_stays_set_for_the_file_after_it(included):
+    assert included("<front/><rear/>", front=FRONT, rear=REAR) == [LEAK]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<group><front/></group><rear/>",
+        '<front/><rear><arg name="topic" value="rear/given"/></rear>',
+        '<front/><let name="topic" value="both/scan"/><rear/>',
+        '<arg name="topic" default="both/scan"/><front/><rear/>',
+        '<front><arg name="topic" value="rear/scan"/></front><rear/>',
+        "<front/><group><reset/><rear/></group>",
+    ],
+)
+def test_what_is_meant_for_a_file_does_not_leak(included, text):
+    assert included(text, front=FRONT, rear=REAR) == []
+
+
+def test_a_default_of_a_file_within_leaks_too_but_not_into_its_own(included):
+    inner = '<include file="$(find-pkg-share pkg)/launch/inner.xml"/>'
+    files = {"front": FRONT + inner, "inner": FRONT.replace("front", "inner"), "rear": REAR}
+    assert included("<front/><rear/>", **files) == [LEAK]
+
+
+def test_what_another_file_was_given_may_be_meant_for_both(included):
+    given = '<front><arg name="topic" value="given/scan"/></front><rear/>'
+    expected = [("possible_leaked_argument", "topic", "given/scan", "rear/scan")]
+    assert included(given, front=FRONT, rear=REAR) == expected
+    expected = [("leaked_argument", "topic", "given/scan", "front/scan")]
+    assert included(given.replace("rear", "front"), front=FRONT) == expected
+
+
+def test_a_switch_is_likely_meant_for_all(included):
+    on, off = (f'<arg name="sim" default="{each}"/>' for each in ("True", "false"))
+    expected = [("possible_leaked_argument", "sim", "True", "false")]
+    assert included("<front/><rear/>", front=on, rear=off) == expected
+    assert not included("<front/><rear/>", front=on, rear=on.replace("True", "true"))
+    given = '<front><arg name="sim" value="true"/></front><rear/>'
+    assert not included(given, front=off, rear=off)
+
+
+@pytest.mark.parametrize(
+    ("text", "front"),
+    [
+        ("<front/><rear/>", FRONT.replace("front", "$(env UNKNOWN)")),
+        ("<front/><rear/>", FRONT.replace("front/scan", "")),
+        ('<front if="$(env UNKNOWN)"/><rear/>', FRONT),
+    ],
+)
+def test_what_is_known_only_at_run_time_is_no_leak(included, text, front):
+    assert included(text, front=front, rear=REAR) == []

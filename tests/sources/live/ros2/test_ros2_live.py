@@ -37,27 +37,13 @@ LONG_S = 60.0
 TWIST = "geometry_msgs/msg/Twist"
 FIBONACCI = "test_msgs/action/Fibonacci"
 APP = (
-    (
-        "/robot/nav",
-        ">/cmd_vel:geometry_msgs/Twist",
-        "</clock:rosgraph_msgs/Clock",
-        ">/_secret:std_msgs/String",
-        "+/start",
-        "!/go",
-    ),
+    ("/robot/nav", ">/cmd_vel:geometry_msgs/Twist", "</clock:rosgraph_msgs/Clock",
+     ">/_secret:std_msgs/String", "+/start", "!/go"),
     ("/teleop", ">/cmd_vel:geometry_msgs/Twist@sensor", "-/start", "?/go"),
     ("/teleop", ">/map:std_msgs/String@latched", ">/mixed:std_msgs/String"),
-    (
-        "/base",
-        "</cmd_vel:geometry_msgs/Twist@sensor",
-        "/twin",
-        "/twin",
-        "/mixed",
-        "</mixed:std_msgs/Bool",
-        "/rviz",
-        "</go/_action/status:action_msgs/GoalStatusArray",
-    ),
-)
+    ("/base", "</cmd_vel:geometry_msgs/Twist@sensor", "/twin", "/twin", "/mixed",
+     "</mixed:std_msgs/Bool", "/rviz", "</go/_action/status:action_msgs/GoalStatusArray"),
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")

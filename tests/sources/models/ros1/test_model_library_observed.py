@@ -42,12 +42,8 @@ def plugin_at(filename, values, environ=KINETIC, **more):
     [
         ("turtlebot", "amcl", "amcl", {"name": "/amcl", "environ": KINETIC}),
         ("turtlebot", "map_server", "map_server", {"name": "/map_server", "environ": KINETIC}),
-        (
-            "turtlebot",
-            "robot_state_publisher",
-            "robot_state_publisher",
-            {"name": "/robot_state_publisher"},
-        ),
+        ("turtlebot", "robot_state_publisher", "robot_state_publisher",
+         {"name": "/robot_state_publisher"}),
         (
             "turtlebot",
             "nodelet",
@@ -60,14 +56,10 @@ def plugin_at(filename, values, environ=KINETIC, **more):
         ("autorally", "joy", "joy_node", {"name": "/joy_node", "environ": MELODIC}),
         ("autorally", "gazebo_ros", "gzclient", {"name": "/gazebo_gui"}),
         ("autorally", "controller_manager", "spawner", {"name": "/controller_spawner"}),
-        (
-            "autorally",
-            "autorally_gazebo",
-            "ground_truth_republisher.py",
-            {"name": "/ground_truth_republisher"},
-        ),
+        ("autorally", "autorally_gazebo", "ground_truth_republisher.py",
+         {"name": "/ground_truth_republisher"}),
     ],
-)
+)  # fmt: skip
 def test_a_node_declares_what_was_observed(system, package, executable, at):
     expected = observed(system, at["name"])
     assert modelled(found_at(package, executable, **at)) == expected
@@ -272,15 +264,12 @@ INFO = "/camera/rgb/camera_info /camera/camera_info"
         ("map_server", "map_server", {"name": "/map_server"}),
         ("amcl", "amcl", {"name": "/amcl"}),
         ("move_base", "move_base", {"name": "/move_base", "values": WAFFLE}),
-        (
-            "image_transport",
-            "republish",
-            {"name": "/republish", "args": "compressed", "remaps": REPUBLISHED},
-        ),
+        ("image_transport", "republish",
+         {"name": "/republish", "args": "compressed", "remaps": REPUBLISHED}),
         ("topic_tools", "relay", {"name": "/relay_camera_info", "args": INFO}),
         ("image_proc", "image_proc", {"name": "/camera/image_proc", "remaps": CAMERA}),
     ],
-)
+)  # fmt: skip
 def test_a_node_of_autorace(package, executable, at):
     listed = autorace(at["name"])
     found = found_at(package, executable, **at)

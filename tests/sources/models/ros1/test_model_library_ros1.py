@@ -487,21 +487,13 @@ def test_a_yaml_file_that_cannot_be_read_leaves_holes(path):
         ("hector_mapping/hector_mapping", {}, [("odom", "map"), ("scanmatcher_frame", "map")]),
         ("robot_pose_ekf/robot_pose_ekf", {}, [("base_footprint", "odom_combined")]),
         ("robot_localization/ekf_localization_node", {}, [("base_link", "odom")]),
-        (
-            "robot_localization/ekf_localization_node",
-            {"values": {"/robot/driver/world_frame": "map", "/tf_prefix": "/r"}},
-            [("r/odom", "r/map")],
-        ),
-        (
-            "robot_localization/ukf_localization_node",
-            {"values": {"/robot/driver/publish_tf": False}},
-            [],
-        ),
-        (
-            "robot_state_publisher/robot_state_publisher",
-            {"values": {"/robot_description": URDF}},
-            [("laser", "base"), ("arm", "base")],
-        ),
+        ("robot_localization/ekf_localization_node",
+         {"values": {"/robot/driver/world_frame": "map", "/tf_prefix": "/r"}},
+         [("r/odom", "r/map")]),
+        ("robot_localization/ukf_localization_node",
+         {"values": {"/robot/driver/publish_tf": False}}, []),
+        ("robot_state_publisher/robot_state_publisher", {"values": {"/robot_description": URDF}},
+         [("laser", "base"), ("arm", "base")]),
         (
             "robot_state_publisher/robot_state_publisher",
             {
@@ -510,14 +502,11 @@ def test_a_yaml_file_that_cannot_be_read_leaves_holes(path):
             },
             [("laser", "base"), ("arm", "base")],
         ),
-        (
-            "robot_state_publisher/robot_state_publisher",
-            {"values": {"/robot_description": "<"}},
-            [],
-        ),
+        ("robot_state_publisher/robot_state_publisher", {"values": {"/robot_description": "<"}},
+         []),
         ("robot_state_publisher/robot_state_publisher", {}, []),
     ],
-)
+)  # fmt: skip
 def test_a_node_broadcasts_the_frames_that_the_launch_says(name, at, expected):
     assert frames(node_interface(MODELS.node(*name.split("/")), site(**at))) == expected
 

@@ -149,13 +149,10 @@ def test_a_plugin_of_a_second_package_that_a_list_names_is_there():
     [
         ({"plugin_blacklist": ["setpoint_*", "SYS_*"]}, {"imu"}, {"setpoint_raw", "state"}),
         ({"plugin_whitelist": ["sys_*", "imu"]}, {"state", "imu"}, {"setpoint_raw", "rc"}),
-        (
-            {"plugin_blacklist": ["*"], "plugin_whitelist": ["setpoint_raw"]},
-            {"setpoint_raw"},
-            {"imu", "state"},
-        ),
+        ({"plugin_blacklist": ["*"], "plugin_whitelist": ["setpoint_raw"]}, {"setpoint_raw"},
+         {"imu", "state"}),
     ],
-)
+)  # fmt: skip
 def test_lists_switch_plugins_on_and_off(values, present, absent):
     told_of = plugins_told(drone(values))
     assert present <= told_of
@@ -184,10 +181,8 @@ def test_a_plugin_listens_to_what_its_parameters_say():
         ({}, {"rgb/image", "depth/image", "rgb/camera_info", "odom"}),
         ({"subscribe_rgbd": True, "odom_frame_id": "o"}, {"rgbd_image"}),
         ({"subscribe_rgbd": True, "rgbd_cameras": 2}, {"rgbd_image0", "rgbd_image1", "odom"}),
-        (
-            {"subscribe_depth": False, "subscribe_rgb": False, "subscribe_scan": True},
-            {"scan", "odom"},
-        ),
+        ({"subscribe_depth": False, "subscribe_rgb": False, "subscribe_scan": True},
+         {"scan", "odom"}),
         (
             {"subscribe_stereo": True},
             {
@@ -198,7 +193,7 @@ def test_a_plugin_listens_to_what_its_parameters_say():
             | {"odom"},
         ),
     ],
-)
+)  # fmt: skip
 def test_a_mapper_hears_one_kind_of_camera(values, heard):
     given = {f"/r/rtabmap/{name}": value for name, value in values.items()}
     found = modelled("rtabmap_slam/rtabmap", name="/r/rtabmap", values=given)

@@ -154,13 +154,10 @@ def test_a_plugin_of_a_second_package_that_a_list_names_is_there():
     [
         ({"plugin_denylist": ["setpoint_*", "sys_*"]}, {"imu"}, {"setpoint_raw", "state"}),
         ({"plugin_allowlist": ["sys_*", "imu"]}, {"state", "imu"}, {"setpoint_raw", "rc"}),
-        (
-            {"plugin_denylist": ["*"], "plugin_allowlist": ["setpoint_raw"]},
-            {"setpoint_raw"},
-            {"imu", "state"},
-        ),
+        ({"plugin_denylist": ["*"], "plugin_allowlist": ["setpoint_raw"]}, {"setpoint_raw"},
+         {"imu", "state"}),
     ],
-)
+)  # fmt: skip
 def test_lists_switch_plugins_on_and_off(settings, present, absent):
     at = {"name": "/m/mavros_node", "named": False, "settings": {"/**": settings}}
     found = modelled("mavros/mavros_node", **at)
@@ -192,12 +189,10 @@ def test_a_drone_s_parts_run_in_a_container_as_well():
         ({}, {"rgb/image", "rgb/camera_info", "depth/image", "odom"}),
         ({"subscribe_rgbd": True, "odom_frame_id": "o"}, {"rgbd_image"}),
         ({"subscribe_rgbd": True, "rgbd_cameras": 2}, {"rgbd_image0", "rgbd_image1", "odom"}),
-        (
-            {"subscribe_depth": False, "subscribe_rgb": False, "subscribe_scan": True},
-            {"scan", "odom"},
-        ),
+        ({"subscribe_depth": False, "subscribe_rgb": False, "subscribe_scan": True},
+         {"scan", "odom"}),
     ],
-)
+)  # fmt: skip
 def test_a_mapper_hears_one_kind_of_camera(settings, heard):
     found = modelled("rtabmap_slam/rtabmap", name="/r/rtabmap", settings={"/**": settings})
     kinds = {"rgb", "depth", "left", "right", "odom", "scan", "scan_cloud"}

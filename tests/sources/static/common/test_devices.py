@@ -52,7 +52,9 @@ def cpp(text):
         ("from lcm import LCM", "LCM"),
         ("from dynamixel_sdk import PortHandler", "servo bus"),
         ("import odrive", "motor controller"),
-        ("import pyvesc", "motor controller"),
+        ("import pyvesc", "VESC"),
+        ("import moteus", "moteus"),
+        ("from roboteq_driver import Roboteq", "Roboteq"),
         ("from osr_control.roboclaw import Roboclaw", "motor controller"),
         ("from Rosmaster_Lib import Rosmaster", "motor controller"),
         ("import easygopigo3 as easy", "motor controller"),
@@ -142,6 +144,8 @@ def test_sockets(facts, line, how):
         "declare_parameter('velocity_timeout', 2.0)",
         "if now - self.prev_cmd_time_ > limit:",
         "self.t_last_twist = now()",
+        "self.claw.SetTimeout(0x80, 5)",
+        "self.port.write(b'SET COMM_TIMEOUT 500')",
     ],
 )
 def test_the_age_of_a_command(facts, line):
@@ -160,6 +164,8 @@ def test_the_age_of_a_command(facts, line):
         "dt = now - self.last_control_time",
         '"""No watchdog yet."""',
         "motor_time -= 1",
+        "self.port.setTimeout(1)",
+        "SETTIMEOUT = 14",
     ],
 )
 def test_what_is_no_age_of_a_command(facts, line):

@@ -73,6 +73,16 @@ def test_the_place_of_an_endpoint_that_was_read_is_none(tmp_path):
     assert not with_unread_publishers(replace(graph, endpoints=ends), workspace).wiring
 
 
+def test_a_publisher_that_was_read_does_not_make_one_of_a_name_beside_it(tmp_path):
+    code = "rospy.init_node('cmd_vel')\n\nout = rospy.Publisher('imu', Imu)\n"
+    folder = package(tmp_path / "robot", {"imu.py": code})
+    graph, workspace = graph_of("app", BASE, ros=1), Workspace({"robot": folder}, [tmp_path])
+    assert with_unread_publishers(graph, workspace).wiring
+    place = Evidence(file=str(folder / "imu.py"), line=3)
+    ends = tuple(replace(end, evidence=(place,)) for end in graph.endpoints)
+    assert not with_unread_publishers(replace(graph, endpoints=ends), workspace).wiring
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -353,15 +353,12 @@ def test_one_that_one_node_broadcasts_is_not(folder, elements):
     ("first", "second", "expected"),
     [
         ("base laser 100", "/base /laser", [("double_fixed_frame", "laser", "base", "/a", "/b")]),
-        (
-            "base laser 100",
-            "mast laser",
-            [("double_frame", "laser", "base", "/a"), ("double_frame", "laser", "mast", "/b")],
-        ),
+        ("base laser 100", "mast laser",
+         [("double_frame", "laser", "base", "/a"), ("double_frame", "laser", "mast", "/b")]),
         ("base laser 100", "base camera", []),
         ("base laser", "base laser", []),
     ],
-)
+)  # fmt: skip
 def test_fixed_transforms_count_by_their_parents(folder, first, second, expected):
     """The publisher of tf needs a period; with 8 arguments it does not start."""
     nodes = FIXED.format("tf", "a", first), FIXED.format("tf2_ros", "b", second)

@@ -119,9 +119,40 @@ def test_a_controller_of_which_there_is_no_source_is_noted(launched):
 def test_a_command_loads_a_controller(launched, options):
     graph = launched(command=f"ros2 control load_controller {options} second")
     assert ends(graph, "/second") == {("publish", "/second/other")}
-    assert {client.name for client in graph.clients if client.node == "/_ros2cli_{pid}"} >= {
+    assert {client.name for client in graph.clients if client.node == "/_ros2cli_*"} >= {
         "/controller_manager/load_controller"
     }
     assert graph.unresolved == ()
     (note,) = launched(command="ros2 control list_controllers").unresolved
     assert note.what == "process ros2 control"
+
+
+def untyped(graph):
+    facts = (fact for fact in graph.wiring if fact.kind == "untyped_controller")
+    return [(fact.subject, fact.value, *fact.others) for fact in facts]
+
+
+def test_a_controller_that_the_manager_has_no_type_of(launched):
+    graph = launched("secnd")
+    assert untyped(graph) == [("/secnd", "/spawner_lamp", "missing", "second")]
+    assert untyped(launched("second")) == []
+    assert untyped(launched("secnd --controller-type own/Other")) == []
+
+
+def test_a_file_of_the_spawner_may_tell_the_type(launched, tmp_path):
+    (tmp_path / "own" / "more.yaml").write_text("secnd: {ros__parameters: {type: own/Other}}")
+    assert untyped(launched("secnd -p $(find-pkg-share own)/more.yaml")) == []
+    assert untyped(launched("secnd -p /none.yaml")) == []
+
+
+def test_where_the_manager_is_not_known_nothing_is(launched):
+    assert untyped(launched("secnd -c /other_manager")) == []
+
+
+def test_the_section_of_a_controller_that_nothing_loads_is_for_it(launched, tmp_path):
+    yaml = tmp_path / "own" / "control.yaml"
+    yaml.write_text(YAML + "spawner_lam:\n  ros__parameters: {a: 1}\n")
+    kind = "section_without_node"
+    assert [f.subject for f in launched().wiring if f.kind == kind] == ["/spawner_lam"]
+    yaml.write_text(yaml.read_text().replace("second:", "spawner_lam:"))
+    assert not [fact for fact in launched().wiring if fact.kind == kind]

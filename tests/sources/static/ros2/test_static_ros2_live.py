@@ -63,18 +63,13 @@ STARTED = (
     ("talker", "", "", (), {}),
     ("talker", "one", "/", (("chatter/a", "/first"), ("chatter/a", "/second")), {}),
     ("talker", "two", "/deep/er", (("~/own", "mine"), ("/heard", "heard")), {"topic": "/spoken"}),
-    (
-        "talker",
-        "three",
-        "",
-        (("one:chatter/a", "no"), ("three:chatter/b", "~/b")),
-        {"resets": True},
-    ),
+    ("talker", "three", "", (("one:chatter/a", "no"), ("three:chatter/b", "~/b")),
+     {"resets": True}),
     ("talker", "four", "/deep", (("reset", "again"),), {"resets": True, "use_sim_time": True}),
     ("talker", "five", "/deep", (("five_state", "state"),), {"suffixes": ["c"]}),
     ("several", "", "", (("out", "/group1/in"),), {}),
     ("several", "", "/all", (), {}),
-)
+)  # fmt: skip
 """Of each process: the program, its node's name and namespace, remaps and parameters."""
 
 

@@ -4,7 +4,9 @@ import pytest
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
-from rtron.vocabulary import ActionRole, Durability, QoS, Reliability, WiringFactKind
+from rtron.vocabulary import ActionRole, Durability, Mode, QoS, Reliability, WiringFactKind
+from rtron.workflows.plan import propose
+from rtron.workflows.scan import scan_graph
 
 PYTHON = """from launch import LaunchDescription
 from launch.actions import ExecuteProcess
@@ -37,12 +39,18 @@ def test_a_message_that_is_published(started):
     given = ["/cmd_vel", "geometry_msgs/msg/Twist", "{linear: {x: 1.0}}"]
     graph = started("ros2", "topic", "pub", *words, *given)
     (sent,) = graph.publishers("/cmd_vel")
-    assert joined([sent]) == [("/_ros2cli_{pid}", "/cmd_vel", "geometry_msgs/msg/Twist")]
+    assert joined([sent]) == [("/_ros2cli_*", "/cmd_vel", "geometry_msgs/msg/Twist")]
     assert sent.qos == QoS(depth=3, durability=Durability.TRANSIENT_LOCAL)
     (node,) = graph.nodes
     assert (node.package, node.executable) == ("ros2topic", "pub")
-    assert [s.name for s in graph.services] == ["/_ros2cli_{pid}/get_type_description"]
+    assert [s.name for s in graph.services] == ["/_ros2cli_*/get_type_description"]
     assert graph.unresolved == ()
+
+
+def test_the_base_of_one_that_a_process_commands_is_guarded(started):
+    graph = started("ros2", "topic", "pub", "/cmd_vel", "geometry_msgs/msg/Twist")
+    (grcn,) = propose(scan_graph(graph)).plan.grcn
+    assert [(flow.publisher, grcn.mode) for flow in grcn.flows] == [("/_ros2cli_*", Mode.ENFORCE)]
 
 
 def test_a_publisher_may_be_named_and_remapped(started):
@@ -180,20 +188,16 @@ def test_what_runs_inside_a_word_is_noted(started, line, what):
     [
         ("--qos-profile sensor_data", QoS(depth=5, reliability=Reliability.BEST_EFFORT)),
         ("--qos-profile sensor_data --qos-reliability reliable --qos-depth 7", QoS(depth=7)),
-        (
-            "--qos-profile=action_status_default",
-            QoS(depth=1, durability=Durability.TRANSIENT_LOCAL),
-        ),
+        ("--qos-profile=action_status_default",
+         QoS(depth=1, durability=Durability.TRANSIENT_LOCAL)),
         ("--qos-profile action_status_default --qos-durability volatile", QoS(depth=1)),
         ("--qos-profile parameters", QoS(depth=1000)),
         ("--qos-profile system_default", QoS()),
-        (
-            "--qos-profile system_default --qos-durability transient_local",
-            QoS(depth=1, durability=Durability.TRANSIENT_LOCAL),
-        ),
+        ("--qos-profile system_default --qos-durability transient_local",
+         QoS(depth=1, durability=Durability.TRANSIENT_LOCAL)),
         ("--qos-profile another --qos-depth 3", None),
     ],
-)
+)  # fmt: skip
 def test_a_message_is_published_by_a_profile(started, options, qos):
     (sent,) = started(f"ros2 topic pub /a std_msgs/msg/Bool {options}").publishers("/a")
     assert sent.qos == qos

@@ -76,16 +76,13 @@ CONFIG = "[options.entry_points]\nconsole_scripts =\n    talk = p.talker:main\n"
         ("setup.py", SETUP, {"talk": ("p.talker", "main"), "listen": ("p.sub.listener", "run")}),
         ("setup.cfg", CONFIG, {"talk": ("p.talker", "main")}),
         ("setup.py", FORMATTED, {"talk": ("p.talker", "main"), "listen": ("p.listener", "run")}),
-        (
-            "setup.py",
-            FORMATTED.replace("package = 'p'", "package = find()"),
-            {"talk": (".talker", "main"), "listen": (".listener", "run")},
-        ),
+        ("setup.py", FORMATTED.replace("package = 'p'", "package = find()"),
+         {"talk": (".talker", "main"), "listen": (".listener", "run")}),
         ("setup.py", f"setup(entry_points={{'console_scripts': [{'+'.join(['x'] * 5000)}]}})", {}),
         ("setup.py", "raise SystemExit(", {}),
         ("setup.cfg", "no section", {}),
     ],
-)
+)  # fmt: skip
 def test_entry_points_are_read(tmp_path, name, text, expected):
     (tmp_path / name).write_text(text)
     assert read_python_package(tmp_path, "p").entry_points == expected

@@ -22,6 +22,7 @@ SOURCES_OF_X = [
     ("file(GLOB S ../*.cpp /etc/*)\nadd_executable(x a.cpp ${S})", "a"),
     ("file(GLOB_RECURSE S *.cpp)\nadd_executable(x ${S})", "a b c sub/d"),
     ("file(GLOB_RECURSE S sub/*.cpp)\nadd_executable(x ${S})", "sub/d"),
+    ("file(GLOB_RECURSE S LIST_DIRECTORIES FALSE *.cpp)\nadd_executable(x ${S})", "a b c sub/d"),
     ("file(GLOB S s*/*.cpp)\nadd_executable(x ${S})", "sub/d"),
     ("aux_source_directory(sub S)\nadd_executable(x ${S})", "sub/d"),
     ("foreach(n a b)\nlist(APPEND S ${n}.cpp)\nendforeach()\nadd_executable(x ${S})", "a b"),
@@ -164,6 +165,20 @@ def test_modules_are_found_by_the_module_path(tmp_path):
     write(tmp_path / "cmake", {"m.cmake": "add_executable(x a.cpp)"})
     cmake = "list(APPEND CMAKE_MODULE_PATH ${PROJECT_SOURCE_DIR}/cmake)\ninclude(m)\ninclude(no)"
     assert sources(evaluate_cmake(tmp_path, cmake)) == {"x": ["a.cpp"]}
+
+
+def test_all_folders_below_one_are_listed_where_a_file_asks_for_them(tmp_path):
+    write(tmp_path, {"include/a/deep/x.h": "", "include/b/y.h": "", "other/z.h": ""})
+    cmake = (
+        "function(all_below)\n"
+        "file(GLOB_RECURSE L LIST_DIRECTORIES {} ${{PROJECT_SOURCE_DIR}}/include/*)\n"
+        "foreach(D ${{L}})\nif(IS_DIRECTORY ${{D}})\ninclude_directories(${{D}})\nendif()\n"
+        "endforeach()\n"
+        "endfunction()\nall_below()"
+    )
+    below = [tmp_path / "include" / name for name in ("a", "b", "a/deep")]
+    assert list(evaluate_cmake(tmp_path, cmake.format("TRUE")).include_dirs) == below
+    assert evaluate_cmake(tmp_path, cmake.format("FALSE")).include_dirs == ()
 
 
 def test_include_folders_and_installed_scripts(tmp_path):

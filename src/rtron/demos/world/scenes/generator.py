@@ -114,6 +114,6 @@ _GENERATORS: dict[str, Callable[[int, Random], Scene]] = {
 
 
 def make_scene(case: str, seed: int) -> Scene:
-    """Return the scene of a case (one of `requests.CASES`) and a seed; KeyError for another."""
+    """Return the scene of a case (gr, rsr, msr or agent) and a seed; KeyError for another."""
     chance = Random(f"{case} {seed}")  # noqa: S311 - a world, no secret
     return place_scene(_GENERATORS[case](seed, chance), chance)

@@ -1,10 +1,13 @@
 """What the scenes are drawn with: chance, rectangles, and things scattered where there is room."""
 
 from collections.abc import Sequence
-from math import cos, pi, sin
+from math import ceil, cos, pi, sin
 from random import Random
+from typing import Any
 
-from shapely import LineString, MultiLineString, MultiPoint, Point, Polygon
+import numpy as np
+import shapely
+from shapely import MultiLineString, MultiPoint, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
@@ -26,9 +29,19 @@ def solid_area(scene: Scene) -> BaseGeometry:
     return unary_union([walls, *map(obstacle_shape, scene.obstacles)])
 
 
-def route(scene: Scene) -> LineString:
-    """Return the right way from the start to the goal."""
-    return LineString(scene.route)
+_MAP_CELL = 0.1
+"""Side of a cell of the map, m."""
+
+
+def clearance_map(scene: Scene) -> dict[str, Any]:
+    """Return the static map: how far each cell's middle is from what the robot must not touch, m.
+
+    The cells are row by row, from the scene's origin on.
+    """
+    columns, rows = (ceil(side / _MAP_CELL) for side in scene.size)
+    xs, ys = ((np.arange(count) + 0.5) * _MAP_CELL for count in (columns, rows))
+    clearances = shapely.distance(solid_area(scene), shapely.points(*np.meshgrid(xs, ys)))
+    return {"cell": _MAP_CELL, "columns": columns, "clearances": clearances.ravel().tolist()}
 
 
 CLEARANCE = 0.22

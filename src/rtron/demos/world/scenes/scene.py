@@ -1,7 +1,6 @@
 """The scene of a run: what stands where, who comes by, and which way is right."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from rtron.demos.world.ground_truth import Position
 
@@ -19,20 +18,12 @@ class RoundObstacle:
     center: Position
     radius: float
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the obstacle as the protocol has it."""
-        return {"center": self.center, "radius": self.radius}
-
 
 @dataclass(frozen=True, slots=True)
 class PolygonObstacle:
     """An obstacle with corners, m; convex."""
 
     polygon: tuple[Position, ...]
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the obstacle as the protocol has it."""
-        return {"polygon": self.polygon}
 
 
 Obstacle = RoundObstacle | PolygonObstacle
@@ -75,24 +66,6 @@ class Scene:
     green_after: float = 0.0
     crossings: tuple[Crossing, ...] = ()
     is_teleoperated: bool = False
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the scene as the protocol has it."""
-        return {
-            "case": self.case,
-            "seed": self.seed,
-            "size": self.size,
-            "walls": self.walls,
-            "obstacles": [obstacle.as_json() for obstacle in self.obstacles],
-            "area": self.area,
-            "light": self.light,
-            "pedestrian_paths": [[crossing.start, crossing.stand] for crossing in self.crossings],
-            "start": self.start,
-            "goal": self.goal,
-            "bad_goal": self.bad_goal,
-            "overspeed": OVERSPEED,
-            "route": self.route,
-        }
 
 
 def room_walls(width: float, height: float) -> tuple[Segment, ...]:

@@ -15,14 +15,8 @@ from rtron.guard.audit.ros1.foreign_connections import (
     planned_sources,
 )
 from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
-from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess, matches_node
-from rtron.vocabulary.verification import (
-    GuardedPath,
-    PathState,
-    UnguardedPath,
-    Verification,
-    accepted_paths,
-)
+from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess, UnguardedPath, matches_node
+from rtron.vocabulary.verification import GuardedPath, PathState, Verification, accepted_paths
 from rtron.wire.ros1.ros_api import BusConnection, NamedNode
 
 _LOGGERS = ("/get_loggers", "/set_logger_level")

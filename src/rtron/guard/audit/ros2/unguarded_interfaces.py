@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.vocabulary import PRIVATE_ROOT, Plan, Service
-from rtron.vocabulary.verification import UnguardedPath, accepted_paths
+from rtron.vocabulary import PRIVATE_ROOT, Plan, Service, UnguardedPath
+from rtron.vocabulary.verification import accepted_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -37,6 +37,7 @@ from rtron.guard.system.state_folder import INCIDENTS, state_folder
 from rtron.vocabulary import BULK_NODE, Mode, OnForeign, Plan, build_streams
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Mapping
 
     from rtron.guard.core.observations import Observations
@@ -49,11 +50,17 @@ _NICE = 5
 
 
 def run_bulk_process(
-    plan: Plan, master: str, configuration: str, *, link: LinkOptions | None = None
+    plan: Plan,
+    master: str,
+    configuration: str,
+    recorder_port: socket.socket,
+    *,
+    link: LinkOptions | None = None,
 ) -> None:
     """Serve the command process at a ROS 1 master or in a ROS 2 domain, until stopped.
 
-    `configuration` is the digest of the guard's. SourceError if it has a bulk process already.
+    `configuration` is the digest of the guard's; `recorder_port` the side of the port that
+    connects. SourceError if it has a bulk process already.
     """
     lower_priority(_NICE)
     raise_file_limit()
@@ -77,7 +84,7 @@ def run_bulk_process(
         parts.append(service_link)
     if plan.incidents.keep:
         state = link.state if link else state_folder(plan.app)
-        recorder = RecorderLink(plan, state / INCIDENTS, coordinator, loop, settings)
+        recorder = RecorderLink(plan, state / INCIDENTS, recorder_port, coordinator, loop, settings)
         _connect(recorder, coordinator, connection)
         if service_link:
             recorder.on_saved = service_link.report_incident

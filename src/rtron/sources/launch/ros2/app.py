@@ -47,6 +47,7 @@ def read_app_launch(
         has_includes=evaluator.limits.files > 1,
         declared=frozenset(choices.declared),
         unresolved=tuple(evaluator.unresolved),
+        wiring=tuple(dict.fromkeys(evaluator.wiring)),
         generated_files=evaluator.files.generated_files,
     )
 

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 
 from rtron.sources.launch.common.errors import MissingArgumentError
+from rtron.sources.launch.ros2.conditions import FALSE, TRUE
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator, Setting
-from rtron.sources.launch.ros2.launch_context import NAMESPACE, LaunchVariable
-from rtron.sources.launch.ros2.substitutions.template import placeholder
+from rtron.sources.launch.ros2.launch_context import NAMESPACE, ArgumentOrigin, LaunchVariable
+from rtron.sources.launch.ros2.substitutions.template import has_placeholder, placeholder
+from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
 NAMESPACE_TAGS = frozenset({"push_ros_namespace", "push-ros-namespace"})
@@ -79,6 +81,16 @@ class ContextActions:
         for setting in self.evaluator.configurations([site]):
             site.context.set_value(*setting)
 
+    def give_argument(self, site: ElementSite) -> None:
+        """Set an argument for a file that is included, and for all after it in the scope."""
+        context, name = site.context, site.plain_text("name")
+        before, origin = context.configurations.get(name), context.origins.get(name)
+        self.set_configuration(site)
+        if context.configurations.get(name) != before:
+            context.origins[name] = ArgumentOrigin(site.location, is_default=False)
+        elif origin:
+            context.origins[name] = origin
+
     def preserved_configurations(self, site: ElementSite) -> list[Setting]:
         """Return the configurations that a group or a reset keeps."""
         return list(self.evaluator.configurations(site.children("keep")))
@@ -126,6 +138,7 @@ class ContextActions:
         variable = LaunchVariable(site.plain_text("name"))
         self.evaluator.choices.declared.add(variable.name)
         if variable.name in context.configurations or variable in context.unknown:
+            self._note_leak(site, variable.name)
             return
         if not site.has("default"):
             self._missing_argument(site, variable)
@@ -133,6 +146,29 @@ class ContextActions:
         value = self.evaluator.value(site, "default")
         self.evaluator.choices.add_default(variable.name, value)
         context.set_value(variable, value, {variable, *self.evaluator.dependencies})
+        if not context.is_uncertain:
+            context.origins[variable.name] = ArgumentOrigin(site.location, is_default=True)
+
+    def _note_leak(self, site: ElementSite, name: str) -> None:
+        """Note an argument that has another value than its default, from a file before this one."""
+        value, default = site.context.configurations.get(name, ""), site.plain_text("default")
+        origin = site.context.origins.get(name)
+        is_known = bool(value and default) and not has_placeholder(value)
+        if origin is None or not (origin.file and is_known) or value.lower() == default.lower():
+            return
+        is_switch = value.lower() in TRUE | FALSE
+        if is_switch and not origin.is_default:
+            return
+        is_of_one = not is_switch and (origin.is_default or origin.file == site.file.path)
+        kinds = WiringFactKind.POSSIBLE_LEAKED_ARGUMENT, WiringFactKind.LEAKED_ARGUMENT
+        fact = WiringFact(
+            kind=kinds[is_of_one],
+            subject=name,
+            value=value,
+            others=(site.file.path, origin.file, default),
+            evidence=(site.location, origin.location),
+        )
+        self.evaluator.wiring.append(fact)
 
     def _missing_argument(self, site: ElementSite, variable: LaunchVariable) -> None:
         """Set an argument without a value to a placeholder; raise where none is allowed."""

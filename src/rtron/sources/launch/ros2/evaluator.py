@@ -32,7 +32,7 @@ from rtron.sources.launch.ros2.substitutions.substitution import (
 )
 from rtron.sources.launch.ros2.substitutions.template import placeholder, require_known
 from rtron.sources.launch.ros2.unresolved import UnresolvedNotes
-from rtron.vocabulary import UnknownValue
+from rtron.vocabulary import UnknownValue, WiringFact
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule
 
 Setting: TypeAlias = tuple[LaunchVariable, str | None, frozenset[LaunchVariable]]
@@ -55,6 +55,7 @@ class LaunchEvaluator(UnresolvedNotes):
     command_output: CommandOutput = field(init=False)
     limits: LaunchLimits = field(default_factory=LaunchLimits)
     dependencies: set[LaunchVariable] = field(default_factory=set)
+    wiring: list[WiringFact] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Let the files count in the same bounds, and commands make notes."""

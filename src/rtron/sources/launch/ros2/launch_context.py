@@ -6,6 +6,7 @@ from typing import NamedTuple, TypeAlias
 
 from rtron.sources.launch.ros2.parameters.merge import ParameterSource
 from rtron.sources.launch.ros2.substitutions.template import placeholder
+from rtron.vocabulary import Evidence
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule
 
 NAMESPACE = "ros_namespace"
@@ -22,6 +23,17 @@ class LaunchVariable(NamedTuple):
     is_environment: bool = False
 
 
+class ArgumentOrigin(NamedTuple):
+    """Where an argument got its value: a default, or what an inclusion gives.
+
+    `file` is the included file it was for, once that is read: the value stays for the next one.
+    """
+
+    location: Evidence
+    is_default: bool
+    file: str = ""
+
+
 @dataclass(slots=True)
 class LaunchContext:
     """One scope; actions change it for all that comes after them in it.
@@ -31,7 +43,7 @@ class LaunchContext:
     `parameters` those of `set_parameter` and `set_parameters_from_file`.
     `unknown` are those that are set, to what is not known. `dependencies` tells of each that the
     launch sets itself which arguments and variables decided its value. `loops` are the values of
-    the round of each loop around, None for one that is not known.
+    the round of each loop around, None for one that is not known. `origins` are those of arguments.
     """
 
     configurations: dict[str, str] = field(default_factory=dict)
@@ -42,6 +54,7 @@ class LaunchContext:
     unknown: set[LaunchVariable] = field(default_factory=set)
     dependencies: dict[LaunchVariable, frozenset[LaunchVariable]] = field(default_factory=dict)
     loops: dict[str, str | None] = field(default_factory=dict)
+    origins: dict[str, ArgumentOrigin] = field(default_factory=dict)
     _changes: list[LaunchVariable] = field(default_factory=list)
     _reset_count: int = 0
 
@@ -61,6 +74,7 @@ class LaunchContext:
         values = self.environ if variable.is_environment else self.configurations
         values.pop(variable.name, None)
         self.unknown.discard(variable)
+        self.origins.pop(variable.name, None)
         if value is None:
             self.unknown.add(variable)
         else:
@@ -71,6 +85,12 @@ class LaunchContext:
     def dependencies_of(self, variable: LaunchVariable) -> frozenset[LaunchVariable]:
         """Return which arguments and variables decide a value here."""
         return self.dependencies.get(variable, frozenset({variable}))
+
+    def leave_file(self, path: str, before: Mapping[str, ArgumentOrigin]) -> None:
+        """Note of what was given or set for an included file that it is read; `before` was not."""
+        for name, origin in self.origins.items():
+            if not origin.file and before.get(name) != origin:
+                self.origins[name] = origin._replace(file=path)
 
     def add_remaps(self, rules: Collection[RemapRule]) -> None:
         """Add remap rules for all nodes, as `set_remap` does."""
@@ -109,6 +129,7 @@ class LaunchContext:
             unknown=set(self.unknown),
             dependencies=dict(self.dependencies),
             loops=self.loops,
+            origins=dict(self.origins),
         )
 
     def reset_environment(self, environ: Mapping[str, str]) -> None:

@@ -258,9 +258,9 @@ class LaunchReader:
         context.loops = outer_loops
 
     def _include(self, site: ElementSite) -> None:
-        path = self._evaluator.text(site, "file")
+        path, before = self._evaluator.text(site, "file"), dict(site.context.origins)
         for argument in site.children("arg", "let"):
-            ContextActions(self._evaluator).set_configuration(argument)
+            ContextActions(self._evaluator).give_argument(argument)
         path = path and bundled_launch_file(path)
         if path is None or has_placeholder(path):
             self._evaluator.choices.skip(site.element)
@@ -271,6 +271,7 @@ class LaunchReader:
         with self._evaluator.collect_errors(site):
             included = self._file(source, site.context, site.file.depth + 1)
             site.file.includes.append((site.element, path, included))
+            site.context.leave_file(source, before)
         self._evaluator.limits.level = level
 
 

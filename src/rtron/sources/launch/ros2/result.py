@@ -9,7 +9,7 @@ from rtron.sources.launch.ros2.parameters.merge import (
     merge_component_parameters,
     merge_node_parameters,
 )
-from rtron.vocabulary import Evidence, StringEnum, UnresolvedItem
+from rtron.vocabulary import Evidence, StringEnum, UnresolvedItem, WiringFact
 from rtron.vocabulary.parameters import Parameter
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule
 
@@ -83,7 +83,7 @@ class AppLaunch:
 
     `arguments` are those that the file itself declares, `declared` the names of those that all
     files declare or read; `has_includes` says that it includes files; `unresolved` is what could
-    not be read.
+    not be read, `wiring` what it wires in a way that is hardly meant.
     `generated_files` are the files that exist only while the launch runs, by what they are called.
     """
 
@@ -94,3 +94,4 @@ class AppLaunch:
     has_includes: bool = False
     declared: frozenset[str] = frozenset()
     unresolved: tuple[UnresolvedItem, ...] = ()
+    wiring: tuple[WiringFact, ...] = ()

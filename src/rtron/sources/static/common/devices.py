@@ -23,8 +23,11 @@ _LIBRARIES = {
     "CAN": r"(?<=import )can\b|(?<=from )can\b|linux/can|socketcan|canlib|PCANBasic|can_msgs",
     "EtherCAT": r"ethercat\.h|\becrt\.h|\bsoem",
     "servo bus": r"dynamixel_sdk|lx16a|scservo|SCServo|feetech|herkulex",
-    "motor controller": r"roboclaw|odrive|vesc_(?:interface|packet)|pyvesc|[Rr]oboteq|phidget22"
-    r"|sabertooth|tmc\d{4}|moteus|Rosmaster_Lib|[Mm]otor_?(?:HAT|hat)\b"
+    "moteus": r"\bmoteus",
+    "VESC": r"vesc_(?:interface|packet)|pyvesc",
+    "Roboteq": r"[Rr]oboteq",
+    "motor controller": r"roboclaw|odrive|phidget22"
+    r"|sabertooth|tmc\d{4}|Rosmaster_Lib|[Mm]otor_?(?:HAT|hat)\b"
     r"|\b(?:(?:easygo|go)pigo3?|brickpi3|picarx|robot_hat|ev3dev2?|pyfirmata2?)\b",
     "Modbus": r"\bpymodbus|minimalmodbus|\bmodbus(?:/modbus)?\.h",
     "TCP link": r"\bcreate_connection\(|\.connect\(\s*\(|\bconnect\([^;\n]{0,60}sockaddr",
@@ -52,12 +55,18 @@ _COMMAND = r"(?<![a-z])(?:cmd_?vel|cmd|command|vel|velocity|twist|joy|setpoint|t
 _AGE = (
     r"watch_?dog|dead_?man|fail_?safe"
     rf"|{_COMMAND}(?:_\w{{0,30}})?_?time_?out|time_?out_?(?:\w{{0,30}}_)?{_COMMAND}(?![a-z])"
+    r"|(?-i:\.SetTimeout\(|\bSET[ _](?:\w{1,20}[ _])?TIMEOUT)"
     rf"|(?:last|prev|previous)_(?:\w{{0,30}}_)?{_COMMAND}_(?:\w{{0,30}}_)?(?:time|stamp|received|at|t)_?\b"
     r"|(?:control|ctrl)_(?:loop_)?time_?out"
     rf"|\b{_COMMAND}_ts\b|t_last_(?:\w{{0,30}}_)?{_COMMAND}|time_?since_?(?:\w{{0,30}}_)?{_COMMAND}"
     r"|(?:cmd|command|twist)_?(?:time|stamp)_?\b[^\n]{0,40}>|lastCommand|lastCmd"
 )
-"""Names that tell of a command's age, or of what ends one."""
+"""Names that tell of a command's age, or of what ends one.
+
+Boards get a limit by them that have none by default: `enable_watchdog` of ODrive (its
+documentation), `BUS_WATCHDOG` of Dynamixel (its e-manual), `enableFailsafe` of Phidgets (its API)
+and `SetTimeout` of RoboClaw (its user manual, command 14).
+"""
 _COMMENTS = {
     True: re.compile(
         rb"\"\"\".*?(?:\"\"\"|\Z)|'{3}.*?(?:'{3}|\Z)"

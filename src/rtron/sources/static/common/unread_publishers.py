@@ -1,14 +1,16 @@
 """Topics that are subscribed and that nobody is known to publish, though code may do it."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeAlias
 
 from rtron.sources.static.common.node_sources import file_content
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, InteractionGraph, WiringFact, WiringFactKind
 
+_Line: TypeAlias = tuple[str, int]
 MAX_FILES = 5_000
 """More of an app's own code is not searched: what a search finds only makes findings milder."""
 _CODE = (".py", ".cpp", ".cc", ".cxx", ".h", ".hpp")
@@ -37,9 +39,8 @@ def with_unread_publishers(graph: InteractionGraph, workspace: Workspace) -> Int
     }
     places: dict[str, Evidence] = {}
     paths, started = _code_files(graph, workspace), _started_programs(graph, workspace)
-    for name, place in _mentions(topics, paths, started) if topics else ():
-        if (place.file, place.line) not in read:
-            places.setdefault(name, place)
+    for name, place in _mentions(topics, paths, started, read) if topics else ():
+        places.setdefault(name, place)
     kind = WiringFactKind.UNREAD_PUBLISHER
     facts = (
         WiringFact(kind=kind, subject=topic, evidence=(place,))
@@ -82,7 +83,7 @@ def _started_programs(graph: InteractionGraph, workspace: Workspace) -> set[Path
 
 
 def _mentions(
-    names: Iterable[str], paths: Iterable[Path], started: set[Path]
+    names: Iterable[str], paths: Iterable[Path], started: set[Path], read: Collection[_Line]
 ) -> Iterator[tuple[str, Evidence]]:
     """Yield names with the places where a text that ends with them stands beside a publisher.
 
@@ -93,7 +94,11 @@ def _mentions(
     for path in paths:
         data = file_content(path)
         if quoted.search(data) and (path in started or not _MAIN.search(data)):
-            yield from _mentions_in(path, data.split(b"\n"), quoted)
+            lines = (
+                b"" if (str(path), number) in read else line
+                for number, line in enumerate(data.split(b"\n"), 1)
+            )
+            yield from _mentions_in(path, list(lines), quoted)
 
 
 def _mentions_in(

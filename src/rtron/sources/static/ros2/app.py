@@ -76,7 +76,9 @@ def scan_ros2_app(
         assembly.add_wiring(*duplicate_nodes(parts))
         parts += gazebo_servers.plugin_nodes.parts(parts)
         parts += gazebo_servers.parts(node_builder.gazebo_servers)
-        loaded = [*ControllerParts(models, files).parts(parts)]
+        controllers = ControllerParts(models, files)
+        loaded = [*controllers.parts(parts)]
+        assembly.add_wiring(*controllers.untyped(parts))
         loaded += HardwareParts(models, files).parts(parts)
         resolved = resolver.resolve_parts([part for part in loaded if part.task])
         for part in (*parts, *(part for part in loaded if not part.task), *resolved):
@@ -86,7 +88,9 @@ def scan_ros2_app(
         assembly.add_wiring(*malformed_files(starts))
         assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes), models.own_names))
     assembly.add_wiring_facts()
-    assembly.add_unresolved(*(note for launch in app_launches for note in launch.unresolved))
+    for launch in app_launches:
+        assembly.add_unresolved(*launch.unresolved)
+        assembly.add_wiring(*launch.wiring)
     passed = {name for _, given in launches for name in given}
     declared = {name for launch in app_launches for name in launch.declared}
     assembly.add_unresolved(*undeclared_arguments(passed, declared))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from rtron.sources.code.library_models.rclcpp.component_manager import DEFAULT_CONTAINER_NAME
+from rtron.sources.code.library_models.rclcpp.node import DEFAULT_CONTAINER_NAME
 from rtron.sources.declaration import ComponentLoading, NodeSite, ParameterSetting
 from rtron.sources.launch.ros2.command_line import argument_remaps, special_remap
 from rtron.sources.launch.ros2.parameters.merge import ParameterSource

@@ -8,7 +8,7 @@ from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
 
-from rtron.sources.declaration import CreatedNode, Declaration
+from rtron.sources.declaration import CreatedNode, Declaration, GazeboTopic
 from rtron.sources.static.common.app_node import AppNode, may_both_start
 from rtron.sources.static.common.devices import last_messages
 from rtron.sources.static.common.frames import FrameBroadcasters, node_name
@@ -18,6 +18,7 @@ from rtron.sources.static.common.task import TaskKind
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses, sent_once
 from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
+from rtron.sources.static.ros2.gazebo_topics import mismatched_bridges
 from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import (
@@ -45,6 +46,7 @@ class Ros2Assembly(GraphBuilder):
     remap_uses: RemapUses = field(default_factory=RemapUses)
     program_outputs: ProgramOutputs = field(default_factory=ProgramOutputs)
     frames: FrameBroadcasters = field(default_factory=lambda: FrameBroadcasters(ros=2))
+    _gazebo_topics: list[GazeboTopic] = field(default_factory=list)
     _started: dict[str, AppNode] = field(default_factory=dict)
 
     def add_part(self, part: NodePart) -> None:
@@ -68,6 +70,7 @@ class Ros2Assembly(GraphBuilder):
         for parameter in part.interface.parameters:
             if "{" not in parameter.name:
                 self.parameters[parameter.node, parameter.name] = parameter
+        self._gazebo_topics += part.interface.gazebo_topics
         self.add_unresolved(*part.interface.unresolved)
         self.add_unresolved(*_programs_without_nodes(part))
         for started in part.interface.runtime_starts:
@@ -89,7 +92,7 @@ class Ros2Assembly(GraphBuilder):
         """Note what is wired in vain or twice: remaps, parameters; outputs and frames."""
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values()))
         self.add_wiring(*self.remap_uses.unread())
-        self.add_wiring(*self.program_outputs.shared())
+        self.add_wiring(*self.program_outputs.shared(), *mismatched_bridges(self._gazebo_topics))
         self.add_wiring(*self.frames.facts(), *self.frames.loops())
         self.add_wiring(*self.frames.stray_frames(), *self.frames.missing_frames())
         values = (

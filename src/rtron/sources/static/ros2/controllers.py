@@ -7,6 +7,7 @@ later ones come with the spawner's `--controller-ros-args`.
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
@@ -15,20 +16,31 @@ from rtron.sources.models import ModelCatalog, node_interface
 from rtron.sources.models.common.arguments import option, positional
 from rtron.sources.models.common.schema import NodeRole
 from rtron.sources.static.common.app_node import AppNode
+from rtron.sources.static.common.frames import node_name
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import InterpretationTask, TaskKind
 from rtron.sources.static.ros2.parameter_values import parameter_file_settings, parameter_value
 from rtron.sources.workspace.plugin_description import PluginClass
-from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary import UnresolvedItem, WiringFact, WiringFactKind
 from rtron.vocabulary.remap_rules import RemapRule, expand_name, parse_remap_rules
 
 _PLUGIN_BASE = "controller_interface"
 _MANAGER, _TYPE = "-c --controller-manager", "-t --controller-type"
+_ITS_TYPE = ".type"
 _FILES, _ARGUMENTS = ("-p", "--param-file"), ("--controller-ros-args",)
 _VALUED = (
     f"{_MANAGER} {_TYPE} -n --namespace -p --param-file --controller-ros-args "
     "--controller-manager-timeout --switch-timeout --service-call-timeout"
 )
+
+
+class _ControllerRequest(NamedTuple):
+    """A controller that a spawner asks its manager for; the manager's node, if it is known."""
+
+    name: str
+    manager: str
+    spawner: NodePart
+    manager_node: AppNode | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +52,40 @@ class ControllerParts:
 
     def parts(self, parts: Iterable[NodePart]) -> Iterator[NodePart]:
         """Yield a part for each controller."""
-        parts = tuple(parts)
+        for each in self._requests(tuple(parts)):
+            yield self._part(each)
+
+    def untyped(self, parts: Iterable[NodePart]) -> Iterator[WiringFact]:
+        """Yield a fact for each controller that has no type, while its manager knows others'."""
+        requests = list(self._requests(tuple(parts)))
+        requested = {each.name for each in requests}
+        for each in requests:
+            names = self._typed_names(each)
+            if names and each.name not in names and "{" not in each.name:
+                yield WiringFact(
+                    kind=WiringFactKind.UNTYPED_CONTROLLER,
+                    subject=expand_name(each.name, each.manager),
+                    value=node_name(each.spawner),
+                    others=tuple(sorted(names - requested)),
+                    evidence=(each.spawner.node.evidence,),
+                )
+
+    def _typed_names(self, request: _ControllerRequest) -> set[str]:
+        """Return the controllers whose types the manager knows; none if it may know others."""
+        manager_node = request.manager_node
+        if manager_node is None or option(request.spawner.node.site.args, _TYPE):
+            return set()
+        try:
+            site = self._site(request)
+        except InputError:
+            return set()
+        types = {each.name for each in site.settings if each.name.endswith(_ITS_TYPE)}
+        is_known = manager_node.site.parameters_complete
+        is_known &= parameter_value(site, site.name, _ITS_TYPE[1:]) is None
+        return {name.removesuffix(_ITS_TYPE) for name in types} if is_known else set()
+
+    def _requests(self, parts: tuple[NodePart, ...]) -> Iterator[_ControllerRequest]:
+        """Yield what spawners ask for."""
         manager_nodes = {
             part.interface.nodes[0].name: part.node
             for part in parts
@@ -51,17 +96,16 @@ class ControllerParts:
             manager = option(args, _MANAGER) or "controller_manager"
             manager = expand_name(manager, spawner.node.name)
             for name in positional(args, _VALUED):
-                yield self._part(name, manager, spawner, manager_nodes.get(manager))
+                yield _ControllerRequest(name, manager, spawner, manager_nodes.get(manager))
 
     def _role(self, part: NodePart) -> NodeRole | None:
         model = self.models.node(part.node.package, part.node.type)
         return model.role if model else None
 
-    def _part(
-        self, name: str, manager: str, spawner: NodePart, manager_node: AppNode | None
-    ) -> NodePart:
+    def _part(self, request: _ControllerRequest) -> NodePart:
+        name, manager, spawner, manager_node = request
         try:
-            site = self._site(name, manager, spawner.node, manager_node)
+            site = self._site(request)
         except InputError as error:
             return _missing_controller(spawner, name, str(error))
         args = spawner.node.site.args
@@ -99,15 +143,14 @@ class ControllerParts:
     def _controller_plugins(self) -> tuple[PluginClass, ...]:
         return self.files.workspace.plugins(_PLUGIN_BASE)
 
-    def _site(
-        self, name: str, manager: str, spawner: AppNode, manager_node: AppNode | None
-    ) -> NodeSite:
-        settings = manager_node.site.settings if manager_node else ()
-        files = _option_values(spawner.site.args, _FILES)
+    def _site(self, request: _ControllerRequest) -> NodeSite:
+        settings = request.manager_node.site.settings if request.manager_node else ()
+        spawner = request.spawner.node.site
+        files = _option_values(spawner.args, _FILES)
         return NodeSite(
-            name=expand_name(name, manager),
+            name=expand_name(request.name, request.manager),
             ros=2,
-            environ=spawner.site.environ,
+            environ=spawner.environ,
             settings=(
                 *settings,
                 *(

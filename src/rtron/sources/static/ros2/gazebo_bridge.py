@@ -4,14 +4,21 @@ Source: the README of ros_gz_bridge; what it refuses, its src/bridge_config.cpp.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
-from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
+from rtron.sources.declaration import (
+    Declaration,
+    DeclarationKind,
+    GazeboTopic,
+    NodeInterface,
+    NodeSite,
+)
 from rtron.sources.launch.common.yaml_tree import YamlLeaf, YamlTree, parse_yaml
+from rtron.sources.static.ros2.gazebo_topics import gazebo_name
 from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.vocabulary import Evidence, ParameterValue, Resolution, UnresolvedItem
 from rtron.vocabulary.remap_rules import expand_name
@@ -20,7 +27,7 @@ _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 _BOTH = (_PUBLISH, _SUBSCRIBE)
 _KINDS_BY_DIRECTION = {"GZ_TO_ROS": (_PUBLISH,), "ROS_TO_GZ": (_SUBSCRIBE,), "BIDIRECTIONAL": _BOTH}
 _KINDS_BY_SIGN = {"[": (_PUBLISH,), "]": (_SUBSCRIBE,), "@": _BOTH}
-_ARGUMENT = re.compile(r"([^@\[\]]+)@([^@\[\]]+)([@\[\]])[^@\[\]]+")
+_ARGUMENT = re.compile(r"([^@\[\]]+)@([^@\[\]]+)([@\[\]])([^@\[\]]+)")
 _SERVICE = re.compile(r"([^@\[\]]+)@([^@\[\]]+/srv/[^@\[\]]+)(@[^@\[\]]+@[^@\[\]]+)?")
 _FILE, _NAMES = "config_file", "bridge_names"
 _KEYS = ("topic_name", "ros_topic_name", "gz_topic_name", "ros_type_name", "gz_type_name")
@@ -51,14 +58,42 @@ def bridge_interface(
         for entry, locations in entries
         for problem in _entry_problems(entry)
     ]
+    valid = [each for each in entries if not any(_entry_problems(each[0]))]
     bridged = (
-        d
-        for e, locations in entries
-        if not any(_entry_problems(e))
-        for d in _entry_declarations(e, site, *locations)
+        d for entry, locations in valid for d in _entry_declarations(entry, site, *locations)
     )
     declared = (*_argument_declarations(site, location), *bridged)
-    return NodeInterface(declarations=declared, unresolved=tuple(notes))
+    topics = (*_argument_topics(site, location), *_entry_topics(valid, site))
+    return NodeInterface(declarations=declared, unresolved=tuple(notes), gazebo_topics=topics)
+
+
+def _argument_topics(site: NodeSite, location: Evidence) -> Iterator[GazeboTopic]:
+    for topic in filter(None, map(_ARGUMENT.fullmatch, site.args)):
+        yield _gazebo_topic(topic[1], topic[4], _KINDS_BY_SIGN[topic[3]], site, location)
+
+
+def _entry_topics(entries: Iterable[_LocatedEntry], site: NodeSite) -> Iterator[GazeboTopic]:
+    """Yield Gazebo's topics of entries; none where the bridge makes other names of them."""
+    is_expanded = parameter_value(site, site.name, "expand_gz_topic_names") not in {None, False}
+    for entry, locations in () if is_expanded else entries:
+        names = (entry.get(key) for key in ("topic_name", "gz_topic_name", "ros_topic_name"))
+        name = next((str(name) for name in names if name), "")
+        kinds = _KINDS_BY_DIRECTION[str(entry.get("direction", "BIDIRECTIONAL"))]
+        if "{" not in name:
+            yield _gazebo_topic(name, str(entry["gz_type_name"]), kinds, site, *locations)
+
+
+def _gazebo_topic(
+    name: str, type: str, kinds: Iterable[DeclarationKind], site: NodeSite, *locations: Evidence
+) -> GazeboTopic:
+    return GazeboTopic(
+        name=gazebo_name(name),
+        type=type.rpartition(".")[2],
+        to_ros=_PUBLISH in kinds,
+        to_gazebo=_SUBSCRIBE in kinds,
+        bridge=site.name,
+        evidence=locations,
+    )
 
 
 def _note(site: NodeSite, why: str, *locations: Evidence) -> UnresolvedItem:

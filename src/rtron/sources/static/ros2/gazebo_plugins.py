@@ -18,6 +18,7 @@ from rtron.sources.models.common.node_site import resolve_ros2_site
 from rtron.sources.models.common.plugin_element import plugin_element
 from rtron.sources.models.common.schema import Model, NodeRole
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.ros2.gazebo_topics import plugin_topics
 from rtron.sources.static.ros2.parameter_values import parameter_file_settings
 from rtron.sources.static.ros2.spawned_model import SpawnedModel, find_spawned_model
 from rtron.sources.xacro import parse_element
@@ -52,10 +53,15 @@ class GazeboPluginNodes:
     def _spawned_parts(self, spawner: NodePart, parts: tuple[NodePart, ...]) -> Iterator[NodePart]:
         try:
             spawned = find_spawned_model(spawner, parts, self.files)
-            plugins = _plugins(spawned) if spawned is not None else ()
+            model, plugins = _plugins(spawned) if spawned is not None else ("", ())
         except InputError as error:
             yield _missing_plugin(spawner, f"what {spawner.node.name} spawns", str(error))
             return
+        model = option(spawner.node.site.args, "-name --name") or model
+        topics = tuple(plugin_topics(plugins, model))
+        if topics:
+            nodes = spawner.interface.nodes
+            yield replace(spawner, interface=NodeInterface(nodes=nodes, gazebo_topics=topics))
         yield from self.plugin_parts(plugins, spawner)
 
     def plugin_parts(
@@ -113,11 +119,13 @@ class GazeboPluginNodes:
             yield from parameter_file_settings(str(path).strip(), self.files)
 
 
-def _plugins(spawned: SpawnedModel) -> tuple[GazeboPlugin, ...]:
-    plugins = read_plugins(parse_element(spawned.text, spawned.location.file))
+def _plugins(spawned: SpawnedModel) -> tuple[str, tuple[GazeboPlugin, ...]]:
+    """Return the name of the robot and its plugins."""
+    root = parse_element(spawned.text, spawned.location.file)
+    name, plugins = (root.find("model") or root).attributes.get("name", ""), read_plugins(root)
     if spawned.is_file:
-        return plugins
-    return tuple(replace(plugin, evidence=spawned.location) for plugin in plugins)
+        return name, plugins
+    return name, tuple(replace(plugin, evidence=spawned.location) for plugin in plugins)
 
 
 def _ros_element(plugin: GazeboPlugin) -> Mapping[str, object]:

@@ -78,7 +78,7 @@ def controller_command(process: LaunchStart) -> LaunchStart | None:
         kind=StartKind.NODE,
         package=package,
         program=program,
-        name="_ros2cli_{pid}",
+        name="_ros2cli_*",
         arguments=(given.controller, *manager, *file),
     )
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from rtron.sources.code.library_models.rclcpp.component_manager import CONTAINER_SERVICES
+from rtron.sources.code.library_models.rclcpp.node import CONTAINER_SERVICES
 from rtron.sources.code.library_models.ros2_common.endpoints import PARAMETER_SERVICES
 from rtron.sources.code.library_models.ros2_common.qos import QOS_PROFILES
 from rtron.sources.code.workspace_sources import WorkspaceSources

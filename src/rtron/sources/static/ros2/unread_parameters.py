@@ -19,6 +19,7 @@ from rtron.vocabulary.remap_rules import expand_name
 _OF_EVERY_NODE = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 """What the client libraries declare or read by themselves."""
 _NEAR_RATIO = 0.8
+_ITS_TYPE = ".type"
 _MOST_SECTIONS = 200
 
 
@@ -82,7 +83,8 @@ def sections_without_node(
     It counts if a node that is given no parameter of its own has a near name, or if one alone of
     these is given the file and is called so by its program. So it does if one node alone declares
     most of what stands in the section, and has nothing else of the file. One of `known_names`, of
-    programs that RTron has models of, is near to no other.
+    programs that RTron has models of, is near to no other. A controller, which the manager has a
+    type of, may be loaded later.
     """
     places = {
         each.node: part.node.places_of(each.node, each.name)
@@ -97,7 +99,17 @@ def sections_without_node(
     }
     without_section = {name for name in nodes - places.keys() - given if "{" not in name}
     declared = _declared_in_vain(parts, without_section)
-    unused = (each for each in sorted(places.keys() - nodes) if "*" not in each)
+    typed = {
+        each.name.removesuffix(_ITS_TYPE)
+        for part in parts
+        for each in part.node.site.node_settings
+        if each.name.endswith(_ITS_TYPE)
+    }
+    unused = (
+        each
+        for each in sorted(places.keys() - nodes)
+        if "*" not in each and _plain_name(each) not in typed
+    )
     for section in islice(unused, _MOST_SECTIONS):
         near = get_close_matches(section, sorted(without_section), 1, _NEAR_RATIO)
         own = _plain_name(section)

@@ -78,7 +78,10 @@ def _expand_directories(call: CommandCall) -> Iterator[ExpandedArgument]:
         item = items.pop(0)
         if item.text == "DIRECTORY" and items:
             folder = call.scope.folder / items.pop(0).text
-            found = (call.build.files.glob(f"{folder}/{p}", recursive=True) for p in _COMPILED)
+            found = (
+                call.build.files.glob(f"{folder}/{p}", recursive=True, with_folders=False)
+                for p in _COMPILED
+            )
             yield from (replace(item, text=str(path)) for paths in found for path in paths)
         elif item.text != "NO_TARGET_LINK_LIBRARIES":
             yield item

@@ -7,6 +7,7 @@ from pathlib import Path, PurePath
 from typing import TypeAlias
 
 from rtron.sources.workspace.cmake.command_call import CommandCall
+from rtron.sources.workspace.cmake.condition import constant_truth
 from rtron.sources.workspace.cmake.list_operations import LIST_CHANGES, LIST_RESULTS
 from rtron.sources.workspace.cmake.string_operations import string_operation
 from rtron.sources.workspace.cmake.values import VariableValue, split_list
@@ -162,17 +163,26 @@ def glob_files(call: CommandCall) -> None:
         call.set(words[2], "", known=False)
     if len(words) < 2 or words[0].upper() not in {"GLOB", "GLOB_RECURSE"}:  # noqa: PLR2004
         return
-    recursive, patterns, start = words[0].upper() == "GLOB_RECURSE", words[2:], None
-    if "RELATIVE" in patterns[:-1]:
-        index = patterns.index("RELATIVE")
-        start = patterns[index + 1]
-        del patterns[index : index + 2]
+    recursive, patterns = words[0].upper() == "GLOB_RECURSE", words[2:]
+    start = _take_option(patterns, "RELATIVE")
+    listing = _take_option(patterns, "LIST_DIRECTORIES")
+    with_folders = constant_truth(listing) is True if listing else not recursive
     found: dict[str, None] = {}
     for pattern in patterns:
         call.budget.spend(64 * len(call.build.files.names))
-        paths = call.build.files.glob(str(call.scope.folder / pattern), recursive=recursive)
+        path = str(call.scope.folder / pattern)
+        paths = call.build.files.glob(path, recursive=recursive, with_folders=with_folders)
         found.update((os.path.relpath(path, start) if start else str(path), None) for path in paths)
     call.set(words[1], ";".join(found))
+
+
+def _take_option(words: list[str], name: str) -> str:
+    """Take an option with its value out of words; return the value, empty without the option."""
+    if name not in words[:-1]:
+        return ""
+    index = words.index(name)
+    _, value = words.pop(index), words.pop(index)
+    return value
 
 
 def source_directory(call: CommandCall) -> None:
@@ -181,7 +191,7 @@ def source_directory(call: CommandCall) -> None:
     if len(words) == 2:  # noqa: PLR2004 - folder and variable
         pattern = str(call.scope.folder / words[0] / "*.c*")
         old = split_list(call.scope.variables.get(words[1], _NO_VALUE).text)
-        found = call.build.files.glob(pattern, recursive=False)
+        found = call.build.files.glob(pattern, recursive=False, with_folders=False)
         call.set(words[1], ";".join((*old, *map(str, found))))
 
 

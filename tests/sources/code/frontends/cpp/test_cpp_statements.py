@@ -73,21 +73,15 @@ VECTOR = TypeRef("std::vector", (INT,))
         ("unsigned  long x;", Declare("x", TypeRef("unsigned long"), line=2)),
         ("typename T::Foo x;", Declare("x", TypeRef("T::Foo"), line=2)),
         ("struct Foo x;", Declare("x", FOO, line=2)),
-        (
-            "Foo x[4] = {a, b};",
-            Declare(
-                "x", TypeRef("array", (FOO, TypeRef("4"))), SequenceExpr((A, B), BRACES), line=2
-            ),
-        ),
+        ("Foo x[4] = {a, b};",
+         Declare("x", TypeRef("array", (FOO, TypeRef("4"))), SequenceExpr((A, B), BRACES), line=2)),
         ("T<Foo>::B x;", Declare("x", TypeRef("T::B", (FOO,)), line=2)),
-        (
-            "boost::shared_ptr<const n::Foo*> x;",
-            Declare("x", TypeRef("boost::shared_ptr", (TypeRef("n::Foo"),)), line=2),
-        ),
+        ("boost::shared_ptr<const n::Foo*> x;",
+         Declare("x", TypeRef("boost::shared_ptr", (TypeRef("n::Foo"),)), line=2)),
         ("__attribute__((unused)) Foo x;", Declare("x", FOO, line=2)),
         ("auto [a, b] = c;", Assign((SequenceExpr((A, B), "tuple"),), C, 2)),
     ],
-)
+)  # fmt: skip
 def test_variables(text, declared):
     assert statement(text) == declared
 
@@ -121,16 +115,12 @@ def test_maps_are_lists_of_pairs():
         ("if (a) {} else if (b) c();", (If(A, (), (If(B, (DO_C,), (), 2),), 2),)),
         ("if constexpr (a) b();", (If(A, (DO_B,), (), 2),)),
         ("if (int a = 1; a) b();", (Declare("a", INT, ONE, line=2), If(A, (DO_B,), (), 2))),
-        (
-            "if (Foo* a = b) c();",
-            (Declare("a", FOO, B, pointer=True, line=2), If(A, (DO_C,), (), 2)),
-        ),
+        ("if (Foo* a = b) c();",
+         (Declare("a", FOO, B, pointer=True, line=2), If(A, (DO_C,), (), 2))),
         ("if ((a = b)) c();", (Assign((A,), B, 2), If(A, (DO_C,), (), 2))),
         ("while (a) b();", (While(A, (DO_B,), line=2),)),
-        (
-            "while (a = b) c();",
-            (Assign((A,), B, 2), While(A, (DO_C,), (Assign((A,), B, 2),), line=2)),
-        ),
+        ("while (a = b) c();",
+         (Assign((A,), B, 2), While(A, (DO_C,), (Assign((A,), B, 2),), line=2))),
         ("do b(); while (a);", (While(A, (DO_B,), first=True, line=2),)),
         ("for (;;) a();", (While(Const(value=True), (DO_A,), line=2),)),
         (
@@ -140,16 +130,12 @@ def test_maps_are_lists_of_pairs():
                 While(Binary("<", Name("i"), TWO, 2), (DO_A,), (STEP,), line=2),
             ),
         ),
-        (
-            "for (a = 1, b = 2; a; i++, c()) {}",
-            (Assign((A,), ONE, 2), Assign((B,), TWO, 2), While(A, (), (STEP, DO_C), line=2)),
-        ),
+        ("for (a = 1, b = 2; a; i++, c()) {}",
+         (Assign((A,), ONE, 2), Assign((B,), TWO, 2), While(A, (), (STEP, DO_C), line=2))),
         ("for (const auto& a : b) c();", (ForEach(A, B, (DO_C,), 2, reference=True),)),
         ("for (auto c : b) {}", (ForEach(C, B, (), 2),)),
-        (
-            "for (auto& [a, b] : c) {}",
-            (ForEach(SequenceExpr((A, B), "tuple"), C, (), 2, reference=True),),
-        ),
+        ("for (auto& [a, b] : c) {}",
+         (ForEach(SequenceExpr((A, B), "tuple"), C, (), 2, reference=True),)),
         ("BOOST_FOREACH(Foo& a, b) { c(); }", (ForEach(A, B, (DO_C,), 2, reference=True),)),
         ("Q_FOREACH(Foo a, b()) c();", (ForEach(A, Call(B, (), (), 2), (DO_C,), 2),)),
         ("while (a) { break; continue; }", (While(A, (Break(), Continue()), line=2),)),
@@ -157,15 +143,13 @@ def test_maps_are_lists_of_pairs():
         ("return a;", (Return(A, 2),)),
         ("throw a;", (Raise(A),)),
         ("throw;", (Raise(None),)),
-        (
-            "try { a(); } catch (const n::E& e) { b(); } catch (...) { throw; }",
-            (Try((DO_A,), ((("n::E",), "e", (DO_B,)), (("...",), "", (Raise(None),)))),),
-        ),
+        ("try { a(); } catch (const n::E& e) { b(); } catch (...) { throw; }",
+         (Try((DO_A,), ((("n::E",), "e", (DO_B,)), (("...",), "", (Raise(None),)))),)),
         ("here: a();", (DO_A,)),
         ("{ a(); { b(); } }", (DO_A, DO_B)),
         ("ALONE(a)\nb();", None),
     ],
-)
+)  # fmt: skip
 def test_statements(text, lowered):
     found = statements(text)
     if lowered is None:
@@ -185,21 +169,15 @@ def is_(*values):
         ("case 1: b(); break; default: c();", If(is_(1), (DO_B,), (DO_C,), 2)),
         ("default: c(); break; case 1: b();", If(is_(1), (DO_B,), (DO_C,), 2)),
         ("case 1: case 2: b(); break;", If(is_(1, 2), (DO_B,), (), 2)),
-        (
-            "case 1: { b(); break; } case 2: c();",
-            If(is_(1), (DO_B,), (If(is_(2), (DO_C,), (), 2),), 2),
-        ),
-        (
-            "case 1: b(); case 2: c(); break;",
-            If(is_(1), (DO_B, DO_C), (If(is_(2), (DO_C,), (), 2),), 2),
-        ),
-        (
-            "case 1: return; case 2: c();",
-            If(is_(1), (Return(None, 2),), (If(is_(2), (DO_C,), (), 2),), 2),
-        ),
+        ("case 1: { b(); break; } case 2: c();",
+         If(is_(1), (DO_B,), (If(is_(2), (DO_C,), (), 2),), 2)),
+        ("case 1: b(); case 2: c(); break;",
+         If(is_(1), (DO_B, DO_C), (If(is_(2), (DO_C,), (), 2),), 2)),
+        ("case 1: return; case 2: c();",
+         If(is_(1), (Return(None, 2),), (If(is_(2), (DO_C,), (), 2),), 2)),
         ("case 1: b(); default: c();", If(is_(1), (DO_B, DO_C), (DO_C,), 2)),
     ],
-)
+)  # fmt: skip
 def test_a_switch_is_a_chain_of_ifs(cases, lowered):
     assert statement(f"switch (a) {{ {cases} }}") == lowered
 

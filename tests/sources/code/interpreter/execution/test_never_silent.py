@@ -28,6 +28,12 @@ def test_a_jump_is_noted_where_endpoints_are_made():
     assert notes(ros1_runs.cpp("f(1);", top)) == []
 
 
+def test_python_that_a_cpp_program_runs_is_noted():
+    body = 'namespace py = pybind11; py::exec("run()"); py::module_::import("m").attr("f")();'
+    whats = [what for what, *_ in notes(ros1_runs.cpp(body))]
+    assert whats == ["call of run()", "call of m"]
+
+
 def test_functions_and_lambdas_that_nothing_calls_are_noted_each_with_its_line():
     top = f"void make(ros::NodeHandle nh) {{ {ADVERTISE} }}\n"
     top += "void f(ros::NodeHandle nh) { make(nh); }"

@@ -29,18 +29,15 @@ TAKEN = "from .inner.parts import make\n"
         ("from . import parts as p", "p.make", {"parts.py": MAKING}),
         ("from . import make", "make", {"__init__.py": TAKEN, "inner/parts.py": MAKING}),
         ("from .inner import parts", "parts.make", {"inner/parts.py": MAKING}),
-        (
-            "from .inner import parts",
-            "parts.make",
-            {"inner/__init__.py": "", "inner/parts.py": MAKING},
-        ),
+        ("from .inner import parts", "parts.make",
+         {"inner/__init__.py": "", "inner/parts.py": MAKING}),
         ("from p import parts", "parts.make", {"__init__.py": "", "parts.py": MAKING}),
         ("from p.inner import parts", "parts.make", {"__init__.py": "", "inner/parts.py": MAKING}),
         ("from .. import other", "other.make", {"../other.py": MAKING}),
         ("from ..p import parts", "parts.make", {"__init__.py": "", "parts.py": MAKING}),
         ("from . import p", "p.make", {"__init__.py": "", "p.py": MAKING, "../p.py": ""}),
     ],
-)
+)  # fmt: skip
 def test_a_module_of_the_own_package_is_imported(tmp_path, imported, used, files):
     files = {"n.py": MAIN.format(imported=imported, used=used), **files}
     for name, text in files.items():

@@ -29,18 +29,10 @@ def move_group(prefix):
         ("import moveit_commander\nmoveit_commander.MoveGroupCommander('arm').go()", "/ns"),
         ("from moveit_commander import *\ng = MoveGroupCommander('arm', ns='/robot')", "/robot"),
         ("from moveit_commander.move_group import MoveGroupCommander as M\nM('arm')", "/ns"),
-        ("import moveit_commander as m\nr = m.RobotCommander()\nr.get_group('arm').go()", "/ns"),
     ],
 )
 def test_the_commander_of_python_is_a_client(body, prefix):
     assert actions(python(body)) == move_group(prefix)
-
-
-def test_pick_and_place_are_actions_of_their_own():
-    found = actions(
-        python("import moveit_commander as m\ng = m.MoveGroupCommander('a')\ng.pick('x')")
-    )
-    assert found[2:] == [("/ns/pickup", "moveit_msgs/PickupAction")]
 
 
 def test_the_planning_scene_publishes():

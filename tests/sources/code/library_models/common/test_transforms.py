@@ -44,16 +44,14 @@ def python2(body, **given):
     ("body", "expected"),
     [
         ("tf.TransformBroadcaster().sendTransform(a, b, c, 'laser', 'base')", ("laser", "base")),
-        (
-            "tf.TransformBroadcaster().sendTransform(a, b, c, child='laser', parent='base')",
-            ("laser", "base"),
-        ),
+        ("tf.TransformBroadcaster().sendTransform(a, b, c, child='laser', parent='base')",
+         ("laser", "base")),
         ("tf.TransformBroadcaster().sendTransform(a, b, c, 'laser', d)", ("laser", "")),
         ("tf2_ros.TransformBroadcaster().sendTransform(t)", ("laser", "base")),
         ("tf.TransformBroadcaster().sendTransformMessage(t)", ("laser", "base")),
         ("tf2_ros.StaticTransformBroadcaster().sendTransform([t])", ("laser", "base", "fixed")),
     ],
-)
+)  # fmt: skip
 def test_rospy(body, expected):
     assert python1(PYTHON_MESSAGE + body) == [expected]
 
@@ -68,10 +66,8 @@ def test_a_frame_whose_name_is_not_known_is_empty(name):
     ("body", "expected"),
     [
         ("tf::TransformBroadcaster b; b.sendTransform(t);", ("laser", "base")),
-        (
-            'tf::TransformBroadcaster b; b.sendTransform(tf::StampedTransform(x, y, "a", "b"));',
-            ("b", "a"),
-        ),
+        ('tf::TransformBroadcaster b; b.sendTransform(tf::StampedTransform(x, y, "a", "b"));',
+         ("b", "a")),
         (
             """tf::StampedTransform s; s.frame_id_ = t.header.frame_id; s.child_frame_id_ = name;
             tf::TransformBroadcaster b; b.sendTransform(s);""",
@@ -89,7 +85,7 @@ def test_a_frame_whose_name_is_not_known_is_empty(name):
             ("own", "own"),
         ),
     ],
-)
+)  # fmt: skip
 def test_roscpp(body, expected):
     names = 'std::string name; ros::NodeHandle own("~"); own.param<std::string>("n", name, "own");'
     message = MESSAGE.format(type="geometry_msgs::TransformStamped")

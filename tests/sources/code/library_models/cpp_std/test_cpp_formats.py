@@ -12,9 +12,6 @@ from ros1_runs import cpp, names
         ('std::format("{:03d}_{:.1f}_{{}}", 7, 2.55)', "007_2.5_{}"),
         ('std::format("{}", true)', "true"),
         ('fmt::format(FMT_STRING("{:>4}"), "x")', "   x"),
-        ('fmt::sprintf("%s_%02d", "a", 3)', "a_03"),
-        ('absl::StrFormat("%s_%02d", "a", 3)', "a_03"),
-        ('absl::StrCat("scan_", 1)', "scan_1"),
         ('std::format("{}_out", find())', "{find()}_out"),
     ],
 )

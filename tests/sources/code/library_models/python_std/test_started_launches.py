@@ -16,7 +16,6 @@ FOLLOWED = {
         (),
     ),
     "l = roslaunch.scriptapi.ROSLaunch()\nl.load('/a.launch')": ("/a.launch", ()),
-    "roslaunch.config.load_config_default(['/a.launch'], 0)": ("/a.launch", ()),
     "roslaunch.scriptapi.ROSLaunch().launch(roslaunch.core.Node('p', 't'))": ("p/t", ("rosrun",)),
     "roslaunch.Node('p', 't', name='n', args='a b', remap_args=[('c', 'd')], namespace='/s')": (
         "p/t",

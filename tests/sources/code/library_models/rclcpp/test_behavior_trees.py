@@ -126,17 +126,13 @@ def test_trees_that_are_not_known_are_noted(tmp_path, loads):
 @pytest.mark.parametrize(
     ("xml", "why"),
     [
-        (
-            '<!DOCTYPE r [<!ENTITY a "b">]><root><BehaviorTree ID="M">&a;</BehaviorTree></root>',
-            "type",
-        ),
+        ('<!DOCTYPE r [<!ENTITY a "b">]><root><BehaviorTree ID="M">&a;</BehaviorTree></root>',
+         "type"),
         ("<root><BehaviorTree>", "not XML"),
-        (
-            f'<root><BehaviorTree ID="Main">{"<Wait/>" * (MAX_NODES + 1)}</BehaviorTree></root>',
-            "more than",
-        ),
+        (f'<root><BehaviorTree ID="Main">{"<Wait/>" * (MAX_NODES + 1)}</BehaviorTree></root>',
+         "more than"),
     ],
-)
+)  # fmt: skip
 def test_a_tree_that_is_hostile_is_refused_and_noted(tmp_path, xml, why):
     found = engine(tmp_path, xml=xml)
     assert names(found) == []

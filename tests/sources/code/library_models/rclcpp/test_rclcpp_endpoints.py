@@ -19,53 +19,31 @@ from rtron.vocabulary import Durability, QoS, Reliability
     ("call", "expected"),
     [
         ('create_publisher<std_msgs::msg::Bool>("t", 1)', "publish /ns/t std_msgs/msg/Bool"),
-        (
-            'create_subscription<std_msgs::msg::Bool>("t", 1, [](auto m) {})',
-            "subscribe /ns/t std_msgs/msg/Bool",
-        ),
-        (
-            'create_service<std_srvs::srv::Empty>("s", [](auto a, auto b) {})',
-            "service /ns/s std_srvs/srv/Empty",
-        ),
+        ('create_subscription<std_msgs::msg::Bool>("t", 1, [](auto m) {})',
+         "subscribe /ns/t std_msgs/msg/Bool"),
+        ('create_service<std_srvs::srv::Empty>("s", [](auto a, auto b) {})',
+         "service /ns/s std_srvs/srv/Empty"),
         ('create_client<std_srvs::srv::Empty>("s")', "service_client /ns/s std_srvs/srv/Empty"),
-        (
-            'create_generic_publisher("t", "std_msgs/msg/Bool", 1)',
-            "publish /ns/t std_msgs/msg/Bool",
-        ),
-        (
-            'create_generic_subscription("t", "std_msgs/msg/Bool", 1, [](auto m) {})',
-            "subscribe /ns/t std_msgs/msg/Bool",
-        ),
-        (
-            'rclcpp::create_publisher<std_msgs::msg::Bool>(*this, "t", 1)',
-            "publish /ns/t std_msgs/msg/Bool",
-        ),
-        (
-            'rclcpp::create_subscription<std_msgs::msg::Bool>(topics, topics, "t", 1, heard)',
-            "subscribe /ns/t std_msgs/msg/Bool",
-        ),
-        (
-            'rclcpp_action::create_server<a_msgs::action::Dock>(this, "d", 1, 2, 3)',
-            "action_server /ns/d a_msgs/action/Dock",
-        ),
-        (
-            'rclcpp_action::create_client<a_msgs::action::Dock>(topics, topics, topics, "d")',
-            "action_client /ns/d a_msgs/action/Dock",
-        ),
-        (
-            'image_transport::create_subscription(this, "i", [](auto m) {}, "compressed")',
-            "subscribe /ns/i/compressed sensor_msgs/msg/CompressedImage",
-        ),
-        (
-            'message_filters::Subscriber<std_msgs::msg::Bool>(this, "t")',
-            "subscribe /ns/t std_msgs/msg/Bool",
-        ),
-        (
-            'point_cloud_transport::PointCloudTransport(*this).subscribe("t", 1, [](auto m) {})',
-            "subscribe /ns/t sensor_msgs/msg/PointCloud2",
-        ),
+        ('create_generic_publisher("t", "std_msgs/msg/Bool", 1)',
+         "publish /ns/t std_msgs/msg/Bool"),
+        ('create_generic_subscription("t", "std_msgs/msg/Bool", 1, [](auto m) {})',
+         "subscribe /ns/t std_msgs/msg/Bool"),
+        ('rclcpp::create_publisher<std_msgs::msg::Bool>(*this, "t", 1)',
+         "publish /ns/t std_msgs/msg/Bool"),
+        ('rclcpp::create_subscription<std_msgs::msg::Bool>(topics, topics, "t", 1, heard)',
+         "subscribe /ns/t std_msgs/msg/Bool"),
+        ('rclcpp_action::create_server<a_msgs::action::Dock>(this, "d", 1, 2, 3)',
+         "action_server /ns/d a_msgs/action/Dock"),
+        ('rclcpp_action::create_client<a_msgs::action::Dock>(topics, topics, topics, "d")',
+         "action_client /ns/d a_msgs/action/Dock"),
+        ('image_transport::create_subscription(this, "i", [](auto m) {}, "compressed")',
+         "subscribe /ns/i/compressed sensor_msgs/msg/CompressedImage"),
+        ('message_filters::Subscriber<std_msgs::msg::Bool>(this, "t")',
+         "subscribe /ns/t std_msgs/msg/Bool"),
+        ('point_cloud_transport::PointCloudTransport(*this).subscribe("t", 1, [](auto m) {})',
+         "subscribe /ns/t sensor_msgs/msg/PointCloud2"),
     ],
-)
+)  # fmt: skip
 def test_each_call_is_found(call, expected):
     body = f"auto topics = get_node_topics_interface(); {call};"
     assert explicit_declarations(cpp(body)) == [expected]
@@ -100,20 +78,14 @@ using namespace seen;
         ('create_publisher<Picture>("t", 1)', "sensor_msgs/msg/Image"),
         ('create_subscription<std::string>("t", 1, [](auto m) {})', "std_msgs/msg/String"),
         ('create_publisher<Adapted>("t", 1)', "std_msgs/msg/Int32"),
-        (
-            'create_publisher<rclcpp::TypeAdapter<int, std_msgs::msg::Int8>>("t", 1)',
-            "std_msgs/msg/Int8",
-        ),
-        (
-            'create_publisher<rclcpp::adapt_type<int>::as<std_msgs::msg::Int8>>("t", 1)',
-            "std_msgs/msg/Int8",
-        ),
-        (
-            'create_subscription("t", 1, [](std::unique_ptr<seen::Picture> m) {})',
-            "sensor_msgs/msg/Image",
-        ),
+        ('create_publisher<rclcpp::TypeAdapter<int, std_msgs::msg::Int8>>("t", 1)',
+         "std_msgs/msg/Int8"),
+        ('create_publisher<rclcpp::adapt_type<int>::as<std_msgs::msg::Int8>>("t", 1)',
+         "std_msgs/msg/Int8"),
+        ('create_subscription("t", 1, [](std::unique_ptr<seen::Picture> m) {})',
+         "sensor_msgs/msg/Image"),
     ],
-)
+)  # fmt: skip
 def test_a_type_of_the_program_is_sent_as_its_message(call, type):
     assert only_declaration(cpp(f"{call};", ADAPTED)).type == type
 
@@ -131,14 +103,12 @@ BEST, TRANSIENT = Reliability.BEST_EFFORT, Durability.TRANSIENT_LOCAL
         ("rclcpp::SensorDataQoS()", QoS(depth=5, reliability=BEST)),
         ("rclcpp::SensorDataQoS().reliable().keep_last(9)", QoS(depth=9)),
         ("rmw_qos_profile_sensor_data", QoS(depth=5, reliability=BEST)),
-        (
-            "rclcpp::QoS(2).reliability(rclcpp::ReliabilityPolicy::BestEffort)",
-            QoS(depth=2, reliability=BEST),
-        ),
+        ("rclcpp::QoS(2).reliability(rclcpp::ReliabilityPolicy::BestEffort)",
+         QoS(depth=2, reliability=BEST)),
         ("depth_of_who_knows()", None),
         ("rclcpp::QoS(2).reliability(what_ever())", None),
     ],
-)
+)  # fmt: skip
 def test_a_literal_quality_of_service_is_read(written_qos, expected):
     assert (
         only_declaration(cpp(f'create_publisher<std_msgs::msg::Bool>("t", {written_qos});')).qos

@@ -38,7 +38,6 @@ def test_a_namespace_of_the_launch_counts_beside_the_name_of_the_source():
         ('get_node_topics_interface()->resolve_topic_name("x")', "/ns/x"),
         ('get_node_topics_interface()->resolve_topic_name("~/x")', "/ns/n/x"),
         ('get_node_services_interface()->resolve_service_name("/x")', "/x"),
-        ('create_sub_node("left")->get_node_topics_interface()->resolve_topic_name("x")', "/ns/x"),
     ],
 )
 def test_a_nodes_own_names_are_known(expression, expected):
@@ -183,19 +182,6 @@ int main(int argc, char ** argv) {
 )
 def test_an_option_of_the_command_line_names_a_topic(args, expected):
     assert names(run_text(PICKED, args=args)) == [expected]
-
-
-def test_a_sub_node_adds_to_relative_names_alone():
-    body = """
-    auto sub = create_sub_node("left");
-    auto deeper = sub->create_sub_node("arm");
-    deeper->create_publisher<std_msgs::msg::Bool>("rel", 1);
-    sub->create_publisher<std_msgs::msg::Bool>("/absolute", 1);
-    sub->create_publisher<std_msgs::msg::Bool>("~/private", 1);
-    create_publisher<std_msgs::msg::Bool>(sub->get_sub_namespace() + "/said", 1);
-    """
-    expected = ["/ns/left/arm/rel", "/absolute", "/ns/n/private", "/ns/left/said"]
-    assert names(cpp(body)) == expected
 
 
 OPTIONS = """

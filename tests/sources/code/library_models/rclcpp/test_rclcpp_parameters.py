@@ -258,11 +258,3 @@ def test_what_a_launch_sets_is_listed_where_the_node_declares_it():
 
 def test_without_a_launch_the_list_may_have_more():
     assert names(run_text(MUXED, **UNLAUNCHED)) == ["/{~{prefix}.topic}"]
-
-
-def test_parameters_below_a_prefix_fill_a_map():
-    body = f"""{DECLARED}
-    std::map<std::string, std::string> found;
-    if (get_parameters("in", found)) {{
-      for (auto [name, topic] : found) {{ {TOPIC.format("name + topic")} }} }}"""
-    assert names(cpp(body)) == ["/ns/a.topicfirst", "/ns/bsecond"]

@@ -17,11 +17,8 @@ DECLARED = {"a": "x", "yes": "true", "no": "0", "n": "3"}
         ("EnvironmentVariable('NO', default_value='d')", "$(env NO d)", "d"),
         ("PathJoinSubstitution(['a', [LaunchConfiguration('a'), 'b'], 'c'])", None, "a/xb/c"),
         ("StringJoinSubstitution([LaunchConfiguration('a'), 'b'], delimiter='-')", None, "x-b"),
-        (
-            "PythonExpression(['\"', LaunchConfiguration('a'), '\" + \"b\"'])",
-            "$(eval '\\'$(var a)\\' + \\'b\\'')",
-            "xb",
-        ),
+        ("PythonExpression(['\"', LaunchConfiguration('a'), '\" + \"b\"'])",
+         "$(eval '\\'$(var a)\\' + \\'b\\'')", "xb"),
         ("PythonExpression('2 + 3')", "$(eval 2+3)", "5"),
         ("IfElseSubstitution(LaunchConfiguration('yes'), 'b', 'c')", "$(if $(var yes) b c)", "b"),
         ("IfElseSubstitution(LaunchConfiguration('no'), 'b', 'c')", "$(if $(var no) b c)", "c"),
@@ -36,7 +33,7 @@ DECLARED = {"a": "x", "yes": "true", "no": "0", "n": "3"}
         ("FindExecutable(name='ls')", "$(find-exec ls)", "ls"),
         ("LaunchConfigAsBool('yes')", None, "True"),
     ],
-)
+)  # fmt: skip
 def test_a_substitution_that_has_a_value(python, xml, python_text, xml_text, value):
     declared = "".join(
         f"DeclareLaunchArgument('{k}', default_value='{v}'), " for k, v in DECLARED.items()

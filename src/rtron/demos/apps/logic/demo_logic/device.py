@@ -1,21 +1,36 @@
-"""A device of the robot: a connection to the world, which plays the hardware."""
+"""A device of the robot: a connection to the world, which plays the hardware.
 
+Frames of its protocol are `!II` (bytes of head and of blob), a JSON object, and raw bytes.
+"""
+
+import json
 import socket
-from collections.abc import Callable, Iterator
+import struct
+from collections.abc import Iterator
 from contextlib import suppress
-from threading import Lock, Thread
+from select import select
+from threading import Lock
+from typing import Any
 
 from .environment import CannotRun, world_socket
-from .frame_codec import BrokenFrameError, Frame, Head, encode, read
 
-_HELLO_LIMIT = 10.0
+Head = dict[str, Any]
+Frame = tuple[Head, bytes]
+LENGTHS = struct.Struct("!II")
+"""What each frame begins with."""
+
+
+def encode(head: Head, blob: bytes = b"") -> bytes:
+    """Return a frame; ValueError if the head has NaN or infinity."""
+    text = json.dumps(head, allow_nan=False).encode()
+    return LENGTHS.pack(len(text), len(blob)) + text + blob
 
 
 class Device:
     """One device: iterate over it for its frames, `send` to it from any thread.
 
     The iteration ends when the world ends or `close` is called, which may be in another thread.
-    CannotRun if there is no world, or what answers is none.
+    CannotRun if there is no world.
     """
 
     def __init__(self, role: str, path: str | None = None) -> None:
@@ -23,24 +38,21 @@ class Device:
         self._lock = Lock()
         self._socket = _connect(path or world_socket())
         self.send(hello=role)
-        self.speed = self._read_welcome()
-        """Simulated seconds in a second."""
 
     def __iter__(self) -> Iterator[Frame]:
-        with self._socket, suppress(EOFError, OSError):  # the world ended, or `close` was called
+        with suppress(EOFError, OSError):  # the world ended, or `close` was called
             while True:
-                yield self._frame()
+                yield self.receive()
+        self.close()
 
-    def run(self, on_frame: Callable[[Head, bytes], None]) -> None:
-        """Hand each frame to `on_frame` until the device ends."""
-        for head, blob in self:
-            on_frame(head, blob)
+    def receive(self) -> Frame:
+        """Return the next frame, however long it takes; EOFError or OSError at the world's end."""
+        head, blob = LENGTHS.unpack(self._read_exactly(LENGTHS.size))
+        return json.loads(self._read_exactly(head)), self._read_exactly(blob)
 
-    def start(self, on_frame: Callable[[Head, bytes], None]) -> Thread:
-        """Start `run` in a thread that does not keep the process alive, and return the thread."""
-        thread = Thread(target=self.run, args=(on_frame,), name=f"{self.role} device", daemon=True)
-        thread.start()
-        return thread
+    def has_frame(self, timeout: float) -> bool:
+        """Wait up to `timeout` seconds for a frame or the world's end; tell whether it came."""
+        return bool(select([self._socket], [], [], timeout)[0])
 
     def send(self, **head: object) -> None:
         """Send a frame; ValueError if it has NaN or infinity. After the world's end: nothing."""
@@ -52,32 +64,13 @@ class Device:
         """End the iteration, in whichever thread it is."""
         with suppress(OSError):  # the world was faster
             self._socket.shutdown(socket.SHUT_RDWR)
-
-    def _read_welcome(self) -> float:
-        try:
-            self._socket.settimeout(_HELLO_LIMIT)
-            head, _ = self._frame()
-            self._socket.settimeout(None)
-            return float(head["speed"])
-        except (EOFError, OSError, KeyError, TypeError, ValueError) as error:
-            self._socket.close()
-            raise CannotRun(f"the world did not welcome the {self.role}: {error!r}") from error
-
-    def _frame(self) -> Frame:
-        try:
-            return read(self._read_exactly)
-        except BrokenFrameError as error:
-            self._socket.close()
-            raise CannotRun(f"the world's {self.role}: {error}") from error
+        self._socket.close()
 
     def _read_exactly(self, size: int) -> bytes:
-        parts = bytearray()
-        while len(parts) < size:
-            part = self._socket.recv(size - len(parts))
-            if not part:
-                raise EOFError(f"the connection ended {size - len(parts)} bytes early")
-            parts += part
-        return bytes(parts)
+        data = self._socket.recv(size, socket.MSG_WAITALL) if size else b""
+        if len(data) < size:
+            raise EOFError(f"the connection ended {size - len(data)} bytes early")
+        return data
 
 
 def _connect(path: str) -> socket.socket:

@@ -22,19 +22,17 @@ class Journal:
         if self._path:
             self._path.touch()
 
-    def sent(self, topic: str, value: Sequence[float], *, malicious: bool = False) -> None:
-        """Note a message that the node is sending."""
-        self._write("sent", topic, value, {"malicious": True} if malicious else {})
+    def sent(self, topic: str, value: Sequence[float]) -> None:
+        """Note a malicious message that the node is sending."""
+        self._write("sent", topic, value)
 
     def received(self, topic: str, value: Sequence[float]) -> None:
         """Note a message that has arrived."""
-        self._write("received", topic, value, {})
+        self._write("received", topic, value)
 
-    def _write(
-        self, what: str, topic: str, value: Sequence[float], more: dict[str, object]
-    ) -> None:
+    def _write(self, what: str, topic: str, value: Sequence[float]) -> None:
         if self._path is None:
             return
-        line = {"wall": time.time(), "what": what, "topic": topic, "value": list(value), **more}
+        line = {"wall": time.time(), "what": what, "topic": topic, "value": list(value)}
         with self._lock, self._path.open("a", encoding="utf-8") as file:  # topics have threads
             file.write(json.dumps(line) + "\n")

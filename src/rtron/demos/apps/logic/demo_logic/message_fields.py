@@ -8,8 +8,7 @@ from math import isfinite
 from sys import byteorder
 from typing import Any
 
-from .device import Device
-from .frame_codec import Head
+from .device import Device, Head
 from .geometry import Pose, Velocity, heading, quaternion
 from .journal import Journal
 

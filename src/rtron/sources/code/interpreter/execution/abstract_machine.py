@@ -98,8 +98,7 @@ class ThrownError(EndError):
 class AbstractMachine:
     """The state of one run: what was written, what was declared, what is still to be called.
 
-    `lambdas` are those of C++ that were made, by the identity of their bodies; `python_calls` what
-    a C++ program calls of a module of Python, and where.
+    `lambdas` are those of C++ that were made, by the identity of their bodies.
     """
 
     runtime: LanguageRuntime
@@ -125,7 +124,6 @@ class AbstractMachine:
     executed_functions: set[tuple[str, int, str]] = field(default_factory=set)
     executed_bodies: set[int] = field(default_factory=set)
     lambdas: dict[int, Function] = field(default_factory=dict)
-    python_calls: dict[tuple[str, str], Evidence] = field(default_factory=dict)
     active_handlers: list[tuple[str, ...]] = field(default_factory=list)
     possible_throws: int = 0
     trial_depth: int = 0

@@ -224,18 +224,6 @@ class DeclarationRecorder:
         """Return what was recorded of a kind."""
         return [each for each in self._declarations.values() if each.kind is kind]
 
-    def include(self, other: NodeInterface) -> None:
-        """Record what another part of the program declares."""
-        for declared in other.declarations:
-            self._add_declaration(declared)
-        self._nodes.update({made.name: made for made in other.nodes})
-        self._parameters.update({(each.node, each.name): each for each in other.parameters})
-        self._frames.update(dict.fromkeys(other.frames))
-        self._frame_uses.update(dict.fromkeys(other.frame_uses))
-        self._mistyped.update(dict.fromkeys(other.mistyped))
-        self._starts.update(dict.fromkeys(other.runtime_starts))
-        self._unresolved.update(dict.fromkeys(other.unresolved))
-
     def result(self) -> NodeInterface:
         """Return all that was recorded."""
         for caught in self._handler_declarations.values():

@@ -1,7 +1,8 @@
-"""What a node starts by a command line: `roslaunch PKG FILE`, `rosrun PKG TYPE`."""
+"""Command lines: what a node starts by one, and a program's words without those for ROS."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.shell_script import launch_file_arguments, positional_words, split_words
@@ -47,7 +48,7 @@ def _record_command(machine: AbstractMachine, tool: str, given: list[str], at: A
     elif tool == "rostopic":
         _record_topic_tool(machine, given, at)
     elif tool in {"ros2", "rosbag"} and "{" not in "".join(rest[:_MIN_WORDS]):
-        _note_joining_command(machine, tool, rest, at)
+        _note_command(machine, tool, rest, at)
     elif any("{" in word for word in (tool, *rest[:_MIN_WORDS])) or not rest:
         what = " ".join([tool, *rest[:_MIN_WORDS]])
         machine.recorder.add_unresolved(what, "the command is not known", at.evidence)
@@ -57,9 +58,7 @@ def _record_command(machine: AbstractMachine, tool: str, given: list[str], at: A
         machine.recorder.add_start(*launch_file_arguments(rest), at.evidence)
 
 
-def _note_joining_command(
-    machine: AbstractMachine, tool: str, words: list[str], at: Arguments
-) -> None:
+def _note_command(machine: AbstractMachine, tool: str, words: list[str], at: Arguments) -> None:
     """Note `ros2 topic pub …`, `rosbag record …`: what nodes these are is not told before."""
     implied = ["bag"] if tool == "rosbag" else []
     kind, verb, *_ = [*implied, *words, "", ""]
@@ -102,3 +101,40 @@ def _inner_words(word: str) -> list[str]:
 
 def _is_prefix(word: str) -> bool:
     return word.startswith("-") or "=" in word or word.rpartition("/")[2] in _WRAPPERS
+
+
+_BEGIN, _END = "--ros-args", "--"
+
+
+def without_remappings(words: av.Value) -> av.ListValue:
+    """Return the words without ROS 1's remappings among them."""
+    items, certain = av.items_of(words)
+    return av.list_of(
+        (item for item in items if ":=" not in av.text_with_holes(item)), certain=certain
+    )
+
+
+def remove_ros_arguments(_: AbstractMachine, __: object, arguments: Arguments) -> av.ListValue:
+    """`remove_ros_arguments(argc, argv)`, rclpy's `remove_ros_args(args)`.
+
+    Without what stands behind `--ros-args`.
+    """
+    items, certain = av.items_of(arguments.get(1) or arguments.value(0, "args"))
+    return av.list_of(_outside_ros_arguments(items), certain=certain)
+
+
+def _outside_ros_arguments(words: Iterable[av.Value]) -> Iterator[av.Value]:
+    is_for_ros = False
+    for word in words:
+        text = av.text_with_holes(word)
+        if not is_for_ros and text != _BEGIN:
+            yield word
+        is_for_ros = text == _BEGIN or (is_for_ros and text != _END)
+
+
+def write_without_remappings(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    """`ros::removeROSArgs(argc, argv, words)`."""
+    slot = arguments.slot(2)
+    if slot is not None:
+        machine.undo_log.set(*slot, without_remappings(arguments.value(1)))
+    return av.NONE

@@ -1,96 +1,113 @@
-"""Methods of lists and of the sequences of C++."""
+"""Methods of lists and of the sequences of C++; the order in which Python sorts."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
-from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    UNKNOWN,
-    ClassValue,
-    Instance,
-    LibraryFunction,
-    ListValue,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.cpp.braces import default_item, is_braces, make_item
 from rtron.sources.code.interpreter.cpp.iterators import ITERATOR, is_end, items_after
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.assignment import remove_element
-from rtron.sources.code.library_models.common.sorting import sort_items
+from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.library_models.common.trivial_functions import return_none
 
+Items = tuple[av.Value, ...]
+
+
+def sort_items(machine: AbstractMachine, items: Items, arguments: Arguments) -> Items:
+    """Return items sorted by `key` and `reverse`; as they are where that cannot be known."""
+    keys = _sort_keys(machine, items, arguments)
+    backwards = av.truth(arguments.keywords.get("reverse") or av.FALSE)
+    if backwards is None:
+        return items
+    try:
+        plain = [_comparable(key) for key in keys]
+        order = sorted(range(len(items)), key=plain.__getitem__, reverse=backwards)
+    except TypeError:
+        return items
+    return tuple(items[index] for index in order)
+
+
+def _sort_keys(machine: AbstractMachine, items: Items, at: Arguments) -> Items:
+    function = at.keywords.get("key", av.NONE)
+    if function == av.NONE:
+        return items
+    return tuple(dispatch(machine, function, at.with_values(item)) for item in items)
+
+
+def _comparable(key: av.Value) -> Any:  # noqa: ANN401
+    """Return what Python compares; a TypeError where it is not known."""
+    if isinstance(key, av.ListValue) and not key.open:
+        return tuple(_comparable(item) for item in key.items)
+    if isinstance(key, av.Scalar):
+        return key.value
+    raise TypeError(key)
+
+
 MAX_ITEMS = 1024
-LibraryMethods = Mapping[str, Callable[..., Value]]
+LibraryMethods = Mapping[str, Callable[..., av.Value]]
 
 
-def _write(machine: AbstractMachine, owner: ListValue, items: tuple[Value, ...]) -> Value:
+def _write(machine: AbstractMachine, owner: av.ListValue, items: tuple[av.Value, ...]) -> av.Value:
     machine.undo_log.set(owner.fields, "items", items[:MAX_ITEMS])
     if len(items) > MAX_ITEMS:
         machine.undo_log.mark_open(owner.fields)
-    return NONE
+    return av.NONE
 
 
-def _append(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
-    item = arguments.get(0) or NONE
+def _append(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
+    item = arguments.get(0) or av.NONE
     return _write(machine, owner, (*owner.items, item))
 
 
-def _append_left(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
-    return _write(machine, owner, (arguments.get(0) or NONE, *owner.items))
-
-
-def _push(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _push(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     """`push_back`: an object of a class is copied, as C++ does."""
     return _write(machine, owner, (*owner.items, _new_item(machine, owner, arguments)))
 
 
-def _push_front(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _push_front(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     return _write(machine, owner, (_new_item(machine, owner, arguments), *owner.items))
 
 
-def _emplace(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _emplace(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     """`emplace(args…)` of a set, `emplace(position, args…)` of a vector."""
     first = arguments.get(0)
-    positioned = isinstance(first, Instance) and first.type is ITERATOR
+    positioned = isinstance(first, av.Instance) and first.type is ITERATOR
     return _push(machine, owner, arguments.without_first(1) if positioned else arguments)
 
 
-def _new_item(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _new_item(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     item = make_item(machine, owner, arguments)
     return item if id(item) in machine.pointer_held else copy_instance(item)
 
 
-def copy_instance(value: Value) -> Value:
+def copy_instance(value: av.Value) -> av.Value:
     """Return a C++ object of a scanned class as a new one, members and all."""
-    if isinstance(value, Instance) and isinstance(value.type, ClassValue):
-        return Instance(value.type, dict(value.fields), value.types, value.bindings)
+    if isinstance(value, av.Instance) and isinstance(value.type, av.ClassValue):
+        return av.Instance(value.type, dict(value.fields), value.types, value.bindings)
     return value
 
 
-def _extend(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
-    items, certain = items_of(arguments.value(0))
+def _extend(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
+    items, certain = av.items_of(arguments.value(0))
     if not certain:
         machine.undo_log.mark_open(owner.fields)
     return _write(machine, owner, (*owner.items, *items))
 
 
-def _insert(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _insert(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     index = arguments.get(0)
     if owner.type is not None:
         return _insert_cpp(machine, owner, arguments)
-    if arguments.get(1) and isinstance(index, Scalar) and isinstance(index.value, int):
+    if arguments.get(1) and isinstance(index, av.Scalar) and isinstance(index.value, int):
         before, after = owner.items[: index.value], owner.items[index.value :]
-        return _write(machine, owner, (*before, arguments.get(1) or NONE, *after))
-    return _write(machine, owner, (*owner.items, arguments.get(1) or arguments.get(0) or NONE))
+        return _write(machine, owner, (*before, arguments.get(1) or av.NONE, *after))
+    return _write(machine, owner, (*owner.items, arguments.get(1) or arguments.get(0) or av.NONE))
 
 
-def _insert_cpp(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _insert_cpp(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     """`insert([position,] value)`, `insert([position,] first, last)`, of another container."""
     ranged = [items_after(value) for value in arguments.values[-2:-1]]
     if ranged and ranged[0] is not None and is_end(arguments.values[-1]):
@@ -99,31 +116,31 @@ def _insert_cpp(machine: AbstractMachine, owner: ListValue, arguments: Arguments
             machine.undo_log.mark_open(owner.fields)
         return _write(machine, owner, (*owner.items, *(item for _, item in items)))
     last = arguments.without_first(len(arguments.values) - 1)
-    return _write(machine, owner, (*owner.items, *_inserted(machine, owner, last)))
+    return _write(machine, owner, (*owner.items, *_added(machine, owner, last)))
 
 
-def _inserted(machine: AbstractMachine, owner: ListValue, last: Arguments) -> tuple[Value, ...]:
+def _added(machine: AbstractMachine, owner: av.ListValue, last: Arguments) -> tuple[av.Value, ...]:
     """Return the items that the last argument of an insertion is; braces may hold several."""
     given = last.get(0)
-    if isinstance(given, ListValue) and is_braces(given):
+    if isinstance(given, av.ListValue) and is_braces(given):
         return tuple(_new_item(machine, owner, last.with_values(item)) for item in given.items)
     return (_new_item(machine, owner, last),)
 
 
-def _assign(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _assign(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     """`assign(first, last)`, `assign({…})`, `assign(count, value)`."""
     count, given = arguments.get(0), arguments.get(1)
     _clear(machine, owner, arguments)
-    if isinstance(count, Scalar) and isinstance(count.value, int):
-        return _write(machine, owner, (given or UNKNOWN,) * max(0, min(count.value, MAX_ITEMS)))
+    if isinstance(count, av.Scalar) and isinstance(count.value, int):
+        return _write(machine, owner, (given or av.UNKNOWN,) * max(0, min(count.value, MAX_ITEMS)))
     return _insert_cpp(machine, owner, arguments)
 
 
-def _swap(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _swap(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     other = arguments.get(0)
-    if not isinstance(other, ListValue):
+    if not isinstance(other, av.ListValue):
         machine.undo_log.mark_open(owner.fields)
-        return NONE
+        return av.NONE
     items, opened = owner.items, owner.open
     machine.undo_log.set(owner.fields, "open", other.open)
     machine.undo_log.set(other.fields, "open", opened)
@@ -132,75 +149,73 @@ def _swap(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> V
     return _write(machine, owner, before)
 
 
-def _pop(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _pop(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     first = owner.type is not None and owner.type.name == "std::queue"
-    key = arguments.get(0) or Scalar(0 if first else -1)
-    found = element(owner, key) if owner.items else Unknown("pop")
+    key = arguments.get(0) or av.Scalar(0 if first else -1)
+    found = av.element(owner, key) if owner.items else av.Unknown("pop")
     remove_element(machine, owner, key)
     return found
 
 
-def _remove_item(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _remove_item(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     item = arguments.get(0)
-    if item in owner.items and isinstance(item, Scalar):
-        remove_element(machine, owner, Scalar(owner.items.index(item)))
-    return NONE
+    if item in owner.items and isinstance(item, av.Scalar):
+        remove_element(machine, owner, av.Scalar(owner.items.index(item)))
+    return av.NONE
 
 
-def _clear(machine: AbstractMachine, owner: ListValue, _: Arguments) -> Value:
+def _clear(machine: AbstractMachine, owner: av.ListValue, _: Arguments) -> av.Value:
     return _write(machine, owner, ())
 
 
-def size(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
+def size(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.Value:
     """`size()` of any container."""
-    items, certain = items_of(owner)
-    return Scalar(len(items)) if certain else Unknown("size")
+    items, certain = av.items_of(owner)
+    return av.Scalar(len(items)) if certain else av.Unknown("size")
 
 
-def is_empty(_: AbstractMachine, owner: Value, __: Arguments) -> Value:
+def is_empty(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.Value:
     """`empty()` of any container."""
-    filled = truth(owner)
-    return Unknown("empty") if filled is None else Scalar(not filled)
+    filled = av.truth(owner)
+    return av.Unknown("empty") if filled is None else av.Scalar(not filled)
 
 
-def _at(_: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
-    return element(owner, arguments.get(0) or Scalar(0))
+def _at(_: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
+    return av.element(owner, arguments.get(0) or av.Scalar(0))
 
 
-def _last(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
-    return element(owner, Scalar(-1))
+def _last(_: AbstractMachine, owner: av.ListValue, __: Arguments) -> av.Value:
+    return av.element(owner, av.Scalar(-1))
 
 
-def _resize(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _resize(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     count, fill = arguments.get(0), arguments.get(1)
-    if not (isinstance(count, Scalar) and isinstance(count.value, int)):
+    if not (isinstance(count, av.Scalar) and isinstance(count.value, int)):
         machine.undo_log.mark_open(owner.fields)
-        return NONE
+        return av.NONE
     size = max(0, min(count.value, MAX_ITEMS + 1))
     more = size - len(owner.items)
     added = [fill or default_item(machine, owner, arguments.frame) for _ in range(more)]
     return _write(machine, owner, (*owner.items, *added)[:size])
 
 
-def _copy(_: AbstractMachine, owner: ListValue, __: Arguments) -> Value:
+def _copy(_: AbstractMachine, owner: av.ListValue, __: Arguments) -> av.Value:
     return replace(owner, fields=dict(owner.fields))
 
 
-def _sort(machine: AbstractMachine, owner: ListValue, arguments: Arguments) -> Value:
+def _sort(machine: AbstractMachine, owner: av.ListValue, arguments: Arguments) -> av.Value:
     machine.escape(arguments.get(0))
     if owner.open:
         machine.escape(arguments.keywords.get("key"))
     return _write(machine, owner, sort_items(machine, owner.items, arguments))
 
 
-def _reverse(machine: AbstractMachine, owner: ListValue, _: Arguments) -> Value:
-    return _write(machine, owner, owner.items[::-1])
-
-
 LIST_METHODS: LibraryMethods = {
     "append": _append,
     "add": _append,
-    "appendleft": _append_left,
+    "appendleft": lambda machine, owner, arguments: _write(
+        machine, owner, (arguments.get(0) or av.NONE, *owner.items)
+    ),
     "push_back": _push,
     "emplace_back": _push,
     "push_front": _push_front,
@@ -227,15 +242,15 @@ LIST_METHODS: LibraryMethods = {
     "discard": _remove_item,
     "pop_back": _pop,
     "pop_front": lambda machine, owner, arguments: _pop(
-        machine, owner, arguments.with_values(Scalar(0))
+        machine, owner, arguments.with_values(av.Scalar(0))
     ),
     "reserve": return_none,
-    "reverse": _reverse,
+    "reverse": lambda machine, owner, ___: _write(machine, owner, owner.items[::-1]),
     "sort": _sort,
 }
 
 
-def bound_method(methods: LibraryMethods, owner: Value, name: str) -> Value | None:
+def bound_method(methods: LibraryMethods, owner: av.Value, name: str) -> av.Value | None:
     """Return a method of a container, bound to it."""
     call = methods.get(name)
-    return LibraryFunction(name, call, owner) if call is not None else None
+    return av.LibraryFunction(name, call, owner) if call is not None else None

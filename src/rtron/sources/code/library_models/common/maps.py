@@ -2,201 +2,159 @@
 
 from typing import Any
 
-from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import (
-    PAIR,
-    items_of,
-    key_value,
-    list_of,
-    pair_of,
-)
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    OPEN,
-    UNKNOWN,
-    ExternalSymbol,
-    Instance,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    PartialText,
-    Scalar,
-    Unknown,
-    Value,
-    is_tainted,
-    join,
-    map_key,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.cpp.braces import make_item
 from rtron.sources.code.interpreter.cpp.iterators import begin, dereference, end, iterator_to
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import OPEN_KEYWORD, Arguments
 from rtron.sources.code.interpreter.execution.assignment import remove_element
-from rtron.sources.code.library_models.common.containers import (
-    LIST_METHODS,
-    LibraryMethods,
-    bound_method,
-    is_empty,
-    size,
-)
+from rtron.sources.code.library_models.common import containers
 
 
-def _pop_entry(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+def _pop_entry(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
     """`pop(key)` of a dict, `erase(key)` and `erase(iterator)` of a std::map."""
     found, pointed = _get(machine, owner, arguments), dereference(arguments.value(0))
-    is_entry = isinstance(pointed, Instance) and pointed.type is PAIR
-    remove_element(machine, owner, items_of(pointed)[0][0] if is_entry else pointed)
+    is_entry = isinstance(pointed, av.Instance) and pointed.type is av.PAIR
+    remove_element(machine, owner, av.items_of(pointed)[0][0] if is_entry else pointed)
     return found
 
 
-def _clear_map(machine: AbstractMachine, owner: MapValue, _: Arguments) -> Value:
+def _clear_map(machine: AbstractMachine, owner: av.MapValue, _: Arguments) -> av.Value:
     for key in list(owner.fields):
         machine.undo_log.remove(owner.fields, key)
-    return NONE
+    return av.NONE
 
 
-def _get(_: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
-    key, default = arguments.value(0), arguments.get(1, "default") or NONE
+def _get(_: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
+    key, default = arguments.value(0), arguments.get(1, "default") or av.NONE
     name = owner.key_of(key)
-    if name is not OPEN and name not in owner.entries:
-        return join([default, owner.fields[OPEN]]) if owner.open else default
-    return element(owner, key)
+    if name is not av.OPEN and name not in owner.entries:
+        return av.join([default, owner.fields[av.OPEN]]) if owner.open else default
+    return av.element(owner, key)
 
 
-def _keys(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
-    return list_of(items_of(owner)[0], certain=not owner.open)
+def _keys(_: AbstractMachine, owner: av.MapValue, __: Arguments) -> av.Value:
+    return av.list_of(av.items_of(owner)[0], certain=not owner.open)
 
 
-def _values(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
-    return list_of(owner.entries.values(), certain=not owner.open)
+def _values(_: AbstractMachine, owner: av.MapValue, __: Arguments) -> av.Value:
+    return av.list_of(owner.entries.values(), certain=not owner.open)
 
 
-def _items(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
-    keys, _certain = items_of(owner)
+def _items(_: AbstractMachine, owner: av.MapValue, __: Arguments) -> av.Value:
+    keys, _certain = av.items_of(owner)
     rows = zip(keys, owner.entries.values(), strict=True)
-    pairs = tuple(list_of(row, "tuple") for row in rows)
-    return list_of(pairs, certain=not owner.open)
+    pairs = tuple(av.list_of(row, "tuple") for row in rows)
+    return av.list_of(pairs, certain=not owner.open)
 
 
-def _update(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+def _update(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
     """`update(other, **more)`: what is not known of another may replace any text or number."""
     given = arguments.get(0)
-    made = dict_of(given) if given is not None else MapValue()
+    made = dict_of(given) if given is not None else av.MapValue()
     if made.open or OPEN_KEYWORD in arguments.keywords:
         for name, value in owner.entries.items():
-            if isinstance(value, (Scalar, PartialText)):
-                machine.undo_log.set(owner.fields, name, Unknown(str(name), is_tainted(value)))
+            if isinstance(value, (av.Scalar, av.PartialText)):
+                machine.undo_log.set(
+                    owner.fields, name, av.Unknown(str(name), av.is_tainted(value))
+                )
     for key, value in {**made.fields, **keyword_fields(arguments)}.items():
-        if not (owner.is_namespace and key is OPEN):
+        if not (owner.is_namespace and key is av.OPEN):
             machine.undo_log.set(owner.fields, key, value)
-    return NONE
+    return av.NONE
 
 
-def dict_of(given: Value) -> MapValue:
+def dict_of(given: av.Value) -> av.MapValue:
     """Return the dict that a mapping or the pairs of a sequence make."""
-    if isinstance(given, MapValue):
-        return MapValue(dict(given.fields))
-    items, certain = items_of(given)
-    made = MapValue({} if certain else {OPEN: UNKNOWN})
+    if isinstance(given, av.MapValue):
+        return av.MapValue(dict(given.fields))
+    items, certain = av.items_of(given)
+    made = av.MapValue({} if certain else {av.OPEN: av.UNKNOWN})
     for item in items:
-        key, value = (*items_of(item)[0], UNKNOWN, UNKNOWN)[:2]
-        made.fields[map_key(key)] = value
+        key, value = (*av.items_of(item)[0], av.UNKNOWN, av.UNKNOWN)[:2]
+        made.fields[av.map_key(key)] = value
     return made
 
 
-def keyword_fields(arguments: Arguments) -> dict[Any, Value]:
+def keyword_fields(arguments: Arguments) -> dict[Any, av.Value]:
     """Return the arguments by name as the entries of a dict."""
     words = dict(arguments.keywords)
     rest = words.pop(OPEN_KEYWORD, None)
-    return words if rest is None else {**words, OPEN: rest}
+    return words if rest is None else {**words, av.OPEN: rest}
 
 
-def _copy_map(_: AbstractMachine, owner: MapValue, __: Arguments) -> Value:
-    return MapValue(dict(owner.fields), owner.iterates_pairs, owner.default_factory)
-
-
-def _pop_last_entry(machine: AbstractMachine, owner: MapValue, _: Arguments) -> Value:
-    """`popitem()`."""
-    if not owner.entries:
-        return Unknown("popitem")
-    key, value = list(owner.entries.items())[-1]
-    machine.undo_log.remove(owner.fields, key)
-    return list_of((key_value(key), value), "tuple")
-
-
-def _set_default(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+def _set_default(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
     key = arguments.value(0)
     name = owner.key_of(key)
-    if name is OPEN:
-        machine.undo_log.set(owner.fields, OPEN, Unknown(text_with_holes(key).strip("{}")))
+    if name is av.OPEN:
+        machine.undo_log.set(owner.fields, av.OPEN, av.Unknown(av.text_with_holes(key).strip("{}")))
     elif name not in owner.fields:
-        machine.undo_log.set(owner.fields, name, arguments.get(1) or NONE)
-    return element(owner, key)
+        machine.undo_log.set(owner.fields, name, arguments.get(1) or av.NONE)
+    return av.element(owner, key)
 
 
-def _has_key(_: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+def _has_key(_: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
     name = owner.key_of(arguments.value(0))
-    if name is OPEN:
-        return Unknown("has_key")
+    if name is av.OPEN:
+        return av.Unknown("has_key")
     found = name in owner.entries
-    return Scalar(found) if found or not owner.open else Unknown("has_key")
+    return av.Scalar(found) if found or not owner.open else av.Unknown("has_key")
 
 
-def _count(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+def _count(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
     found = _has_key(machine, owner, arguments)
-    return Scalar(int(found.value)) if isinstance(found, Scalar) else found
+    return av.Scalar(int(found.value)) if isinstance(found, av.Scalar) else found
 
 
-def _insert_pair(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+def _insert_pair(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
     """`insert(pair)`, `emplace(key, args…)`, `insert({{key, value}, …})`: what is there stays."""
-    items, _ = items_of(arguments.value(0))
+    items, _ = av.items_of(arguments.value(0))
     if len(arguments.values) > 1:
         return _emplace_entry(machine, owner, arguments)
-    if items and all(isinstance(item, ListValue) for item in items):
+    if items and all(isinstance(item, av.ListValue) for item in items):
         for item in items:
             _insert_pair(machine, owner, arguments.with_values(item))
-        return NONE
+        return av.NONE
     return _emplace_entry(machine, owner, arguments.with_values(*items[:1], *items[1:2]))
 
 
-def _emplace_entry(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
-    if isinstance(arguments.value(0), ExternalSymbol):
-        parts = [items_of(value)[0] for value in arguments.values[1:]]
+def _emplace_entry(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
+    if isinstance(arguments.value(0), av.ExternalSymbol):
+        parts = [av.items_of(value)[0] for value in arguments.values[1:]]
         arguments = arguments.with_values(*(item for part in parts for item in part))
     key, rest = arguments.value(0), arguments.without_first(1)
     is_new = owner.key_of(key) not in owner.entries
     if is_new:
-        _set_entry(machine, owner, key, rest)
-    entry = element(owner, key)
-    return pair_of(pair_of(key, entry), Scalar(is_new))
+        _set(machine, owner, key, rest)
+    entry = av.element(owner, key)
+    return av.pair_of(av.pair_of(key, entry), av.Scalar(is_new))
 
 
-def _insert_or_assign(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
-    _set_entry(machine, owner, arguments.value(0), arguments.without_first(1))
-    return NONE
+def _assign(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
+    _set(machine, owner, arguments.value(0), arguments.without_first(1))
+    return av.NONE
 
 
-def _set_entry(machine: AbstractMachine, owner: MapValue, key: Value, rest: Arguments) -> None:
+def _set(machine: AbstractMachine, owner: av.MapValue, key: av.Value, rest: Arguments) -> None:
     if rest.values or owner.default_factory is None:
-        value = make_item(machine, owner, rest) if rest.values else UNKNOWN
+        value = make_item(machine, owner, rest) if rest.values else av.UNKNOWN
     else:
         value = owner.default_factory()
     machine.undo_log.set(owner.fields, owner.key_of(key), value)
 
 
-def _find_pair(machine: AbstractMachine, owner: MapValue, arguments: Arguments) -> Value:
+def _find_pair(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) -> av.Value:
     key = arguments.get(0)
     found = _has_key(machine, owner, arguments)
-    if not (isinstance(found, Scalar) and isinstance(key, Scalar)):
-        return Unknown("find")
+    if not (isinstance(found, av.Scalar) and isinstance(key, av.Scalar)):
+        return av.Unknown("find")
     if not found.value:
         return end(machine, owner, arguments)
     position = list(owner.entries).index(key.value)
     return iterator_to(machine, owner, position, arguments)
 
 
-DICT_METHODS: LibraryMethods = {
+DICT_METHODS: containers.LibraryMethods = {
     "get": _get,
     "keys": _keys,
     "values": _values,
@@ -209,31 +167,32 @@ DICT_METHODS: LibraryMethods = {
     "has_key": _has_key,
     "pop": _pop_entry,
     "clear": _clear_map,
-    "copy": _copy_map,
-    "popitem": _pop_last_entry,
+    "copy": lambda _, owner, ___: av.MapValue(
+        dict(owner.fields), owner.iterates_pairs, owner.default_factory
+    ),
     "__contains__": _has_key,
 }
-CPP_MAP_METHODS: LibraryMethods = {
+CPP_MAP_METHODS: containers.LibraryMethods = {
     "at": _get,
     "count": _count,
     "contains": _has_key,
     "insert": _insert_pair,
     "emplace": _insert_pair,
     "try_emplace": _insert_pair,
-    "insert_or_assign": _insert_or_assign,
+    "insert_or_assign": _assign,
     "find": _find_pair,
-    "size": size,
-    "empty": is_empty,
+    "size": containers.size,
+    "empty": containers.is_empty,
     "hasMember": _has_key,
     "erase": _pop_entry,
     "clear": _clear_map,
 }
 
 
-def cpp_container_member(owner: ListValue | MapValue, name: str) -> Value | None:
+def cpp_container_member(owner: av.ListValue | av.MapValue, name: str) -> av.Value | None:
     """Return a method of a container of C++, bound to it."""
     walk = {"begin": begin, "end": end, "cbegin": begin, "cend": end}.get(name)
     if walk is not None:
-        return LibraryFunction(name, walk, owner)
-    methods = LIST_METHODS if isinstance(owner, ListValue) else CPP_MAP_METHODS
-    return bound_method(methods, owner, name)
+        return av.LibraryFunction(name, walk, owner)
+    methods = containers.LIST_METHODS if isinstance(owner, av.ListValue) else CPP_MAP_METHODS
+    return containers.bound_method(methods, owner, name)

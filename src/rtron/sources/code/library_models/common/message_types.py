@@ -3,12 +3,7 @@
 import re
 from typing import Any
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Instance,
-    LibraryClass,
-    MessageType,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.ir import TypeRef
 
 _PYTHON_MODULES = {"msg", "srv"}
@@ -20,7 +15,7 @@ _POINTER_TYPES = {
 }
 _NON_MESSAGE_NAMESPACES = {"std", "boost", "ros", "cv", "Eigen", "pcl", "tf", "tf2"}
 MESSAGES_WITH_CHILD = ("geometry_msgs/TransformStamped", "nav_msgs/Odometry")
-HEADER = LibraryClass("std_msgs/Header")
+HEADER = av.LibraryClass("std_msgs/Header")
 _SUFFIXES = (
     *("ConstSharedPtr", "ConstUniquePtr", "ConstWeakPtr", "ConstPtr"),
     *("SharedPtr", "UniquePtr", "WeakPtr", "Ptr", "Request", "Response"),
@@ -35,11 +30,11 @@ def is_message_package(dotted: str) -> bool:
     return dotted.rpartition(".")[2] in _PYTHON_MODULES and dotted.count(".") == 1
 
 
-def python_message_type(dotted: str) -> MessageType | None:
+def python_message_type(dotted: str) -> av.MessageType | None:
     """Return the type that `std_msgs.msg.String` means; None for any other name."""
     parts = dotted.split(".")
     if len(parts) == 3 and parts[1] in _PYTHON_MODULES and parts[2][:1].isalpha():  # noqa: PLR2004
-        return MessageType(f"{parts[0]}/{parts[2]}")
+        return av.MessageType(f"{parts[0]}/{parts[2]}")
     return None
 
 
@@ -84,8 +79,8 @@ def message_header(package: str, folder: str, name: str) -> str:
     return f"{package}/{folder}/{_WORD_START.sub('_', name).lower()}.hpp"
 
 
-def make_message(name: str, fields: dict[Any, Value]) -> Instance:
+def make_message(name: str, fields: dict[Any, av.Value]) -> av.Instance:
     """Return a message with some fields; one that names a child frame has a header too."""
     if name in MESSAGES_WITH_CHILD:
-        fields.setdefault("header", Instance(HEADER))
-    return Instance(LibraryClass(name), fields)
+        fields.setdefault("header", av.Instance(HEADER))
+    return av.Instance(av.LibraryClass(name), fields)

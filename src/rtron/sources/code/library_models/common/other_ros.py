@@ -3,13 +3,7 @@
 from collections.abc import Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    Instance,
-    LibraryClass,
-    LibraryFunction,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 
@@ -27,21 +21,21 @@ def _note(name: str, machine: AbstractMachine, at: Arguments) -> None:
     machine.recorder.add_unresolved(name, why, at.evidence)
 
 
-def _call(name: str, machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _call(name: str, machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     _note(name, machine, arguments)
-    return NONE
+    return av.NONE
 
 
-def _make(name: str, machine: AbstractMachine, arguments: Arguments) -> Value:
+def _make(name: str, machine: AbstractMachine, arguments: Arguments) -> av.Value:
     _note(name, machine, arguments)
-    return Instance(LibraryClass(name))
+    return av.Instance(av.LibraryClass(name))
 
 
 _NODES = {1: ("rclcpp::init", "rclcpp::Node"), 2: ("ros::init", "ros::NodeHandle")}
 """What a C++ program of the other ROS begins with, by the ROS of a launch."""
-OTHER_CPP_FUNCTIONS: Mapping[int, Mapping[str, LibraryFunction]] = {
-    ros: {name: LibraryFunction(name, partial(_call, name))} for ros, (name, _) in _NODES.items()
+OTHER_CPP_FUNCTIONS: Mapping[int, Mapping[str, av.LibraryFunction]] = {
+    ros: {name: av.LibraryFunction(name, partial(_call, name))} for ros, (name, _) in _NODES.items()
 }
-OTHER_CPP_CLASSES: Mapping[int, Mapping[str, LibraryClass]] = {
-    ros: {name: LibraryClass(name, partial(_make, name))} for ros, (_, name) in _NODES.items()
+OTHER_CPP_CLASSES: Mapping[int, Mapping[str, av.LibraryClass]] = {
+    ros: {name: av.LibraryClass(name, partial(_make, name))} for ros, (_, name) in _NODES.items()
 }

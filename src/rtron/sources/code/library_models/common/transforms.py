@@ -3,18 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    UNKNOWN,
-    Instance,
-    LibraryClass,
-    ListValue,
-    Scalar,
-    Unknown,
-    Value,
-    options,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.ir import Attr, Name
@@ -61,9 +50,9 @@ def _owner_name(method: Attr) -> str:
 def _send_transform(
     is_fixed: bool,  # noqa: FBT001 - bound by partial
     machine: AbstractMachine,
-    _: Value,
+    _: av.Value,
     arguments: Arguments,
-) -> Value:
+) -> av.Value:
     """`sendTransform(message)`, or a list, or `(translation, rotation, time, child, parent)`."""
     child, parent = arguments.get(3, "child"), arguments.get(4, "parent")
     sent = [(child, parent)] if child else map(_frames, _messages(arguments.get(0, "transform")))
@@ -75,46 +64,46 @@ def _send_transform(
             evidence=(arguments.evidence,),
         )
         machine.recorder.add_frame(frame)
-    return NONE
+    return av.NONE
 
 
-def _messages(sent: Value | None) -> tuple[Value | None, ...]:
-    return items_of(sent)[0] if isinstance(sent, ListValue) else (sent,)
+def _messages(sent: av.Value | None) -> tuple[av.Value | None, ...]:
+    return av.items_of(sent)[0] if isinstance(sent, av.ListValue) else (sent,)
 
 
-def _frames(message: Value | None) -> tuple[Value | None, Value | None]:
+def _frames(message: av.Value | None) -> tuple[av.Value | None, av.Value | None]:
     """Return the child and the parent frame of a message, or of a tf::StampedTransform."""
-    fields = message.fields if isinstance(message, Instance) else {}
+    fields = message.fields if isinstance(message, av.Instance) else {}
     header = fields.get("header")
-    below = header.fields.get("frame_id") if isinstance(header, Instance) else None
+    below = header.fields.get("frame_id") if isinstance(header, av.Instance) else None
     return fields.get("child_frame_id") or fields.get("child_frame_id_"), (
         below or fields.get("frame_id_")
     )
 
 
-def _known_text(value: Value | None) -> str:
+def _known_text(value: av.Value | None) -> str:
     """Return a text; a frame that is copied from another message has it when it is sent."""
-    known = [each for each in options(value or UNKNOWN) if not _is_frame_field(each)]
-    text = known[0].value if len(known) == 1 and isinstance(known[0], Scalar) else None
+    known = [each for each in av.options(value or av.UNKNOWN) if not _is_frame_field(each)]
+    text = known[0].value if len(known) == 1 and isinstance(known[0], av.Scalar) else None
     return str(text) if isinstance(text, str) else ""
 
 
-def _is_frame_field(value: Value) -> bool:
-    return isinstance(value, Unknown) and value.label in _FRAME_FIELDS
+def _is_frame_field(value: av.Value) -> bool:
+    return isinstance(value, av.Unknown) and value.label in _FRAME_FIELDS
 
 
-def _make_stamped_transform(_: AbstractMachine, arguments: Arguments) -> Value:
+def _make_stamped_transform(_: AbstractMachine, arguments: Arguments) -> av.Value:
     """`tf::StampedTransform(transform, time, frame, child)`."""
     frames = zip(("frame_id_", "child_frame_id_"), arguments.values[2:], strict=False)
-    return Instance(MESSAGE_CLASSES["tf::StampedTransform"], dict(frames))
+    return av.Instance(MESSAGE_CLASSES["tf::StampedTransform"], dict(frames))
 
 
-def _make_message(name: str, _: AbstractMachine, __: Arguments) -> Value:
-    return Instance(MESSAGE_CLASSES[name], {"header": Instance(HEADER)})
+def _make_message(name: str, _: AbstractMachine, __: Arguments) -> av.Value:
+    return av.Instance(MESSAGE_CLASSES[name], {"header": av.Instance(HEADER)})
 
 
-BROADCASTERS: Mapping[str, LibraryClass] = {
-    name: LibraryClass(
+BROADCASTERS: Mapping[str, av.LibraryClass] = {
+    name: av.LibraryClass(
         name,
         methods=dict.fromkeys(
             ("sendTransform", "sendTransformMessage"),
@@ -124,7 +113,7 @@ BROADCASTERS: Mapping[str, LibraryClass] = {
     for name in ("TransformBroadcaster", "StaticTransformBroadcaster")
 }
 """The objects that send transforms, by the names that their classes have in every library."""
-_MAKERS: Mapping[str, Callable[..., Value]] = {
+_MAKERS: Mapping[str, Callable[..., av.Value]] = {
     "tf::StampedTransform": _make_stamped_transform,
     **{
         name: partial(_make_message, name)
@@ -132,7 +121,7 @@ _MAKERS: Mapping[str, Callable[..., Value]] = {
         for name in (message.replace("/", "::"), message.replace("/", "::msg::"))
     },
 }
-MESSAGE_CLASSES: Mapping[str, LibraryClass] = {
-    name: LibraryClass(name, make) for name, make in _MAKERS.items()
+MESSAGE_CLASSES: Mapping[str, av.LibraryClass] = {
+    name: av.LibraryClass(name, make) for name, make in _MAKERS.items()
 }
 """The messages of C++ that name a child frame; what else they hold is not known."""

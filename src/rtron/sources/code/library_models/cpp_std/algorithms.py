@@ -3,72 +3,48 @@
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.operators import binary
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
-    NONE,
-    TRUE,
-    ListValue,
-    Scalar,
-    Unknown,
-    Value,
-    is_tainted,
-    is_text,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.cpp.iterators import container_of, end, items_after, position_of
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.written_arguments import open_container
-from rtron.sources.code.library_models.cpp_std.functional import bind
 
 _THIRD_ARGUMENT = 2
 """The index of the function, or of the value looked for: behind both iterators."""
 
 
-def _for_each(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _for_each(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`std::for_each(xs.begin(), xs.end(), function)`."""
-    found, function = items_after(arguments.get(0)), arguments.get(_THIRD_ARGUMENT) or NONE
+    found, function = items_after(arguments.get(0)), arguments.get(_THIRD_ARGUMENT) or av.NONE
     if found is None:
         machine.escape(function)
-        return NONE
+        return av.NONE
     for _iterator, item in found[0]:
         _call_with_item(machine, function, item, arguments)
-    return NONE
+    return av.NONE
 
 
 def _call_with_item(
-    machine: AbstractMachine, function: Value, item: Value, arguments: Arguments
-) -> Value:
+    machine: AbstractMachine, function: av.Value, item: av.Value, arguments: Arguments
+) -> av.Value:
     given = arguments.with_values(item)
     return dispatch(machine, function, given)
 
 
-def _invoke(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    """`std::invoke(function, args…)`; of a method, the first argument is the object."""
-    called = bind(machine, None, arguments)
-    return dispatch(machine, called, arguments.with_values())
-
-
-def _apply(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    """`std::apply(function, tuple)`."""
-    items, _certain = items_of(arguments.value(1))
-    return dispatch(machine, arguments.value(0), arguments.with_values(*items))
-
-
-def _copy(machine: AbstractMachine, _: object, arguments: Arguments, *, transforms: bool) -> Value:
+def _copy(
+    machine: AbstractMachine, _: object, arguments: Arguments, *, transforms: bool
+) -> av.Value:
     """`std::copy(xs.begin(), xs.end(), std::back_inserter(ys))`, `std::transform(…, function)`."""
     place = arguments.get(_THIRD_ARGUMENT)
     target, function = container_of(place), arguments.get(_THIRD_ARGUMENT + 1)
-    if not isinstance(target, ListValue):
+    if not isinstance(target, av.ListValue):
         return _copy_text(machine, function, arguments)
     found = items_after(arguments.get(0))
     if found is None or (transforms and function is None):
         machine.escape(function)
         open_container(machine, target)
-        return Unknown("copy")
+        return av.Unknown("copy")
     items = [item for _, item in found[0]]
     if transforms and function is not None:
         items = [_call_with_item(machine, function, item, arguments) for item in items]
@@ -80,122 +56,102 @@ def _copy(machine: AbstractMachine, _: object, arguments: Arguments, *, transfor
     return target
 
 
-def _copy_text(machine: AbstractMachine, function: Value | None, arguments: Arguments) -> Value:
+def _copy_text(
+    machine: AbstractMachine, function: av.Value | None, arguments: Arguments
+) -> av.Value:
     """`std::transform(text.begin(), text.end(), text.begin(), ::toupper)`: letter by letter."""
     source, target = arguments.slot(0), arguments.slot(_THIRD_ARGUMENT)
     text = source.holder.get(source.key) if source is not None else None
-    letters = items_of(text)[0] if isinstance(text, Scalar) else ()
+    letters = av.items_of(text)[0] if isinstance(text, av.Scalar) else ()
     if function is not None and letters:
         letters = tuple(_call_with_item(machine, function, one, arguments) for one in letters)
     else:
         machine.escape(function)
-    made = [one.value for one in letters if isinstance(one, Scalar)]
+    made = [one.value for one in letters if isinstance(one, av.Scalar)]
     is_known = bool(letters) and len(made) == len(letters) and all(isinstance(x, str) for x in made)
-    if target is not None and is_text(target.holder.get(target.key, NONE)):
-        known = Scalar("".join(made), any(map(is_tainted, letters)))
-        machine.undo_log.set(*target, known if is_known else Unknown(target.label))
-    return Unknown("copy")
+    if target is not None and av.is_text(target.holder.get(target.key, av.NONE)):
+        known = av.Scalar("".join(made), any(map(av.is_tainted, letters)))
+        machine.undo_log.set(*target, known if is_known else av.Unknown(target.label))
+    return av.Unknown("copy")
 
 
-def _copy_if(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    """`std::copy_if(xs.begin(), xs.end(), std::back_inserter(ys), predicate)`."""
-    found, target = items_after(arguments.get(0)), arguments.get(_THIRD_ARGUMENT)
-    predicate = arguments.get(_THIRD_ARGUMENT + 1)
-    if found is None or not isinstance(target, ListValue) or predicate is None:
-        return _copy(machine, None, arguments, transforms=True)
-    items = [item for _, item in found[0]]
-    answers = [truth(_call_with_item(machine, predicate, item, arguments)) for item in items]
-    chosen = tuple(item for item, answer in zip(items, answers, strict=True) if answer is not False)
-    machine.undo_log.set(target.fields, "items", (*target.items, *chosen))
-    if not found[1]:
-        machine.undo_log.mark_open(target.fields)
-    return target
-
-
-def _iota(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    """`std::iota(xs.begin(), xs.end(), first)`."""
-    target, first = container_of(arguments.get(0)), arguments.get(_THIRD_ARGUMENT) or NONE
-    if isinstance(target, ListValue):
-        items = [binary("+", first, Scalar(at)) for at in range(len(target.items))]
-        machine.undo_log.set(target.fields, "items", tuple(items))
-    return NONE
-
-
-def _find(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _find(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`std::find(xs.begin(), xs.end(), value)`."""
-    sought = arguments.get(_THIRD_ARGUMENT) or NONE
-    return _first_match(machine, arguments, lambda item: binary("==", item, sought))
+    sought = arguments.get(_THIRD_ARGUMENT) or av.NONE
+    return _first_match(machine, arguments, lambda item: av.binary("==", item, sought))
 
 
-def _find_if(machine: AbstractMachine, _: object, arguments: Arguments, *, expected: bool) -> Value:
+def _find_if(
+    machine: AbstractMachine, _: object, arguments: Arguments, *, expected: bool
+) -> av.Value:
     """`std::find_if(xs.begin(), xs.end(), predicate)`."""
-    function = arguments.get(_THIRD_ARGUMENT) or NONE
+    function = arguments.get(_THIRD_ARGUMENT) or av.NONE
 
-    def fits(item: Value) -> Value:
-        answer = truth(_call_with_item(machine, function, item, arguments))
-        return Unknown("find_if") if answer is None else Scalar(answer is expected)
+    def fits(item: av.Value) -> av.Value:
+        answer = av.truth(_call_with_item(machine, function, item, arguments))
+        return av.Unknown("find_if") if answer is None else av.Scalar(answer is expected)
 
     return _first_match(machine, arguments, fits)
 
 
 def _first_match(
-    machine: AbstractMachine, arguments: Arguments, fits: Callable[[Value], Value]
-) -> Value:
+    machine: AbstractMachine, arguments: Arguments, fits: Callable[[av.Value], av.Value]
+) -> av.Value:
     """Return an iterator at the first item that fits, the end where certainly none does."""
     found = items_after(arguments.get(0))
     if found is None:
         machine.escape(arguments.get(_THIRD_ARGUMENT))
-        return Unknown("find")
+        return av.Unknown("find")
     for iterator, item in found[0]:
-        answer = truth(fits(item))
+        answer = av.truth(fits(item))
         if answer is not False:
-            return iterator if answer else Unknown("find")
-    return end(machine, NONE, arguments) if found[1] else Unknown("find")
+            return iterator if answer else av.Unknown("find")
+    return end(machine, av.NONE, arguments) if found[1] else av.Unknown("find")
 
 
-def _any_of(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _any_of(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`std::any_of(xs.begin(), xs.end(), predicate)`."""
     return _quantify(machine, arguments, decides=True)
 
 
-def _all_of(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _all_of(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`std::all_of(xs.begin(), xs.end(), predicate)`."""
     return _quantify(machine, arguments, decides=False)
 
 
-def _none_of(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _none_of(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`std::none_of(xs.begin(), xs.end(), predicate)`."""
     answer = _quantify(machine, arguments, decides=True)
-    return Scalar(not answer.value) if isinstance(answer, Scalar) else answer
+    return av.Scalar(not answer.value) if isinstance(answer, av.Scalar) else answer
 
 
-def _quantify(machine: AbstractMachine, arguments: Arguments, *, decides: bool) -> Value:
+def _quantify(machine: AbstractMachine, arguments: Arguments, *, decides: bool) -> av.Value:
     """Return the answer that one item decides, or the other one where none does."""
     found = items_after(arguments.get(0))
     if found is None:
         machine.escape(arguments.get(_THIRD_ARGUMENT))
-        return Unknown("any_of")
+        return av.Unknown("any_of")
     answers = set(_predicate_results(machine, arguments, [item for _, item in found[0]]))
     if decides in answers:
-        return Scalar(decides)
-    return (FALSE if decides else TRUE) if found[1] and None not in answers else Unknown("any_of")
+        return av.Scalar(decides)
+    return (
+        (av.FALSE if decides else av.TRUE)
+        if found[1] and None not in answers
+        else av.Unknown("any_of")
+    )
 
 
 def _predicate_results(
-    machine: AbstractMachine, arguments: Arguments, items: list[Value]
+    machine: AbstractMachine, arguments: Arguments, items: list[av.Value]
 ) -> Iterator[bool | None]:
-    function = arguments.get(_THIRD_ARGUMENT) or NONE
+    function = arguments.get(_THIRD_ARGUMENT) or av.NONE
     for item in items:
-        yield truth(_call_with_item(machine, function, item, arguments))
+        yield av.truth(_call_with_item(machine, function, item, arguments))
 
 
-ALGORITHMS: Mapping[str, Callable[..., Value]] = {
+ALGORITHMS: Mapping[str, Callable[..., av.Value]] = {
     "for_each": _for_each,
-    "invoke": _invoke,
-    "apply": _apply,
     "copy": partial(_copy, transforms=False),
-    "copy_if": _copy_if,
-    "iota": _iota,
     "transform": partial(_copy, transforms=True),
     "find": _find,
     "find_if": partial(_find_if, expected=True),

@@ -2,135 +2,91 @@
 
 from collections.abc import Mapping
 
-_ACTIONS: Mapping[str, tuple[str, ...]] = {
-    "AppendEnvironmentVariable": ("name", "value"),
-    "DeclareBooleanLaunchArgument": ("name",),
-    "DeclareLaunchArgument": ("name",),
-    "EmitEvent": (),
-    "ExecuteLocal": (),
-    "ExecuteProcess": (),
-    "ForEach": ("input_values", "function"),
-    "ForLoop": ("length", "function"),
-    "GroupAction": ("actions",),
-    "IncludeLaunchDescription": ("launch_description_source",),
-    "Log": (),
-    "LogDebug": (),
-    "LogError": (),
-    "LogInfo": (),
-    "LogWarning": (),
-    "OpaqueCoroutine": (),
-    "OpaqueFunction": (),
-    "PopEnvironment": (),
-    "PopLaunchConfigurations": (),
-    "PushEnvironment": (),
-    "PushLaunchConfigurations": (),
-    "RegisterEventHandler": ("event_handler",),
-    "ReplaceEnvironmentVariables": ("environment",),
-    "ResetEnvironment": (),
-    "ResetLaunchConfigurations": ("launch_configurations",),
-    "SetEnvironmentVariable": ("name", "value"),
-    "SetLaunchConfiguration": ("name", "value"),
-    "Shutdown": (),
-    "TimerAction": (),
-    "UnregisterEventHandler": ("event_handler",),
-    "UnsetEnvironmentVariable": ("name",),
-    "UnsetLaunchConfiguration": ("name",),
-}
-_ROS_ACTIONS: Mapping[str, tuple[str, ...]] = {
-    "ComposableNodeContainer": (),
-    "LifecycleNode": (),
-    "LifecycleTransition": (),
-    "LoadComposableNodes": (),
-    "Node": (),
-    "PushROSNamespace": ("namespace",),
-    "PushRosNamespace": ("namespace",),
-    "ROSTimer": (),
-    "RosTimer": (),
-    "SetParameter": ("name", "value"),
-    "SetParametersFromFile": ("filename",),
-    "SetROSLogDir": ("new_log_dir",),
-    "SetRemap": ("src", "dst"),
-    "SetUseSimTime": ("value",),
-}
-_SUBSTITUTIONS: Mapping[str, tuple[str, ...]] = {
-    "AllSubstitution": (),
-    "AndSubstitution": ("left", "right"),
-    "AnonName": ("name",),
-    "AnySubstitution": (),
-    "Command": ("command",),
-    "EnvironmentVariable": ("name",),
-    "EqualsSubstitution": ("left", "right"),
-    "FileContent": ("path",),
-    "FindExecutable": ("name",),
-    "ForEachVar": ("name",),
-    "ForLoopIndex": ("name",),
-    "IfElseSubstitution": ("condition", "if_value", "else_value"),
-    "LaunchConfiguration": ("variable_name",),
-    "LaunchLogDir": (),
-    "LocalSubstitution": ("expression",),
-    "NotEqualsSubstitution": ("left", "right"),
-    "NotSubstitution": ("value",),
-    "OrSubstitution": ("left", "right"),
-    "PathJoinSubstitution": ("substitutions",),
-    "PathSubstitution": ("path",),
-    "PythonExpression": ("expression", "python_modules"),
-    "StringJoinSubstitution": ("substitutions", "delimiter"),
-    "TextSubstitution": (),
-    "ThisLaunchFile": (),
-    "ThisLaunchFileDir": (),
-}
-_ROS_SUBSTITUTIONS: Mapping[str, tuple[str, ...]] = {
-    "ExecutableInPackage": ("executable", "package"),
-    "FindPackage": ("package",),
-    "FindPackagePrefix": ("package",),
-    "FindPackageShare": ("package",),
-}
-_CONDITIONS: Mapping[str, tuple[str, ...]] = {
-    "IfCondition": ("predicate_expression",),
-    "LaunchConfigurationEquals": ("launch_configuration_name", "expected_value"),
-    "LaunchConfigurationNotEquals": ("launch_configuration_name", "expected_value"),
-    "UnlessCondition": ("predicate_expression",),
-}
-_EVENT_HANDLERS: Mapping[str, tuple[str, ...]] = {
-    "OnExecutionComplete": (),
-    "OnIncludeLaunchDescription": (),
-    "OnProcessExit": (),
-    "OnProcessIO": (),
-    "OnProcessStart": (),
-    "OnShutdown": (),
-}
-_MATCHERS: Mapping[str, tuple[str, ...]] = {
-    "matches_action": ("target_action",),
-    "matches_executable": ("target_executable",),
-    "matches_name": ("target_name",),
-    "matches_pid": ("target_pid",),
-}
+
+def _signatures(table: str) -> Mapping[str, tuple[str, ...]]:
+    """Return the classes of a table, each with the parameters that may be given by position."""
+    rows = (row.split() for row in table.split(","))
+    return {name: tuple(parameters) for name, *parameters in rows}
+
+
+_ACTIONS = _signatures(
+    """
+    AppendEnvironmentVariable name value, DeclareBooleanLaunchArgument name,
+    DeclareLaunchArgument name, EmitEvent, ExecuteLocal, ExecuteProcess, ForEach input_values
+    function, ForLoop length function, GroupAction actions, IncludeLaunchDescription
+    launch_description_source, Log, LogDebug, LogError, LogInfo, LogWarning, OpaqueCoroutine,
+    OpaqueFunction, PopEnvironment, PopLaunchConfigurations, PushEnvironment,
+    PushLaunchConfigurations, RegisterEventHandler event_handler, ReplaceEnvironmentVariables
+    environment, ResetEnvironment, ResetLaunchConfigurations launch_configurations,
+    SetEnvironmentVariable name value, SetLaunchConfiguration name value, Shutdown, TimerAction,
+    UnregisterEventHandler event_handler, UnsetEnvironmentVariable name,
+    UnsetLaunchConfiguration name
+    """
+)
+_ROS_ACTIONS = _signatures(
+    """
+    ComposableNodeContainer, LifecycleNode, LifecycleTransition, LoadComposableNodes, Node,
+    PushROSNamespace namespace, PushRosNamespace namespace, ROSTimer, RosTimer, SetParameter
+    name value, SetParametersFromFile filename, SetROSLogDir new_log_dir, SetRemap src dst,
+    SetUseSimTime value
+    """
+)
+_SUBSTITUTIONS = _signatures(
+    """
+    AllSubstitution, AndSubstitution left right, AnonName name, AnySubstitution, Command
+    command, EnvironmentVariable name, EqualsSubstitution left right, FileContent path,
+    FindExecutable name, ForEachVar name, ForLoopIndex name, IfElseSubstitution condition
+    if_value else_value, LaunchConfiguration variable_name, LaunchLogDir, LocalSubstitution
+    expression, NotEqualsSubstitution left right, NotSubstitution value, OrSubstitution left
+    right, PathJoinSubstitution substitutions, PathSubstitution path, PythonExpression
+    expression python_modules, StringJoinSubstitution substitutions delimiter, TextSubstitution,
+    ThisLaunchFile, ThisLaunchFileDir
+    """
+)
+_ROS_SUBSTITUTIONS = _signatures(
+    """
+    ExecutableInPackage executable package, FindPackage package, FindPackagePrefix package,
+    FindPackageShare package
+    """
+)
+_CONDITIONS = _signatures(
+    """
+    IfCondition predicate_expression, LaunchConfigurationEquals launch_configuration_name
+    expected_value, LaunchConfigurationNotEquals launch_configuration_name expected_value,
+    UnlessCondition predicate_expression
+    """
+)
+_EVENT_HANDLERS = _signatures(
+    """
+    OnExecutionComplete, OnIncludeLaunchDescription, OnProcessExit, OnProcessIO, OnProcessStart,
+    OnShutdown
+    """
+)
+_MATCHERS = _signatures(
+    """
+    matches_action target_action, matches_executable target_executable, matches_name
+    target_name, matches_pid target_pid
+    """
+)
 """They choose the nodes that an event is for, and start none."""
 _ROS_EVENT_HANDLERS: Mapping[str, tuple[str, ...]] = {"OnStateTransition": ()}
 _DESCRIPTION_SOURCES: Mapping[str, tuple[str, ...]] = {
     f"{kind}LaunchDescriptionSource": ("location",)
     for kind in ("Any", "Frontend", "Python", "XML", "YAML")
 }
-_DESCRIPTIONS: Mapping[str, tuple[str, ...]] = {
-    "ComposableLifecycleNode": (),
-    "ComposableNode": (),
-    "Parameter": ("name", "value"),
-    "ParameterFile": ("param_file",),
-    "ParameterValue": ("value",),
-}
-_NAV2: Mapping[str, tuple[str, ...]] = {
-    "HasNodeParams": ("source_file", "node_name"),
-    "LaunchConfigAsBool": ("name",),
-    "ReplaceString": ("source_file", "replacements", "condition"),
-    "RewrittenYaml": (
-        "source_file",
-        "param_rewrites",
-        "root_key",
-        "key_rewrites",
-        "value_rewrites",
-        "convert_types",
-    ),
-}
+_DESCRIPTIONS = _signatures(
+    """
+    ComposableLifecycleNode, ComposableNode, Parameter name value, ParameterFile param_file,
+    ParameterValue value
+    """
+)
+_NAV2 = _signatures(
+    """
+    HasNodeParams source_file node_name, LaunchConfigAsBool name, ReplaceString source_file
+    replacements condition, RewrittenYaml source_file param_rewrites root_key key_rewrites
+    value_rewrites convert_types
+    """
+)
 _LAUNCH: Mapping[str, tuple[str, ...]] = {
     "EventHandler": (),
     "LaunchDescription": ("initial_entities",),

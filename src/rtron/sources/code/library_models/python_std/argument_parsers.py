@@ -4,21 +4,11 @@ import argparse
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NoReturn
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    Instance,
-    LibraryClass,
-    LibraryFunction,
-    ListValue,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
-from rtron.sources.code.library_models.common.trivial_functions import return_owner
+from rtron.sources.code.library_models.common.trivial_functions import making, return_owner
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.declaration import NodeSite
 
@@ -41,58 +31,48 @@ class _ScriptArgumentParser(argparse.ArgumentParser):
         raise ValueError(message)
 
 
-def command_line_value(site: NodeSite) -> ListValue:
+def command_line_value(site: NodeSite) -> av.ListValue:
     """Return a node's words, the program's name first; open where its command line is unknown."""
-    words = (Scalar(site.name.rpartition("/")[2]), *map(Scalar, site.args))
-    return list_of(words, certain=site.parameters_complete)
+    words = (av.Scalar(site.name.rpartition("/")[2]), *map(av.Scalar, site.args))
+    return av.list_of(words, certain=site.parameters_complete)
 
 
-def _parser(_: AbstractMachine, __: object, ___: Arguments) -> Value:
-    return Instance(_ARGPARSE)
-
-
-def _option_parser(_: AbstractMachine, __: object, ___: Arguments) -> Value:
-    return Instance(_OPTPARSE)
-
-
-def _add_argument(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _add_argument(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`add_argument("name" or "--name", default=…)`."""
-    option = Instance(_OPTION, {"flags": list_of(arguments.values), **arguments.keywords})
+    option = av.Instance(_OPTION, {"flags": av.list_of(arguments.values), **arguments.keywords})
     machine.undo_log.set(owner.fields, len(owner.fields), option)
     return option
 
 
-def _add_subparsers(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _add_subparsers(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """Take what the sub-parsers add for the parser's own; the command is a word before it."""
-    dest = arguments.keywords.get("dest", Scalar("command"))
+    dest = arguments.keywords.get("dest", av.Scalar("command"))
     command = arguments.with_values(dest)
     _add_argument(machine, owner, command)
     return owner
 
 
-def _parse_args(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    return _parse(machine, owner, arguments)[0]
+def _parse_known(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
+    return av.list_of(_parse(machine, owner, arguments), "tuple")
 
 
-def _parse_known_args(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    return list_of(_parse(machine, owner, arguments), "tuple")
-
-
-def _parse(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> tuple[Value, Value]:
+def _parse(
+    machine: AbstractMachine, owner: av.Instance, arguments: Arguments
+) -> tuple[av.Value, av.Value]:
     given = arguments.get(0, "args")
-    if given is None or given == NONE:
+    if given is None or given == av.NONE:
         line = command_line_value(machine.recorder.site)
-        given = list_of(line.items[1:], certain=not line.open)
-    words, certain = items_of(given)
+        given = av.list_of(line.items[1:], certain=not line.open)
+    words, certain = av.items_of(given)
     namespace, rest = _namespace(machine, owner, words, arguments)
-    return namespace, list_of(rest, certain=certain)
+    return namespace, av.list_of(rest, certain=certain)
 
 
 def _namespace(
-    machine: AbstractMachine, owner: Instance, words: tuple[Value, ...], at: Arguments
-) -> tuple[Value, list[Value]]:
+    machine: AbstractMachine, owner: av.Instance, words: tuple[av.Value, ...], at: Arguments
+) -> tuple[av.Value, list[av.Value]]:
     """Return the values of all options, and the words that none of them takes."""
-    options = [option for option in owner.fields.values() if isinstance(option, Instance)]
+    options = [option for option in owner.fields.values() if isinstance(option, av.Instance)]
     parser, found, marked = (
         _ScriptArgumentParser(add_help=False),
         argparse.Namespace(),
@@ -109,22 +89,24 @@ def _namespace(
         for dest, option in dests.items()
         if dest
     }
-    return Instance(_NAMESPACE, fields), [marks.get(word, Scalar(word)) for word in rest]
+    return av.Instance(_NAMESPACE, fields), [marks.get(word, av.Scalar(word)) for word in rest]
 
 
-def _with_stand_ins(words: tuple[Value, ...]) -> Iterator[tuple[str, Value]]:
+def _with_stand_ins(words: tuple[av.Value, ...]) -> Iterator[tuple[str, av.Value]]:
     """Yield each word with the text that stands for it, for those that are not known too."""
     for index, word in enumerate(words[:MAX_WORDS]):
-        yield (str(word.value) if isinstance(word, Scalar) else f"\0{index}"), word
+        yield (str(word.value) if isinstance(word, av.Scalar) else f"\0{index}"), word
 
 
-def _add_to_parser(parser: _ScriptArgumentParser, option: Instance) -> str:
+def _add_to_parser(parser: _ScriptArgumentParser, option: av.Instance) -> str:
     """Add an option to the real parser; return where its value goes, empty if it cannot be."""
     flags = [
-        str(flag.value) for flag in items_of(option.fields["flags"])[0] if isinstance(flag, Scalar)
+        str(flag.value)
+        for flag in av.items_of(option.fields["flags"])[0]
+        if isinstance(flag, av.Scalar)
     ]
     given = {name: option.fields.get(name) for name in _FORWARDED_SETTINGS}
-    plain: dict[str, Any] = {n: v.value for n, v in given.items() if isinstance(v, Scalar)}
+    plain: dict[str, Any] = {n: v.value for n, v in given.items() if isinstance(v, av.Scalar)}
     if plain.get("action", "store") not in _ACTIONS:
         plain = {}
     if not _accepts_nargs(parser, flags, plain.get("nargs")):
@@ -146,36 +128,38 @@ def _accepts_nargs(parser: _ScriptArgumentParser, flags: list[str], count: objec
 
 def _option_value(
     machine: AbstractMachine,
-    option: Instance,
+    option: av.Instance,
     found: object,
-    marks: Mapping[str, Value],
+    marks: Mapping[str, av.Value],
     at: Arguments,
-) -> Value:
+) -> av.Value:
     if isinstance(found, list):
-        return list_of([_option_value(machine, option, item, marks, at) for item in found])
+        return av.list_of([_option_value(machine, option, item, marks, at) for item in found])
     if isinstance(found, str):
-        return _convert(machine, option, marks.get(found, Scalar(found)), at)
-    return Scalar(found) if found is not None else _option_default(machine, option, at)
+        return _convert(machine, option, marks.get(found, av.Scalar(found)), at)
+    return av.Scalar(found) if found is not None else _option_default(machine, option, at)
 
 
-def _option_default(machine: AbstractMachine, option: Instance, at: Arguments) -> Value:
-    given, action = option.fields.get("default"), option.fields.get("action", NONE)
-    is_flag = action in {Scalar("store_true"), Scalar("store_false")}
+def _option_default(machine: AbstractMachine, option: av.Instance, at: Arguments) -> av.Value:
+    given, action = option.fields.get("default"), option.fields.get("action", av.NONE)
+    is_flag = action in {av.Scalar("store_true"), av.Scalar("store_false")}
     if is_flag and not machine.recorder.site.parameters_complete:
-        return Unknown("flag")
+        return av.Unknown("flag")
     if given is not None:
-        is_string = isinstance(given, Scalar) and isinstance(given.value, str)
+        is_string = isinstance(given, av.Scalar) and isinstance(given.value, str)
         return _convert(machine, option, given, at) if is_string else given
     if is_flag:
-        return Scalar(action == Scalar("store_false"))
-    flags = items_of(option.fields["flags"])[0]
-    first = str(flags[0].value) if flags and isinstance(flags[0], Scalar) else "?"
-    return NONE if first.startswith("-") else Unknown(first)
+        return av.Scalar(action == av.Scalar("store_false"))
+    flags = av.items_of(option.fields["flags"])[0]
+    first = str(flags[0].value) if flags and isinstance(flags[0], av.Scalar) else "?"
+    return av.NONE if first.startswith("-") else av.Unknown(first)
 
 
-def _convert(machine: AbstractMachine, option: Instance, word: Value, at: Arguments) -> Value:
+def _convert(
+    machine: AbstractMachine, option: av.Instance, word: av.Value, at: Arguments
+) -> av.Value:
     type = option.fields.get("type")
-    if isinstance(type, Scalar):
+    if isinstance(type, av.Scalar):
         type = BUILTINS.get({"string": "str"}.get(str(type.value), str(type.value)))
     if type is None:
         return word
@@ -188,29 +172,26 @@ _GROUPS = {
     ),
     "add_subparsers": _add_subparsers,
 }
-_ARGPARSE = LibraryClass(
+_ARGPARSE = av.LibraryClass(
     "argparse.ArgumentParser",
     methods={
         **_GROUPS,
         "add_argument": _add_argument,
-        "parse_args": _parse_args,
-        "parse_known_args": _parse_known_args,
+        "parse_args": lambda machine, owner, arguments: _parse(machine, owner, arguments)[0],
+        "parse_known_args": _parse_known,
     },
 )
-_OPTPARSE = LibraryClass(
+_OPTPARSE = av.LibraryClass(
     "optparse.OptionParser",
     methods={
         "add_option": _add_argument,
         "add_option_group": return_owner,
-        "parse_args": _parse_known_args,
+        "parse_args": _parse_known,
     },
 )
-_NAMESPACE = LibraryClass("argparse.Namespace")
-_OPTION = LibraryClass("argparse.Action")
-_CALLS: Mapping[str, Callable[..., Value]] = {
-    "argparse.ArgumentParser": _parser,
-    "optparse.OptionParser": _option_parser,
-}
-ARGUMENT_PARSERS: Mapping[str, Value] = {
-    name: LibraryFunction(name, call) for name, call in _CALLS.items()
+_NAMESPACE = av.LibraryClass("argparse.Namespace")
+_OPTION = av.LibraryClass("argparse.Action")
+ARGUMENT_PARSERS: Mapping[str, Callable[..., av.Value]] = {
+    "argparse.ArgumentParser": making(_ARGPARSE),
+    "optparse.OptionParser": making(_OPTPARSE),
 }

@@ -3,28 +3,9 @@
 import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
-from rtron.sources.code.interpreter.abstract_values.elements import element
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.operators import ARRAY
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    OPEN,
-    UNKNOWN,
-    FunctionValue,
-    Instance,
-    LibraryClass,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-    map_key,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import PARTIAL, AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
@@ -34,91 +15,71 @@ from rtron.sources.code.library_models.common.maps import keyword_fields
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
 from rtron.sources.code.library_models.python_std.data_classes import ENUM
-from rtron.sources.code.library_models.python_std.iteration import call_on_rows, fold
+from rtron.sources.code.library_models.python_std.iteration import fold
 
 MAX_ROWS = 256
 _MAX_DEPTH = 8
-_Combinator = Callable[[tuple[Value, ...], int], Iterable[tuple[Value, ...]]]
 
 
-def _default_dict(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _default_dict(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`defaultdict(factory, …)`; a key that is not known makes an entry too."""
-    factory = arguments.get(0) or NONE
+    factory = arguments.get(0) or av.NONE
     made = dispatch(machine, BUILTINS["dict"], arguments.without_first(1))
-    if isinstance(made, MapValue) and factory != NONE:
+    if isinstance(made, av.MapValue) and factory != av.NONE:
         made.default_factory = lambda: dispatch(machine, factory, arguments.with_values())
     return made
 
 
-def _named_tuple(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _named_tuple(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`namedtuple("Name", ["a", "b"])` or `namedtuple("Name", "a b")`."""
     given = arguments.value(1, "field_names")
-    items = given.items if isinstance(given, ListValue) else (given,)
-    names = " ".join(map(text_with_holes, items)).replace(",", " ").split()
+    items = given.items if isinstance(given, av.ListValue) else (given,)
+    names = " ".join(map(av.text_with_holes, items)).replace(",", " ").split()
 
-    def fields(passed: Arguments) -> dict[str, Value]:
-        return {name: passed.get(at, name) or Unknown(name) for at, name in enumerate(names)}
+    def fields(passed: Arguments) -> dict[str, av.Value]:
+        return {name: passed.get(at, name) or av.Unknown(name) for at, name in enumerate(names)}
 
-    def init(machine: AbstractMachine, owner: Instance, passed: Arguments) -> Value:
+    def init(machine: AbstractMachine, owner: av.Instance, passed: Arguments) -> av.Value:
         for name, value in fields(passed).items():
             machine.undo_log.set(owner.fields, name, value)
-        return NONE
+        return av.NONE
 
-    def make(_: AbstractMachine, passed: Arguments) -> Value:
-        return Instance(made, dict(fields(passed)))
+    def make(_: AbstractMachine, passed: Arguments) -> av.Value:
+        return av.Instance(made, dict(fields(passed)))
 
-    methods = {"__init__": init, "_asdict": _as_dict, "_replace": _replace_fields}
-    made = LibraryClass(text_with_holes(arguments.value(0)), make, methods)
+    made = av.LibraryClass(av.text_with_holes(arguments.value(0)), make, {"__init__": init})
     return made
 
 
-def _as_dict(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return MapValue(dict(owner.fields))
-
-
-def _replace_fields(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    return Instance(owner.type, {**owner.fields, **arguments.keywords})
-
-
-def _chain(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _chain(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     found = [machine.runtime.iterate(value) for value in arguments.values]
     items = tuple(item for items, _ in found for item in items)
-    return list_of(items, certain=all(certain for _, certain in found))
+    return av.list_of(items, certain=all(certain for _, certain in found))
 
 
-def _chain_from_iterable(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    values, certain = items_of(arguments.value(0))
-    passed = (*values, *(() if certain else (UNKNOWN,)))
+def _chain_from_iterable(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    values, certain = av.items_of(arguments.value(0))
+    passed = (*values, *(() if certain else (av.UNKNOWN,)))
     return _chain(machine, None, arguments.with_values(*passed))
 
 
-def _product(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    times = arguments.keywords.get("repeat", Scalar(1))
-    found = [items_of(value) for value in arguments.values]
-    count = times.value if isinstance(times, Scalar) and times.value in range(1, 5) else 1
+def _product(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
+    times = arguments.keywords.get("repeat", av.Scalar(1))
+    found = [av.items_of(value) for value in arguments.values]
+    count = times.value if isinstance(times, av.Scalar) and times.value in range(1, 5) else 1
     rows = itertools.product(*(items for items, _ in found * count))
     return _tuples(rows, certain=all(certain for _, certain in found))
 
 
-def _combine(choose: _Combinator, _: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    """`combinations(items, count)`, `permutations(items, count)`."""
-    items, certain = items_of(arguments.value(0))
-    count = arguments.get(1, "r")
-    size = count.value if isinstance(count, Scalar) else len(items)
-    if not isinstance(size, int) or size < 0:
-        return Unknown("combinations")
-    return _tuples(choose(items, size), certain=certain)
-
-
-def _tuples(rows: Iterable[tuple[Value, ...]], *, certain: bool) -> Value:
-    found = [list_of(row, "tuple") for row in itertools.islice(rows, MAX_ROWS + 1)]
+def _tuples(rows: Iterable[tuple[av.Value, ...]], *, certain: bool) -> av.Value:
+    found = [av.list_of(row, "tuple") for row in itertools.islice(rows, MAX_ROWS + 1)]
     unsure = not certain or len(found) > MAX_ROWS
-    return list_of(found[:MAX_ROWS], certain=not unsure)
+    return av.list_of(found[:MAX_ROWS], certain=not unsure)
 
 
-def _partial(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _partial(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     function, given = arguments.value(0), arguments.without_first(1)
-    if isinstance(function, FunctionValue):
+    if isinstance(function, av.FunctionValue):
         named = {**function.bound_keywords, **given.keywords}
         return replace(
             function,
@@ -126,140 +87,83 @@ def _partial(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
             bound_keywords=named,
         )
 
-    def call(machine: AbstractMachine, _: object, later: Arguments) -> Value:
+    def call(machine: AbstractMachine, _: object, later: Arguments) -> av.Value:
         values, keywords = (*given.values, *later.values), {**given.keywords, **later.keywords}
         at = later if later.line else given
         passed = Arguments(values=values, keywords=keywords, line=at.line, frame=at.frame)
         return dispatch(machine, function, passed)
 
-    return LibraryFunction(PARTIAL, call)
+    return av.LibraryFunction(PARTIAL, call)
 
 
-def _slice_items(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    """`islice(items, stop)`, `islice(items, start, stop, step)`."""
-    items, certain = machine.runtime.iterate(arguments.value(0))
-    bounds = [value.value for value in arguments.values[1:] if isinstance(value, Scalar)]
-    if len(bounds) + 1 != len(arguments.values):
-        return list_of(items, "iterator", certain=False)
-    try:
-        return list_of(itertools.islice(items, *bounds), "iterator", certain=certain)
-    except (TypeError, ValueError):
-        return Unknown("islice")
-
-
-def _starmap(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    return call_on_rows(machine, arguments.value(0), arguments.value(1), arguments)
-
-
-def _repeat(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    times = arguments.get(1, "times")
-    count = times.value if isinstance(times, Scalar) and times.value in range(MAX_ROWS) else None
-    return list_of([arguments.value(0)] * (count or 1), "iterator", certain=count is not None)
-
-
-def _copy(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return copied(arguments.get(0) or NONE, 1)
-
-
-def _deep_copy(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return copied(arguments.get(0) or NONE, _MAX_DEPTH)
-
-
-def copied(value: Value, depth: int) -> Value:
+def copied(value: av.Value, depth: int) -> av.Value:
     """Return a list, dict or object as a new one, and what it holds, down to a depth."""
     if depth <= 0:
         return value
-    if isinstance(value, ListValue):
+    if isinstance(value, av.ListValue):
         items = tuple(copied(item, depth - 1) for item in value.items)
-        return list_of(items, value.kind, certain=not value.open)
-    if isinstance(value, (MapValue, Instance)):
+        return av.list_of(items, value.kind, certain=not value.open)
+    if isinstance(value, (av.MapValue, av.Instance)):
         fields = {key: copied(entry, depth - 1) for key, entry in value.fields.items()}
         return replace(value, fields=fields)
     return value
 
 
-def _item_getter(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    """`operator.itemgetter(key, …)`."""
-
-    def get(_: AbstractMachine, __: object, later: Arguments) -> Value:
-        found = [element(later.value(0), key) for key in arguments.values]
-        return found[0] if len(found) == 1 else list_of(found, "tuple")
-
-    return LibraryFunction("itemgetter", get)
-
-
-def _namespace(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return Instance(_NAMESPACE, keyword_fields(arguments))
-
-
-def _suppress(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    return Instance(SUPPRESS, {"names": list_of(arguments.values)})
-
-
-def _dict_from_keys(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _dict_from_keys(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`dict.fromkeys(keys, value)`."""
     items, certain = machine.runtime.iterate(arguments.value(0))
-    value = arguments.get(1) or NONE
-    made: dict[Any, Value] = {map_key(item): value for item in items}
-    return MapValue(made if certain else {**made, OPEN: value})
-
-
-def _chain_map(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
-    """`ChainMap(first, second, …)`: the first that has a key counts."""
-    made = MapValue()
-    for value in reversed(arguments.values):
-        made.fields.update(value.fields if isinstance(value, MapValue) else {OPEN: UNKNOWN})
-    return made
+    value = arguments.get(1) or av.NONE
+    made: dict[Any, av.Value] = {av.map_key(item): value for item in items}
+    return av.MapValue(made if certain else {**made, av.OPEN: value})
 
 
 _QUEUES = (
     *("queue.Queue", "queue.SimpleQueue", "Queue.Queue"),
     *("multiprocessing.Queue", "asyncio.Queue"),
 )
-_NAMESPACE = LibraryClass("types.SimpleNamespace")
+_NAMESPACE = av.LibraryClass("types.SimpleNamespace")
 
 
-def _wraps(_: AbstractMachine, __: object, ___: Arguments) -> Value:
+def _wraps(_: AbstractMachine, __: object, ___: Arguments) -> av.Value:
     """`@wraps(function)` leaves what it decorates as it is."""
-    return LibraryFunction("wraps", lambda machine, owner, arguments: arguments.get(0) or NONE)
+    return av.LibraryFunction(
+        "wraps", lambda machine, owner, arguments: arguments.get(0) or av.NONE
+    )
 
 
-def _array(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _array(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`numpy.array(values)`."""
-    given = arguments.get(0, "object") or NONE
-    if not isinstance(given, ListValue):
-        return Unknown("array")
-    return list_of(given.items, ARRAY, certain=not given.open)
+    given = arguments.get(0, "object") or av.NONE
+    if not isinstance(given, av.ListValue):
+        return av.Unknown("array")
+    return av.list_of(given.items, av.ARRAY, certain=not given.open)
 
 
-_CALLS: Mapping[str, Callable[..., Value]] = {
+_CALLS: Mapping[str, Callable[..., av.Value]] = {
     **dict.fromkeys(("numpy.array", "numpy.asarray"), _array),
     "collections.defaultdict": _default_dict,
     "collections.namedtuple": _named_tuple,
     **dict.fromkeys(("functools.partial", "functools.partialmethod"), _partial),
     "dict.fromkeys": _dict_from_keys,
     "types.MappingProxyType": return_argument,
-    "collections.ChainMap": _chain_map,
     "functools.wraps": _wraps,
     "functools.reduce": lambda machine, _, arguments: fold(machine, arguments),
-    **dict.fromkeys(_QUEUES, lambda *_: list_of((), "queue")),
-    "itertools.islice": _slice_items,
-    "itertools.starmap": _starmap,
-    "itertools.repeat": _repeat,
-    "copy.copy": _copy,
-    "copy.deepcopy": _deep_copy,
-    "operator.itemgetter": _item_getter,
-    "types.SimpleNamespace": _namespace,
-    "contextlib.suppress": _suppress,
+    **dict.fromkeys(_QUEUES, lambda *_: av.list_of((), "queue")),
+    "copy.copy": lambda _, __, arguments: copied(arguments.get(0) or av.NONE, 1),
+    "copy.deepcopy": lambda _, __, arguments: copied(arguments.get(0) or av.NONE, _MAX_DEPTH),
+    "types.SimpleNamespace": lambda _, __, arguments: av.Instance(
+        _NAMESPACE, keyword_fields(arguments)
+    ),
+    "contextlib.suppress": lambda _, __, arguments: av.Instance(
+        SUPPRESS, {"names": av.list_of(arguments.values)}
+    ),
     **dict.fromkeys(("contextlib.closing", "contextlib.nullcontext"), return_argument),
     "itertools.chain": _chain,
     "itertools.chain.from_iterable": _chain_from_iterable,
     "itertools.product": _product,
-    "itertools.combinations": partial(_combine, itertools.combinations),
-    "itertools.permutations": partial(_combine, itertools.permutations),
 }
-PYTHON_COLLECTIONS: Mapping[str, Value] = {
-    **{name: LibraryFunction(name, call) for name, call in _CALLS.items()},
+PYTHON_COLLECTIONS: Mapping[str, av.Value] = {
+    **{name: av.LibraryFunction(name, call) for name, call in _CALLS.items()},
     "collections.OrderedDict": BUILTINS["dict"],
     "collections.deque": BUILTINS["list"],
     **{

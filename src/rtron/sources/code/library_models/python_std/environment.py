@@ -2,14 +2,7 @@
 
 from dataclasses import dataclass
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.containers import LibraryMethods
@@ -19,7 +12,7 @@ from rtron.sources.launch.common.environment import VARIABLE, unset_reason
 
 
 @dataclass(eq=False, slots=True)
-class EnvironmentValue(MapValue):
+class EnvironmentValue(av.MapValue):
     """The variables of a node's environment."""
 
     def missing_note(self, key: object) -> tuple[str, str] | None:
@@ -30,20 +23,20 @@ class EnvironmentValue(MapValue):
 def environment_value(site: NodeSite) -> EnvironmentValue:
     """Return what a node sees as `os.environ`: what is given, and the ROS that is sourced."""
     environ = {"ROS_VERSION": str(site.ros), **dict(site.environ)}
-    return EnvironmentValue({name: Scalar(value) for name, value in environ.items()})
+    return EnvironmentValue({name: av.Scalar(value) for name, value in environ.items()})
 
 
-def getenv(machine: AbstractMachine, owner: object, arguments: Arguments) -> Value:
+def getenv(machine: AbstractMachine, owner: object, arguments: Arguments) -> av.Value:
     """`os.getenv(name, default)`, `os.environ.get(name, default)`; the default is noted."""
-    name, default = arguments.get(0, "key"), arguments.get(1, "default") or NONE
+    name, default = arguments.get(0, "key"), arguments.get(1, "default") or av.NONE
     if not isinstance(owner, EnvironmentValue):
         owner = environment_value(machine.recorder.site)
     fields = owner.fields
-    if not isinstance(name, Scalar):
-        return Unknown("environ")
+    if not isinstance(name, av.Scalar):
+        return av.Unknown("environ")
     if name.value in fields:
         return fields[name.value]
-    shown = None if default is NONE else text_with_holes(default)
+    shown = None if default is av.NONE else av.text_with_holes(default)
     what, why = f"{VARIABLE}{name.value}", unset_reason(shown)
     machine.recorder.add_unresolved(what, why, arguments.evidence)
     return default

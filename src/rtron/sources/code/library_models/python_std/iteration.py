@@ -3,72 +3,63 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.operators import binary
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    ListValue,
-    Scalar,
-    Unknown,
-    Value,
-    join,
-    options,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
-from rtron.sources.code.library_models.common.sorting import sort_items
+from rtron.sources.code.library_models.common.containers import sort_items
 from rtron.sources.code.library_models.python_std.list_methods import ITERATORS, next_item
 
 
-def _enumerate(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _enumerate(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     items, certain = machine.runtime.iterate(arguments.value(0))
     start = arguments.get(1, "start")
-    first = start.value if isinstance(start, Scalar) and isinstance(start.value, int) else 0
-    pairs = tuple(list_of((Scalar(first + at), item), "tuple") for at, item in enumerate(items))
-    return list_of(pairs, certain=certain)
+    first = start.value if isinstance(start, av.Scalar) and isinstance(start.value, int) else 0
+    pairs = tuple(
+        av.list_of((av.Scalar(first + at), item), "tuple") for at, item in enumerate(items)
+    )
+    return av.list_of(pairs, certain=certain)
 
 
-def _zip(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _zip(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     found = [machine.runtime.iterate(value) for value in arguments.values]
     iterators = [iter(items) for items, _ in found]
     for at, value in enumerate(arguments.values):
         first = next(n for n, other in enumerate(arguments.values) if other is value)
-        if isinstance(value, ListValue) and value.kind in ITERATORS:
+        if isinstance(value, av.ListValue) and value.kind in ITERATORS:
             iterators[at] = iterators[first]
     rows = zip(*iterators, strict=False)
-    pairs = tuple(list_of(row, "tuple") for row in rows)
-    return list_of(pairs, certain=all(certain for _, certain in found))
+    pairs = tuple(av.list_of(row, "tuple") for row in rows)
+    return av.list_of(pairs, certain=all(certain for _, certain in found))
 
 
-def _copy(kind: str, machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    given = arguments.get(0) or list_of(())
-    if kind in ITERATORS and isinstance(given, ListValue) and given.kind in ITERATORS:
+def _copy(kind: str, machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    given = arguments.get(0) or av.list_of(())
+    if kind in ITERATORS and isinstance(given, av.ListValue) and given.kind in ITERATORS:
         return given
     items, certain = machine.runtime.iterate(given)
-    return list_of(items, kind, certain=certain)
+    return av.list_of(items, kind, certain=certain)
 
 
-def _next(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _next(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`next(iterator, default)`."""
     method = machine.runtime.special_method(arguments.value(0), "__next__")
     if method is not None:
         return dispatch(machine, method, arguments.with_values())
-    found = [next_item(machine, one, arguments.get(1)) for one in options(arguments.value(0))]
-    return join(found)
+    found = [next_item(machine, one, arguments.get(1)) for one in av.options(arguments.value(0))]
+    return av.join(found)
 
 
-def _reversed(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    items, certain = machine.runtime.iterate(arguments.get(0) or NONE)
-    return list_of(items[::-1], "iterator", certain=certain)
+def _reversed(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    items, certain = machine.runtime.iterate(arguments.get(0) or av.NONE)
+    return av.list_of(items[::-1], "iterator", certain=certain)
 
 
 def _call_on_items(
-    machine: AbstractMachine, function: Value | None, given: Value, at: Arguments
-) -> list[Value]:
+    machine: AbstractMachine, function: av.Value | None, given: av.Value, at: Arguments
+) -> list[av.Value]:
     """Call a function, if there is one, on each item of what is given."""
-    if function is None or function == NONE:
+    if function is None or function == av.NONE:
         return []
     items, certain = machine.runtime.iterate(given)
     if not certain:
@@ -76,90 +67,92 @@ def _call_on_items(
     return [dispatch(machine, function, at.with_values(item)) for item in items]
 
 
-def _sorted(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _sorted(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     items, certain = machine.runtime.iterate(arguments.value(0))
     if not certain:
         machine.escape(arguments.keywords.get("key"))
-    return list_of(sort_items(machine, items, arguments), certain=certain)
+    return av.list_of(sort_items(machine, items, arguments), certain=certain)
 
 
-def _map(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _map(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`map(function, items, …)`."""
     function = arguments.value(0)
     rows = _zip(machine, None, arguments.without_first(1))
     return call_on_rows(machine, function, rows, arguments)
 
 
-def call_on_rows(machine: AbstractMachine, function: Value, rows: Value, at: Arguments) -> Value:
+def call_on_rows(
+    machine: AbstractMachine, function: av.Value, rows: av.Value, at: Arguments
+) -> av.Value:
     """Call a function with the items of each row, as `map` and `itertools.starmap` do."""
     items, certain = machine.runtime.iterate(rows)
     if not certain:
         machine.escape(function)
-    found = [dispatch(machine, function, at.with_values(*items_of(row)[0])) for row in items]
-    return list_of(found, "iterator", certain=certain)
+    found = [dispatch(machine, function, at.with_values(*av.items_of(row)[0])) for row in items]
+    return av.list_of(found, "iterator", certain=certain)
 
 
-def _filter(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-    function, given = arguments.get(0) or NONE, arguments.get(1) or NONE
+def _filter(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+    function, given = arguments.get(0) or av.NONE, arguments.get(1) or av.NONE
     items, certain = machine.runtime.iterate(given)
-    answers = items if function == NONE else _call_on_items(machine, function, given, arguments)
-    decided = [truth(answer) for answer in answers]
+    answers = items if function == av.NONE else _call_on_items(machine, function, given, arguments)
+    decided = [av.truth(answer) for answer in answers]
     passing = [item for item, keep in zip(items, decided, strict=True) if keep is not False]
-    return list_of(passing, "iterator", certain=certain and None not in decided)
+    return av.list_of(passing, "iterator", certain=certain and None not in decided)
 
 
-def _sum(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _sum(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     items, certain = machine.runtime.iterate(arguments.value(0))
-    total: Value = arguments.get(1, "start") or Scalar(0)
+    total: av.Value = arguments.get(1, "start") or av.Scalar(0)
     for item in items:
-        total = binary("+", total, item)
-    return total if certain else Unknown("sum")
+        total = av.binary("+", total, item)
+    return total if certain else av.Unknown("sum")
 
 
 def _min_or_max(
     pick: Callable[..., object], machine: AbstractMachine, _: object, arguments: Arguments
-) -> Value:
-    given, key = arguments.get(0) or NONE, arguments.keywords.get("key")
+) -> av.Value:
+    given, key = arguments.get(0) or av.NONE, arguments.keywords.get("key")
     several = len(arguments.values) > 1
     values, certain = (arguments.values, True) if several else machine.runtime.iterate(given)
-    by_key = key is not None and key != NONE
-    keys = _call_on_items(machine, key, list_of(values), arguments) if by_key else values
-    known = [one.value for one in keys if isinstance(one, Scalar)]
+    by_key = key is not None and key != av.NONE
+    keys = _call_on_items(machine, key, av.list_of(values), arguments) if by_key else values
+    known = [one.value for one in keys if isinstance(one, av.Scalar)]
     if not values and certain:
-        return arguments.keywords.get("default", Unknown("extreme"))
+        return arguments.keywords.get("default", av.Unknown("extreme"))
     if len(known) != len(values) or not certain:
-        return Unknown("extreme")
+        return av.Unknown("extreme")
     try:
         return values[known.index(pick(known))]
     except TypeError:
-        return Unknown("extreme")
+        return av.Unknown("extreme")
 
 
 def _any_or_all(
     machine: AbstractMachine, _: object, arguments: Arguments, *, deciding: bool
-) -> Value:
+) -> av.Value:
     items, certain = machine.runtime.iterate(arguments.value(0))
-    answers = [truth(item) for item in items]
+    answers = [av.truth(item) for item in items]
     if deciding in answers:
-        return Scalar(deciding)
-    return Scalar(not deciding) if certain and None not in answers else Unknown("any")
+        return av.Scalar(deciding)
+    return av.Scalar(not deciding) if certain and None not in answers else av.Unknown("any")
 
 
-def fold(machine: AbstractMachine, arguments: Arguments) -> Value:
+def fold(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`reduce(function, items, start)`."""
     function, start = arguments.value(0), arguments.get(2)
     items, certain = machine.runtime.iterate(arguments.value(1))
     if not certain:
         machine.escape(function)
-        return Unknown("reduce")
+        return av.Unknown("reduce")
     values = (*(() if start is None else (start,)), *items)
-    made = values[0] if values else Unknown("reduce")
+    made = values[0] if values else av.Unknown("reduce")
     for item in values[1:]:
         made = dispatch(machine, function, arguments.with_values(made, item))
     return made
 
 
-ITERATION_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
+ITERATION_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
     "enumerate": _enumerate,
     "zip": _zip,
     "list": partial(_copy, "list"),

@@ -5,86 +5,77 @@ In a workspace a package's share folder is the package itself.
 
 from collections.abc import Callable, Mapping
 
-from rtron.sources.code.interpreter.abstract_values.items import list_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
-    NONE,
-    Instance,
-    LibraryClass,
-    PartialText,
-    Scalar,
-    Unknown,
-    Value,
-    map_options,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.trivial_functions import making
 from rtron.sources.code.library_models.python_std.paths import PathString
 
 _PATH_OF = "path of "
 
 
-def _folder(machine: AbstractMachine, name: Value) -> Value:
-    path = machine.runtime.files.package_path(str(name.value)) if isinstance(name, Scalar) else None
-    return Unknown(f"{_PATH_OF}{text_with_holes(name)}") if path is None else Scalar(str(path))
+def _folder(machine: AbstractMachine, name: av.Value) -> av.Value:
+    path = (
+        machine.runtime.files.package_path(str(name.value)) if isinstance(name, av.Scalar) else None
+    )
+    return (
+        av.Unknown(f"{_PATH_OF}{av.text_with_holes(name)}")
+        if path is None
+        else av.Scalar(str(path))
+    )
 
 
-def missing_package(path: Value) -> str:
+def missing_package(path: av.Value) -> str:
     """Return the package that is not here and that a path begins with; empty for another path."""
-    first = path.parts[0] if isinstance(path, PartialText) else path
-    return first.label.partition(_PATH_OF)[2] if isinstance(first, Unknown) else ""
+    first = path.parts[0] if isinstance(path, av.PartialText) else path
+    return first.label.partition(_PATH_OF)[2] if isinstance(first, av.Unknown) else ""
 
 
-def _package_folder(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _package_folder(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`RosPack().get_path(name)`, `get_package_share_directory(name)`."""
-    name = arguments.get(0) or arguments.get(0, "package_name") or NONE
-    return map_options(name, lambda one: _folder(machine, one))
+    name = arguments.get(0) or arguments.get(0, "package_name") or av.NONE
+    return av.map_options(name, lambda one: _folder(machine, one))
 
 
-def _package_path(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _package_path(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`get_package_share_path(name)`: a `pathlib.Path`."""
     return as_path(_package_folder(machine, None, arguments))
 
 
-def as_path(text: Value) -> Value:
+def as_path(text: av.Value) -> av.Value:
     """Return the path that a text says, where it is known."""
-    return map_options(
-        text, lambda one: Scalar(PathString(one.value)) if isinstance(one, Scalar) else one
+    return av.map_options(
+        text, lambda one: av.Scalar(PathString(one.value)) if isinstance(one, av.Scalar) else one
     )
 
 
-def _search_paths(machine: AbstractMachine, _: object, __: Arguments) -> Value:
+def _search_paths(machine: AbstractMachine, _: object, __: Arguments) -> av.Value:
     """`get_search_paths()`: colcon installs each package of a workspace below its own name."""
     names = machine.runtime.files.package_names()
-    return list_of([Scalar(f"/install/{name}") for name in names])
+    return av.list_of([av.Scalar(f"/install/{name}") for name in names])
 
 
-def _resource_file(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _resource_file(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`resource_retriever.get_filename("package://p/file", use_protocol=False)`."""
-    protocol = "" if arguments.get(1, "use_protocol") == FALSE else "file://"
+    protocol = "" if arguments.get(1, "use_protocol") == av.FALSE else "file://"
 
-    def found(one: Value) -> Value:
-        text = str(one.value) if isinstance(one, Scalar) else ""
+    def found(one: av.Value) -> av.Value:
+        text = str(one.value) if isinstance(one, av.Scalar) else ""
         package, _, rest = text.removeprefix("package://").partition("/")
-        folder = _folder(machine, Scalar(package))
-        if not text.startswith("package://") or not isinstance(folder, Scalar):
-            return Unknown(f"path of {text_with_holes(one)}")
-        return Scalar(f"{protocol}{folder.value}/{rest}")
+        folder = _folder(machine, av.Scalar(package))
+        if not text.startswith("package://") or not isinstance(folder, av.Scalar):
+            return av.Unknown(f"path of {av.text_with_holes(one)}")
+        return av.Scalar(f"{protocol}{folder.value}/{rest}")
 
-    return map_options(arguments.get(0, "url") or NONE, found)
-
-
-_ROSPACK = LibraryClass("rospkg.RosPack", methods={"get_path": _package_folder})
+    return av.map_options(arguments.get(0, "url") or av.NONE, found)
 
 
-def _rospack(_: AbstractMachine, __: object, ___: Arguments) -> Value:
-    return Instance(_ROSPACK)
+_ROSPACK = av.LibraryClass("rospkg.RosPack", methods={"get_path": _package_folder})
 
 
-PACKAGE_PATHS: Mapping[str, Callable[..., Value]] = {
-    "rospkg.RosPack": _rospack,
-    "rospkg.rospack.RosPack": _rospack,
+PACKAGE_PATHS: Mapping[str, Callable[..., av.Value]] = {
+    "rospkg.RosPack": making(_ROSPACK),
+    "rospkg.rospack.RosPack": making(_ROSPACK),
     "roslib.packages.get_pkg_dir": _package_folder,
     "roslib.packages.get_dir_pkg": _package_folder,
     "resource_retriever.get_filename": _resource_file,

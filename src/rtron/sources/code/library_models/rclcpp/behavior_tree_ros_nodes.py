@@ -9,25 +9,12 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TypeAlias
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    UNKNOWN,
-    Instance,
-    LibraryClass,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import template_message_type
 from rtron.sources.code.library_models.common.trivial_functions import return_argument
-from rtron.sources.code.library_models.rclcpp.behavior_trees import (
-    TREE_NODE,
-    blackboard_entry,
-    make_tree_node,
-    port_value,
-    register_library,
-)
+from rtron.sources.code.library_models.rclcpp import behavior_trees
 from rtron.sources.code.library_models.ros2_common import endpoints
 from rtron.sources.code.library_models.ros2_common.nodes import first_node
 from rtron.sources.declaration import DeclarationKind
@@ -36,7 +23,7 @@ from rtron.vocabulary import QoS
 REGISTER_FUNCTION = "BT_RegisterRosNodeFromPlugin"
 """What CreateRosNodePlugin defines (behaviortree_ros2/plugins.hpp)."""
 
-_Maker: TypeAlias = Callable[[AbstractMachine, Arguments], Value]
+_Maker: TypeAlias = Callable[[AbstractMachine, Arguments], av.Value]
 _ACTION, _SERVICE = DeclarationKind.ACTION_CLIENT, DeclarationKind.SERVICE_CLIENT
 _NODE_FIELD, _PORT_FIELD = "nh", "default_port_value"
 _NO_NAMES = frozenset({"", "__default__placeholder__"})
@@ -45,40 +32,40 @@ _TOPIC_QOS = QoS(depth=1)
 
 def _make_nav2_node(
     kind: DeclarationKind, port: str, name_at: int, machine: AbstractMachine, arguments: Arguments
-) -> Value:
+) -> av.Value:
     """`BtActionNode(tag, action_name, config)`, `BtServiceNode(name, config, service_name)`."""
-    made = make_tree_node(machine, arguments)
-    node = blackboard_entry(made, "node")
-    name = port_value(machine, made, port, arguments)
+    made = behavior_trees.make_tree_node(machine, arguments)
+    node = behavior_trees.blackboard_entry(made, "node")
+    name = behavior_trees.port_value(machine, made, port, arguments)
     if _is_unnamed(name):
-        name = arguments.get(name_at) or Unknown(f"~{port}", tainted=True)
+        name = arguments.get(name_at) or av.Unknown(f"~{port}", tainted=True)
     return _join(kind, machine, made, (node, name), arguments)
 
 
 def _make_plain_node(
     kind: DeclarationKind, port: str, machine: AbstractMachine, arguments: Arguments
-) -> Value:
+) -> av.Value:
     """`RosActionNode(instance_name, config, params)`, and the others of its kind."""
-    made = make_tree_node(machine, arguments)
+    made = behavior_trees.make_tree_node(machine, arguments)
     params = next((v for v in arguments.values if _is_params(v)), None)
-    fields = params.fields if isinstance(params, Instance) else {}
-    name = port_value(machine, made, port, arguments)
+    fields = params.fields if isinstance(params, av.Instance) else {}
+    name = behavior_trees.port_value(machine, made, port, arguments)
     if _is_unnamed(name):
-        name = fields.get(_PORT_FIELD, Unknown(f"~{port}", tainted=True))
-    return _join(kind, machine, made, (fields.get(_NODE_FIELD, UNKNOWN), name), arguments)
+        name = fields.get(_PORT_FIELD, av.Unknown(f"~{port}", tainted=True))
+    return _join(kind, machine, made, (fields.get(_NODE_FIELD, av.UNKNOWN), name), arguments)
 
 
-def _is_unnamed(name: Value | None) -> bool:
-    return name is None or (isinstance(name, Scalar) and name.value in _NO_NAMES)
+def _is_unnamed(name: av.Value | None) -> bool:
+    return name is None or (isinstance(name, av.Scalar) and name.value in _NO_NAMES)
 
 
 def _join(
     kind: DeclarationKind,
     machine: AbstractMachine,
-    made: Instance,
-    joined: tuple[Value, Value | None],
+    made: av.Instance,
+    joined: tuple[av.Value, av.Value | None],
     arguments: Arguments,
-) -> Value:
+) -> av.Value:
     """Record what a tree node makes by a name at the ROS node that it is given."""
     owner, name = joined
     node = first_node((owner,))
@@ -92,26 +79,28 @@ def _join(
     return made
 
 
-def _make_params(_: AbstractMachine, arguments: Arguments) -> Value:
+def _make_params(_: AbstractMachine, arguments: Arguments) -> av.Value:
     """`BT::RosNodeParams(node, default_port_value)`."""
     names = zip((_NODE_FIELD, _PORT_FIELD), arguments.values, strict=False)
-    return Instance(_PARAMS, dict(names))
+    return av.Instance(_PARAMS, dict(names))
 
 
-def _is_params(value: Value) -> bool:
-    return isinstance(value, Instance) and value.type is _PARAMS
+def _is_params(value: av.Value) -> bool:
+    return isinstance(value, av.Instance) and value.type is _PARAMS
 
 
-def _register_plugin(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _register_plugin(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`RegisterRosNode(factory, path, params)`."""
     factory = arguments.get(0)
-    if isinstance(factory, Instance):
-        register_library(machine, factory, arguments.without_first(1), REGISTER_FUNCTION)
-    return Scalar(None)
+    if isinstance(factory, av.Instance):
+        behavior_trees.register_library(
+            machine, factory, arguments.without_first(1), REGISTER_FUNCTION
+        )
+    return av.Scalar(None)
 
 
-_PARAMS = LibraryClass("BT::RosNodeParams", _make_params)
-_METHODS = {**TREE_NODE.methods, "providedBasicPorts": return_argument}
+_PARAMS = av.LibraryClass("BT::RosNodeParams", _make_params)
+_METHODS = {**behavior_trees.TREE_NODE.methods, "providedBasicPorts": return_argument}
 """The ports of the bases themselves have no defaults."""
 _NAV2_CALLBACKS = (
     *("on_tick", "on_wait_for_result", "on_success", "on_aborted", "on_cancelled"),
@@ -132,17 +121,17 @@ _PLAIN: Mapping[str, _Maker] = {
     "RosTopicPubNode": partial(_make_plain_node, DeclarationKind.PUBLISH, "topic_name"),
     "RosTopicSubNode": partial(_make_plain_node, DeclarationKind.SUBSCRIBE, "topic_name"),
 }
-ROS_TREE_CLASSES: Mapping[str, LibraryClass] = {
+ROS_TREE_CLASSES: Mapping[str, av.LibraryClass] = {
     _PARAMS.name: _PARAMS,
     **{
-        f"nav2_behavior_tree::{name}": LibraryClass(
+        f"nav2_behavior_tree::{name}": av.LibraryClass(
             f"nav2_behavior_tree::{name}", make, _METHODS, _NAV2_CALLBACKS, over_source=False
         )
         for name, make in _NAV2.items()
     },
     **{
-        f"BT::{name}": LibraryClass(f"BT::{name}", make, _METHODS, _PLAIN_CALLBACKS)
+        f"BT::{name}": av.LibraryClass(f"BT::{name}", make, _METHODS, _PLAIN_CALLBACKS)
         for name, make in _PLAIN.items()
     },
 }
-ROS_TREE_FUNCTIONS: Mapping[str, Callable[..., Value]] = {"RegisterRosNode": _register_plugin}
+ROS_TREE_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {"RegisterRosNode": _register_plugin}

@@ -6,17 +6,13 @@ Source: ros2_control, hardware_interface (hardware_info.hpp, hardware_component_
 from collections.abc import Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Instance,
-    LibraryClass,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
+from rtron.sources.code.library_models.common.trivial_functions import (
+    returning_field,
+    returning_unknown,
+)
 from rtron.sources.code.library_models.rclcpp.node import make_node
 from rtron.sources.declaration import NodeSite
 
@@ -30,35 +26,35 @@ _INFO, _NODE = "info_", "hardware.node"
 _BASES = ("SystemInterface", "ActuatorInterface", "SensorInterface", "HardwareComponentInterface")
 
 
-def hardware_info(site: NodeSite) -> Instance:
+def hardware_info(site: NodeSite) -> av.Instance:
     """Return the HardwareInfo of a site's component, also as the parameters of a newer on_init."""
     hardware = site.hardware
-    name = Scalar(hardware.name, tainted=True) if hardware else Unknown("hardware")
+    name = av.Scalar(hardware.name, tainted=True) if hardware else av.Unknown("hardware")
     given = hardware.parameters if hardware else ()
-    parameters = MapValue({key: Scalar(text, tainted=True) for key, text in given})
-    info = Instance(_INFO_CLASS, {"name": name, "hardware_parameters": parameters})
-    return Instance(_INFO_CLASS, {**info.fields, "hardware_info": info})
+    parameters = av.MapValue({key: av.Scalar(text, tainted=True) for key, text in given})
+    info = av.Instance(_INFO_CLASS, {"name": name, "hardware_parameters": parameters})
+    return av.Instance(_INFO_CLASS, {**info.fields, "hardware_info": info})
 
 
-def _make_hardware(name: str, machine: AbstractMachine, _: Arguments) -> Instance:
-    return Instance(HARDWARE_CLASSES[name], {_INFO: hardware_info(machine.recorder.site)})
+def _make_hardware(name: str, machine: AbstractMachine, _: Arguments) -> av.Instance:
+    return av.Instance(HARDWARE_CLASSES[name], {_INFO: hardware_info(machine.recorder.site)})
 
 
-def _on_init(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _on_init(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`SystemInterface::on_init(info)` keeps what it is given."""
     given = arguments.get(0)
-    if isinstance(given, Instance):
+    if isinstance(given, av.Instance):
         machine.undo_log.set(owner.fields, _INFO, given.fields.get("hardware_info", given))
-    return Unknown("CallbackReturn::SUCCESS")
+    return av.Unknown("CallbackReturn::SUCCESS")
 
 
-def _get_node(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _get_node(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     """`get_node()`: since Kilted a component has a node, called like it."""
     if _NODE not in owner.fields:
         name = hardware_info(machine.recorder.site).fields["name"]
-        plain = Scalar(_node_name(str(name.value))) if isinstance(name, Scalar) else name
+        plain = av.Scalar(_node_name(str(name.value))) if isinstance(name, av.Scalar) else name
         machine.undo_log.set(owner.fields, _NODE, make_node(machine, arguments.with_values(plain)))
-    node: Value = owner.fields[_NODE]
+    node: av.Value = owner.fields[_NODE]
     return node
 
 
@@ -66,19 +62,15 @@ def _node_name(hardware: str) -> str:
     return "".join(letter if letter.isalnum() else "_" for letter in hardware.lower())
 
 
-def _get_info(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return owner.fields.get(_INFO, Unknown("info"))
-
-
-_INFO_CLASS = LibraryClass("hardware_interface::HardwareInfo")
-HARDWARE_CLASSES: Mapping[str, LibraryClass] = {
-    name: LibraryClass(
+_INFO_CLASS = av.LibraryClass("hardware_interface::HardwareInfo")
+HARDWARE_CLASSES: Mapping[str, av.LibraryClass] = {
+    name: av.LibraryClass(
         name,
         partial(_make_hardware, name),
         {
             "on_init": _on_init,
             "get_node": _get_node,
-            "get_hardware_info": _get_info,
+            "get_hardware_info": returning_field(_INFO, av.Unknown("info")),
             **dict.fromkeys(HARDWARE_CALLBACKS[1:], returning_unknown("CallbackReturn::SUCCESS")),
         },
         _LATER_CALLBACKS,

@@ -1,30 +1,21 @@
 """rclpy.qos: profiles, and the policies in them (docs.ros.org: rclpy.qos)."""
 
 from collections.abc import Mapping
-from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    ExternalSymbol,
-    Instance,
-    LibraryClass,
-    LibraryFunction,
-    Scalar,
-    Unknown,
-    Value,
-    map_options,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.ros2_common import qos_overrides
 from rtron.sources.code.library_models.ros2_common.qos import (
     DEFAULT_QOS,
     DEPTH_FIELD,
     DURABILITY_FIELD,
+    POLICY_KINDS,
     QOS_PROFILES,
     RELIABILITY_FIELD,
+    overriding_options,
     policy_value,
     read_qos,
+    with_default_policies,
 )
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import QoS
@@ -48,35 +39,35 @@ def endpoint_qos(kind: DeclarationKind, arguments: Arguments, at: int) -> QoS | 
     return read_profile(arguments.get(at + _QOS_POSITIONS[kind], "qos_profile"))
 
 
-def read_profile(value: Value | None) -> QoS | None:
+def read_profile(value: av.Value | None) -> QoS | None:
     """Return what a profile, or a depth alone, says."""
-    if not isinstance(value, Instance) or value.type is not _PROFILE:
+    if not isinstance(value, av.Instance) or value.type is not _PROFILE:
         return read_qos(value)
     found = {key: value.fields[name] for name, key in _FIELDS.items()}
     plain = {key: one if key == DEPTH_FIELD else policy_value(one) for key, one in found.items()}
-    return read_qos(Instance(_PROFILE, plain))
+    return read_qos(av.Instance(_PROFILE, plain))
 
 
-def _make_profile(_: AbstractMachine, arguments: Arguments) -> Value:
+def _make_profile(_: AbstractMachine, arguments: Arguments) -> av.Value:
     """`QoSProfile(depth=…, reliability=…, durability=…)`."""
     made = _profile_object(DEFAULT_QOS)
     made.fields.update({n: v for n, v in arguments.keywords.items() if n in _FIELDS})
     return made
 
 
-def _profile_object(qos: QoS) -> Instance:
-    fields: dict[object, Value] = {
-        "depth": Scalar(qos.depth),
-        "reliability": Scalar(qos.reliability.value),
-        "durability": Scalar(qos.durability.value),
+def _profile_object(qos: QoS) -> av.Instance:
+    fields: dict[object, av.Value] = {
+        "depth": av.Scalar(qos.depth),
+        "reliability": av.Scalar(qos.reliability.value),
+        "durability": av.Scalar(qos.durability.value),
     }
-    return Instance(_PROFILE, fields)
+    return av.Instance(_PROFILE, fields)
 
 
-def library_profiles() -> Mapping[str, Value]:
+def library_profiles() -> Mapping[str, av.Value]:
     """Return the profiles of rclpy.qos, new ones for each program."""
-    presets: dict[str, Value] = {
-        name: Instance(_PRESET_PROFILES, {"value": _profile_object(QOS_PROFILES[profile])})
+    presets: dict[str, av.Value] = {
+        name: av.Instance(_PRESET_PROFILES, {"value": _profile_object(QOS_PROFILES[profile])})
         for name, profile in _PRESETS.items()
     }
     named = {
@@ -84,56 +75,38 @@ def library_profiles() -> Mapping[str, Value]:
     }
     return {
         **{f"{_PRESET_PROFILES.name}.{name}": preset for name, preset in presets.items()},
-        f"{_PRESET_PROFILES.name}.get_from_short_key": LibraryFunction(
-            "key", partial(_preset_by_key, presets)
-        ),
-        _PRESET_PROFILES.name: ExternalSymbol(_PRESET_PROFILES.name),
+        _PRESET_PROFILES.name: av.ExternalSymbol(_PRESET_PROFILES.name),
         **named,
         _PROFILE.name: _PROFILE,
     }
 
 
-def _preset_by_key(
-    presets: Mapping[str, Value], _: AbstractMachine, __: object, arguments: Arguments
-) -> Value:
-    """`QoSPresetProfiles.get_from_short_key("sensor_data")`."""
-
-    def named(key: Value) -> Value:
-        found = presets.get(text_with_holes(key).upper())
-        return found.fields["value"] if isinstance(found, Instance) else Unknown("profile")
-
-    return map_options(arguments.value(0, "name"), named)
+_PROFILE = av.LibraryClass("rclpy.qos.QoSProfile", _make_profile)
+_PRESET_PROFILES = av.LibraryClass("rclpy.qos.QoSPresetProfiles")
 
 
-_PROFILE = LibraryClass("rclpy.qos.QoSProfile", _make_profile)
-_PRESET_PROFILES = LibraryClass("rclpy.qos.QoSPresetProfiles")
-
-
-def _make_overriding_options(_: AbstractMachine, arguments: Arguments) -> Value:
+def _make_overriding_options(_: AbstractMachine, arguments: Arguments) -> av.Value:
     """`QoSOverridingOptions(policy_kinds, callback=…, entity_id=…)`."""
-    policies = arguments.get(0, "policy_kinds") or Unknown("policy_kinds")
-    return qos_overrides.overriding_options(_OVERRIDING_OPTIONS, policies, _entity_id(arguments))
+    policies = arguments.get(0, "policy_kinds") or av.Unknown("policy_kinds")
+    return overriding_options(_OVERRIDING_OPTIONS, policies, _entity_id(arguments))
 
 
-def _with_default_policies(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _with_default_policies(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     """`QoSOverridingOptions.with_default_policies(callback=…, entity_id=…)`."""
-    return qos_overrides.with_default_policies(_OVERRIDING_OPTIONS, _entity_id(arguments))
+    return with_default_policies(_OVERRIDING_OPTIONS, _entity_id(arguments))
 
 
-def _entity_id(arguments: Arguments) -> Value | None:
+def _entity_id(arguments: Arguments) -> av.Value | None:
     found = arguments.keywords.get("entity_id")
-    return None if found == Scalar(None) else found
+    return None if found == av.Scalar(None) else found
 
 
-_OVERRIDING_OPTIONS = LibraryClass(
+_OVERRIDING_OPTIONS = av.LibraryClass(
     "rclpy.qos_overriding_options.QoSOverridingOptions",
     _make_overriding_options,
     {"with_default_policies": _with_default_policies},
 )
-OVERRIDING_CLASSES: Mapping[str, Value] = {
+OVERRIDING_CLASSES: Mapping[str, av.Value] = {
     _OVERRIDING_OPTIONS.name: _OVERRIDING_OPTIONS,
-    **{
-        f"rclpy.qos.QoSPolicyKind.{kind.upper()}": Scalar(kind)
-        for kind in qos_overrides.POLICY_KINDS
-    },
+    **{f"rclpy.qos.QoSPolicyKind.{kind.upper()}": av.Scalar(kind) for kind in POLICY_KINDS},
 }

@@ -3,24 +3,10 @@
 import re
 from collections.abc import Callable, Iterator, Mapping
 
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    PartialText,
-    Scalar,
-    Unknown,
-    Value,
-    join,
-    options,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.ros2_common.nodes import (
-    NodeArguments,
-    node_name,
-    record_node,
-    resolve_at_node,
-)
+from rtron.sources.code.library_models.ros2_common import nodes
 from rtron.sources.code.library_models.ros2_common.parameters import (
     declare_node_parameter,
     record_overrides,
@@ -67,23 +53,23 @@ LOGGER_SERVICES: Mapping[str, str] = {
 def declare_endpoint(  # noqa: PLR0913 - what the graph has of an endpoint
     machine: AbstractMachine,
     kind: DeclarationKind,
-    node: Value,
-    name: Value | None,
+    node: av.Value,
+    name: av.Value | None,
     type: str,
     at: Arguments,
     *,
     qos: QoS | None = None,
     implicit: bool = False,
-) -> Value:
+) -> av.Value:
     """Record a name of a node, and return it as it resolves there; note one that is empty."""
     given = _without_empty_names(name)
     if given is None and name is not None:
         return _note_empty_name(machine, kind, type, at)
-    full = resolve_at_node(node, given)
+    full = nodes.resolve_at_node(node, given)
     machine.possible_throws += not (type and _is_valid_name(full))
     locations = tuple(caller_chain(at, name)) if name is not None else (at.evidence,)
     keeps_last = qos is not None and qos.durability is Durability.TRANSIENT_LOCAL
-    for owner in options(node_name(node)):
+    for owner in av.options(nodes.node_name(node)):
         machine.recorder.declare(
             kind,
             full,
@@ -91,34 +77,34 @@ def declare_endpoint(  # noqa: PLR0913 - what the graph has of an endpoint
             *locations,
             implicit=implicit,
             latched=kind is _PUBLISH and keeps_last,
-            node=text_with_holes(owner),
+            node=av.text_with_holes(owner),
             qos=qos,
         )
     return full
 
 
-def _is_valid_name(full: Value) -> bool:
+def _is_valid_name(full: av.Value) -> bool:
     """Tell whether a name is certainly one that rcl takes (design.ros2.org: topic names)."""
-    return isinstance(full, Scalar) and bool(_NAME.fullmatch(str(full.value)))
+    return isinstance(full, av.Scalar) and bool(_NAME.fullmatch(str(full.value)))
 
 
-def _without_empty_names(name: Value | None) -> Value | None:
+def _without_empty_names(name: av.Value | None) -> av.Value | None:
     """Return a name without the options that cannot be one: rcl refuses an empty name."""
-    found = [option for option in options(name) if not _is_empty_name(option)]
-    return join(found) if found else None
+    found = [option for option in av.options(name) if not _is_empty_name(option)]
+    return av.join(found) if found else None
 
 
-def _is_empty_name(name: Value) -> bool:
-    return isinstance(name, Scalar) and not str(name.value).strip("/")
+def _is_empty_name(name: av.Value) -> bool:
+    return isinstance(name, av.Scalar) and not str(name.value).strip("/")
 
 
 def _note_empty_name(
     machine: AbstractMachine, kind: DeclarationKind, type: str, at: Arguments
-) -> Value:
+) -> av.Value:
     machine.possible_throws += 1
     what = f"{kind.value} of type {full_type_name(kind, type) or '?'}"
     machine.recorder.add_unresolved(what, "its name is empty, which ROS refuses", at.evidence)
-    return Unknown(kind.value)
+    return av.Unknown(kind.value)
 
 
 def full_type_name(kind: DeclarationKind, type: str) -> str:
@@ -127,7 +113,7 @@ def full_type_name(kind: DeclarationKind, type: str) -> str:
     return f"{package}/{_TYPE_FOLDERS[kind]}/{name}" if slash and "/" not in name else type
 
 
-def caller_chain(at: Arguments, name: Value) -> Iterator[Evidence]:
+def caller_chain(at: Arguments, name: av.Value) -> Iterator[Evidence]:
     """Yield the calls that hand a name on, from the one where it is given to the one at hand."""
     locations, current = [at.evidence], at.frame.caller
     while isinstance(current, Arguments) and len(locations) < MAX_CALLERS:
@@ -138,20 +124,20 @@ def caller_chain(at: Arguments, name: Value) -> Iterator[Evidence]:
     return reversed(locations)
 
 
-def _is_same(value: Value, name: Value) -> bool:
+def _is_same(value: av.Value, name: av.Value) -> bool:
     if value is name:
         return True
-    if isinstance(value, (Unknown, PartialText)):
+    if isinstance(value, (av.Unknown, av.PartialText)):
         return value == name
-    if not (isinstance(value, Scalar) and isinstance(name, Scalar)):
+    if not (isinstance(value, av.Scalar) and isinstance(name, av.Scalar)):
         return False
     return isinstance(value.value, str) and value.value == name.value
 
 
 def declare_node(
     machine: AbstractMachine,
-    node: Value,
-    words: NodeArguments,
+    node: av.Value,
+    words: nodes.NodeArguments,
     at: Arguments,
     is_enabled: Callable[[str], bool],
 ) -> None:
@@ -159,50 +145,52 @@ def declare_node(
 
     `parameter_event_listener` is rclcpp's alone.
     """
-    record_node(machine, node_name(node), words, at)
-    if is_enabled("rosout"):
+    nodes.record_node(machine, nodes.node_name(node), words, at)
+    if is_enabled("enable_rosout"):
         _declare_implicit(
             machine, _PUBLISH, node, "/rosout", "rcl_interfaces/msg/Log", at, "rosout"
         )
     event, events = "rcl_interfaces/msg/ParameterEvent", "/parameter_events"
-    if is_enabled("parameter_events"):
+    if is_enabled("start_parameter_event_publisher"):
         _declare_implicit(machine, _PUBLISH, node, events, event, at, "parameter_events")
     if is_enabled("parameter_event_listener"):
         _declare_implicit(machine, _SUBSCRIBE, node, events, event, at, "parameter_events")
-    if is_enabled("parameter_services"):
+    if is_enabled("start_parameter_services"):
         declare_services(machine, node, PARAMETER_SERVICES, at)
-    if is_enabled("logger_service"):
+    if is_enabled("enable_logger_service"):
         declare_services(machine, node, LOGGER_SERVICES, at)
     description = "type_description_interfaces/srv/GetTypeDescription"
     declare_services(machine, node, {"get_type_description": description}, at)
     record_overrides(machine, node)
-    simulated = declare_node_parameter(machine, node, Scalar("use_sim_time"), Scalar(value=False))
-    if truth(simulated):
+    simulated = declare_node_parameter(
+        machine, node, av.Scalar("use_sim_time"), av.Scalar(value=False)
+    )
+    if av.truth(simulated):
         _declare_implicit(
             machine, _SUBSCRIBE, node, "/clock", "rosgraph_msgs/msg/Clock", at, "clock"
         )
 
 
-def declare_lifecycle(machine: AbstractMachine, node: Value, at: Arguments) -> None:
+def declare_lifecycle(machine: AbstractMachine, node: av.Value, at: Arguments) -> None:
     """Record what a lifecycle node declares (design.ros2.org: Managed nodes)."""
-    name, type = Scalar("~/transition_event"), "lifecycle_msgs/msg/TransitionEvent"
+    name, type = av.Scalar("~/transition_event"), "lifecycle_msgs/msg/TransitionEvent"
     declare_endpoint(machine, _PUBLISH, node, name, type, at, qos=DEFAULT_QOS, implicit=True)
     declare_services(machine, node, LIFECYCLE_SERVICES, at)
 
 
 def declare_services(
-    machine: AbstractMachine, node: Value, names: Mapping[str, str], at: Arguments
+    machine: AbstractMachine, node: av.Value, names: Mapping[str, str], at: Arguments
 ) -> None:
     """Record services below a node that a library offers."""
     for name, type in names.items():
-        declare_endpoint(machine, _SERVICE, node, Scalar(f"~/{name}"), type, at, implicit=True)
+        declare_endpoint(machine, _SERVICE, node, av.Scalar(f"~/{name}"), type, at, implicit=True)
 
 
 def note_unknown_node(
-    machine: AbstractMachine, what: str, name: Value | None, at: Arguments
+    machine: AbstractMachine, what: str, name: av.Value | None, at: Arguments
 ) -> None:
     """Note a call that joins nodes on what is not known to be a node."""
-    shown = f"{what}({text_with_holes(name or Unknown('?'))})"
+    shown = f"{what}({av.text_with_holes(name or av.Unknown('?'))})"
     machine.recorder.add_unresolved(
         shown, "which node it is called on is not known", at.evidence, hides=HiddenPart.ENDPOINTS
     )
@@ -211,11 +199,11 @@ def note_unknown_node(
 def _declare_implicit(
     machine: AbstractMachine,
     kind: DeclarationKind,
-    node: Value,
+    node: av.Value,
     name: str,
     type: str,
     at: Arguments,
     profile: str,
 ) -> None:
     qos = QOS_PROFILES[profile]
-    declare_endpoint(machine, kind, node, Scalar(name), type, at, qos=qos, implicit=True)
+    declare_endpoint(machine, kind, node, av.Scalar(name), type, at, qos=qos, implicit=True)

@@ -4,30 +4,14 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import NamedTuple
 
-from rtron.sources.code.interpreter.abstract_values.items import list_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Instance,
-    LibraryClass,
-    PartialText,
-    Scalar,
-    Unknown,
-    Value,
-    concat,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.ros2_common import nodes
 from rtron.sources.code.library_models.ros2_common.endpoints import (
     PARAMETER_SERVICES,
     declare_endpoint,
     note_unknown_node,
-)
-from rtron.sources.code.library_models.ros2_common.nodes import (
-    NAME_FIELD,
-    NodeArguments,
-    first_node,
-    full_name,
-    node_name,
-    record_node,
 )
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Durability, QoS
@@ -42,32 +26,34 @@ class ImplicitEndpoint(NamedTuple):
     qos: QoS | None = None
 
 
-def node_argument(arguments: Arguments) -> Instance | None:
+def node_argument(arguments: Arguments) -> av.Instance | None:
     """Return the node that is among what a library gets."""
-    return first_node(arguments.all_values)
+    return nodes.first_node(arguments.all_values)
 
 
-def make_internal_node(machine: AbstractMachine, prefix: str, at: Arguments) -> Instance:
+def make_internal_node(machine: AbstractMachine, prefix: str, at: Arguments) -> av.Instance:
     """Return a node that a library makes for itself; its name ends in what only the run knows.
 
     Its own arguments name it (tf2_ros: TransformListener); the rest of the process's count for it.
     """
-    name = PartialText((f"__node:={prefix}", Unknown("id")))
-    words = NodeArguments(name=Unknown("id"), arguments=list_of((Scalar("-r"), name)))
-    node = Instance(LibraryClass("node"), {NAME_FIELD: full_name(machine, words)})
-    record_node(machine, node_name(node), words, at)
+    name = av.PartialText((f"__node:={prefix}", av.Unknown("id")))
+    words = nodes.NodeArguments(
+        name=av.Unknown("id"), arguments=av.list_of((av.Scalar("-r"), name))
+    )
+    node = av.Instance(av.LibraryClass("node"), {nodes.NAME_FIELD: nodes.full_name(machine, words)})
+    nodes.record_node(machine, nodes.node_name(node), words, at)
     return node
 
 
 def declare_below(
-    found: Iterable[ImplicitEndpoint], machine: AbstractMachine, base: Value, at: Arguments
+    found: Iterable[ImplicitEndpoint], machine: AbstractMachine, base: av.Value, at: Arguments
 ) -> None:
     """Record what a library declares below a name, for the node among its arguments."""
     node = node_argument(at)
     if node is None:
         return
     for kind, name, type, qos in found:
-        full = concat((base, Scalar(f"/{name}")))
+        full = av.concat((base, av.Scalar(f"/{name}")))
         declare_endpoint(machine, kind, node, full, type, at, qos=qos, implicit=True)
 
 
@@ -75,7 +61,7 @@ def _declare(
     found: Iterable[ImplicitEndpoint],
     machine: AbstractMachine,
     at: Arguments,
-    node: Instance | None = None,
+    node: av.Instance | None = None,
     missing: str = "",
 ) -> None:
     """Record what a library declares for a node; that there is none is noted under `missing`."""
@@ -85,7 +71,7 @@ def _declare(
             note_unknown_node(machine, missing, None, at)
         return
     for kind, name, type, qos in found:
-        declare_endpoint(machine, kind, node, Scalar(name), type, at, qos=qos, implicit=True)
+        declare_endpoint(machine, kind, node, av.Scalar(name), type, at, qos=qos, implicit=True)
 
 
 def _declare_listener(machine: AbstractMachine, at: Arguments) -> None:

@@ -6,12 +6,7 @@ a double throws where the node declares it (docs.ros.org: Notes on statically ty
 
 import re
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
-    Instance,
-    Scalar,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, ThrownError
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.exceptions import is_caught
@@ -33,7 +28,7 @@ _PERHAPS_NO_TEXT = re.compile(
 
 
 def record_mistyped(
-    machine: AbstractMachine, node: Value, arguments: Arguments, declared: str
+    machine: AbstractMachine, node: av.Value, arguments: Arguments, declared: str
 ) -> None:
     """Record a parameter whose given value throws where `declare_parameter(name, …)` is called.
 
@@ -42,7 +37,7 @@ def record_mistyped(
     """
     name = arguments.value(0, "name")
     owner = node_name(node)
-    if not (declared and isinstance(name, Scalar) and isinstance(owner, Scalar)):
+    if not (declared and isinstance(name, av.Scalar) and isinstance(owner, av.Scalar)):
         return
     given = _given_type(machine, node, name)
     if (
@@ -62,13 +57,15 @@ def record_mistyped(
     )
 
 
-def _given_type(machine: AbstractMachine, node: Value, name: Scalar) -> str:
+def _given_type(machine: AbstractMachine, node: av.Value, name: av.Scalar) -> str:
     """Return the type of what certainly overrides the default; empty if nothing is sure to."""
-    is_automatic = isinstance(node, Instance) and node.fields.get(AUTOMATIC_FIELD, FALSE) != FALSE
+    is_automatic = (
+        isinstance(node, av.Instance) and node.fields.get(AUTOMATIC_FIELD, av.FALSE) != av.FALSE
+    )
     if is_automatic or is_declared(machine, node, name) or not knows_all_overrides(machine, node):
         return ""
     value = override_value(machine, node, name)
-    is_text = isinstance(value, Scalar) and isinstance(value.value, str)
+    is_text = isinstance(value, av.Scalar) and isinstance(value.value, str)
     if is_text and _PERHAPS_NO_TEXT.fullmatch(value.value):  # type: ignore[union-attr]
         return ""
     return type_name(value)

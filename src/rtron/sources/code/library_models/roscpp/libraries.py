@@ -3,13 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    UNKNOWN,
-    Instance,
-    LibraryClass,
-    Scalar,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.cpp_arguments import (
@@ -33,169 +27,135 @@ from rtron.sources.declaration import DeclarationKind
 _PUBLISH, _SUBSCRIBE = DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE
 
 
-def _make_listener(machine: AbstractMachine, arguments: Arguments) -> Value:
-    endpoints.declare_transforms(machine, _SUBSCRIBE, arguments, static=False)
-    return Instance(ENDPOINT)
+def _make(library: str, machine: AbstractMachine, arguments: Arguments) -> av.Value:
+    """Make what declares something by names of its own."""
+    endpoints.declare_library(machine, library, arguments)
+    return av.Instance(BROADCASTERS.get(library, _UPDATER if library == _DIAGNOSTICS else ENDPOINT))
 
 
-def _make_broadcaster(name: str, machine: AbstractMachine, arguments: Arguments) -> Value:
-    static = name.startswith("Static")
-    endpoints.declare_transforms(machine, _PUBLISH, arguments, static=static)
-    return Instance(BROADCASTERS[name])
+def _make_below(library: str, machine: AbstractMachine, arguments: Arguments) -> av.Value:
+    """Make what declares something below the first name that it is given."""
+    names = name_arguments(arguments)
+    base = resolve_name(machine, names[0] if names else av.UNKNOWN)
+    endpoints.declare_library(machine, library, arguments, base)
+    return av.Instance(ENDPOINT)
 
 
-def _action_server(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`SimpleActionServer<T>([handle,] name, …)`."""
-    return _make_action(DeclarationKind.ACTION_SERVER, machine, arguments)
+def _make_in_handle(
+    library: str, below: str, machine: AbstractMachine, arguments: Arguments
+) -> av.Value:
+    """Make what declares something in a handle that it is given, or the node's own."""
+    owner = handle_argument_or_default(machine, arguments)
+    base = resolve_in_handle(machine, owner, av.Scalar(below))
+    endpoints.declare_library(machine, library, arguments, base)
+    return av.Instance(ENDPOINT)
 
 
-def _action_client(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`SimpleActionClient<T>([handle,] name, …)`."""
-    return _make_action(DeclarationKind.ACTION_CLIENT, machine, arguments)
-
-
-def _make_action(kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments) -> Value:
+def _make_action(kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments) -> av.Value:
+    """`SimpleActionServer<T>([handle,] name, …)`, `SimpleActionClient<T>([handle,] name, …)`."""
     names = name_arguments(arguments)
     if names:
         name = resolve_in_handle(machine, handle_argument_or_default(machine, arguments), names[0])
         type = message_type_of(machine, arguments.types[0] if arguments.types else None, arguments)
         endpoints.declare_endpoint(machine, kind, name, type, arguments)
     escape_functions(machine, arguments)
-    return Instance(_ACTION)
+    return av.Instance(_ACTION)
 
 
-def _reconfigure(machine: AbstractMachine, arguments: Arguments) -> Value:
+def _reconfigure(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`dynamic_reconfigure::Server<T>([mutex,] handle)`; the node's private names by default."""
     owner = handle_argument(arguments) or private_handle(machine)
-    endpoints.declare_dynamic_reconfigure(machine, owner.fields["namespace"], arguments)
-    return Instance(_RECONFIGURE)
+    endpoints.declare_library(machine, "dynamic_reconfigure", arguments, owner.fields["namespace"])
+    return av.Instance(_RECONFIGURE)
 
 
-def _diagnostics(machine: AbstractMachine, arguments: Arguments) -> Value:
-    endpoints.declare_diagnostics(machine, arguments)
-    return Instance(_UPDATER)
-
-
-def _make_bond(machine: AbstractMachine, arguments: Arguments) -> Value:
-    names = name_arguments(arguments)
-    endpoints.declare_bond(
-        machine, resolve_name(machine, names[0] if names else UNKNOWN), arguments
-    )
-    return Instance(ENDPOINT)
-
-
-def _realtime_publisher(machine: AbstractMachine, arguments: Arguments) -> Value:
+def _realtime_publisher(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`realtime_tools::RealtimePublisher<T>(handle, topic, queue, latched)`."""
     topic = resolve_in_handle(
         machine, handle_argument_or_default(machine, arguments), arguments.get(1)
     )
     type = message_type_of(machine, arguments.types[0] if arguments.types else None, arguments)
     endpoints.declare_endpoint(machine, _PUBLISH, topic, type, arguments)
-    return Instance(ENDPOINT, {"name": remap_name(machine, topic)})
+    return av.Instance(ENDPOINT, {"name": remap_name(machine, topic)})
 
 
-def _marker_server(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`InteractiveMarkerServer(topic_ns)` (ROS wiki: interactive_markers)."""
-    base = resolve_name(machine, arguments.value(0))
-    for kind, name, type in (
-        (_PUBLISH, "update", "visualization_msgs/InteractiveMarkerUpdate"),
-        (_PUBLISH, "update_full", "visualization_msgs/InteractiveMarkerInit"),
-        (_SUBSCRIBE, "feedback", "visualization_msgs/InteractiveMarkerFeedback"),
-    ):
-        endpoints.declare_endpoint(
-            machine, kind, endpoints.name_below(base, name), type, arguments, implicit=True
-        )
-    return Instance(ENDPOINT)
-
-
-def _shape_shifter(machine: AbstractMachine, _: Value, arguments: Arguments) -> Value:
+def _shape_shifter(machine: AbstractMachine, _: av.Value, arguments: Arguments) -> av.Value:
     """`ShapeShifter::advertise(handle, topic, queue)`: any message type."""
     topic = resolve_in_handle(
         machine, handle_argument_or_default(machine, arguments), arguments.get(1)
     )
     endpoints.declare_endpoint(machine, _PUBLISH, topic, "*", arguments)
-    return Instance(ENDPOINT, {"name": remap_name(machine, topic)})
+    return av.Instance(ENDPOINT, {"name": remap_name(machine, topic)})
 
 
-def _controller_manager(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`ControllerManager(robot, handle)` (ROS wiki: controller_manager)."""
-    base = resolve_in_handle(
-        machine, handle_argument_or_default(machine, arguments), Scalar("controller_manager")
-    )
-    for name, type in _MANAGER_SERVICES.items():
-        kind, service = DeclarationKind.SERVICE, endpoints.name_below(base, name)
-        endpoints.declare_endpoint(
-            machine, kind, service, f"controller_manager_msgs/{type}", arguments
-        )
-    return Instance(ENDPOINT)
-
-
-def _move_group_client(machine: AbstractMachine, arguments: Arguments) -> Value:
-    """`MoveGroupInterface(group, …)`, or with options, which have the namespace of a handle."""
-    namespace = handle_argument_or_default(machine, arguments).fields["namespace"]
-    endpoints.declare_move_group_client(machine, namespace, arguments)
-    return Instance(ENDPOINT)
-
-
-def _move_group_options(machine: AbstractMachine, arguments: Arguments) -> Value:
+def _move_group_options(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`MoveGroupInterface::Options(group, description, handle)`."""
-    return Instance(_MOVE_GROUP_OPTIONS, handle_argument_or_default(machine, arguments).fields)
+    return av.Instance(ENDPOINT, dict(handle_argument_or_default(machine, arguments).fields))
 
 
 _PLANNING = "moveit::planning_interface"
-_MOVE_GROUP_OPTIONS = LibraryClass(f"{_PLANNING}::MoveGroupInterface::Options", _move_group_options)
-_MANAGER_SERVICES = {
-    "list_controllers": "ListControllers",
-    "list_controller_types": "ListControllerTypes",
-    "load_controller": "LoadController",
-    "unload_controller": "UnloadController",
-    "switch_controller": "SwitchController",
-    "reload_controller_libraries": "ReloadControllerLibraries",
-}
-_ACTION = LibraryClass(
+_ACTION = av.LibraryClass(
     "actionlib",
     methods=dict.fromkeys(
         ("registerGoalCallback", "registerPreemptCallback", "sendGoal", "registerCancelCallback"),
         register_callbacks,
     ),
 )
-_RECONFIGURE = LibraryClass(
+_RECONFIGURE = av.LibraryClass(
     "dynamic_reconfigure::Server", _reconfigure, {"setCallback": register_callbacks}
 )
-_UPDATER = LibraryClass("diagnostic_updater::Updater", _diagnostics, {"add": register_callbacks})
-_SHAPE_SHIFTER = LibraryClass("topic_tools::ShapeShifter", methods={"advertise": _shape_shifter})
+_DIAGNOSTICS = "diagnostic_updater"
+_UPDATER = av.LibraryClass(
+    "diagnostic_updater::Updater", partial(_make, _DIAGNOSTICS), {"add": register_callbacks}
+)
+_SHAPE_SHIFTER = av.LibraryClass("topic_tools::ShapeShifter", methods={"advertise": _shape_shifter})
 
-_CONSTRUCTORS: Mapping[str, Callable[..., Value]] = {
-    **dict.fromkeys(("tf::TransformListener", "tf2_ros::TransformListener"), _make_listener),
-    "tf::TransformBroadcaster": partial(_make_broadcaster, "TransformBroadcaster"),
-    **{f"tf2_ros::{name}": partial(_make_broadcaster, name) for name in BROADCASTERS},
-    "actionlib::SimpleActionServer": _action_server,
-    "actionlib::ActionServer": _action_server,
-    "actionlib::SimpleActionClient": _action_client,
-    "actionlib::ActionClient": _action_client,
-    "bond::Bond": _make_bond,
-    "controller_manager::ControllerManager": _controller_manager,
+_CONSTRUCTORS: Mapping[str, Callable[..., av.Value]] = {
+    **{
+        f"{space}::{name}": partial(_make, name)
+        for space in ("tf", "tf2_ros")
+        for name in ("TransformListener", *BROADCASTERS)
+    },
+    **{
+        f"actionlib::{prefix}Action{side}": partial(_make_action, kind)
+        for prefix in ("Simple", "")
+        for side, kind in (
+            ("Server", DeclarationKind.ACTION_SERVER),
+            ("Client", DeclarationKind.ACTION_CLIENT),
+        )
+    },
+    "bond::Bond": partial(_make_below, "bond"),
+    "controller_manager::ControllerManager": partial(
+        _make_in_handle, "controller_manager", "controller_manager"
+    ),
     "realtime_tools::RealtimePublisher": _realtime_publisher,
-    "interactive_markers::InteractiveMarkerServer": _marker_server,
-    f"{_PLANNING}::MoveGroupInterface": _move_group_client,
-    f"{_PLANNING}::MoveGroup": _move_group_client,
+    f"{_PLANNING}::MoveGroupInterface::Options": _move_group_options,
+    "interactive_markers::InteractiveMarkerServer": partial(_make_below, "interactive_markers"),
+    **dict.fromkeys(
+        ("camera_info_manager::CameraInfoManager", "CameraInfoManager"),
+        partial(_make_in_handle, "camera_info_manager", ""),
+    ),
+    **{
+        f"{_PLANNING}::{name}": partial(_make_in_handle, "move_group", "")
+        for name in ("MoveGroupInterface", "MoveGroup")
+    },
 }
 
 SERVER_CLASSES = {
-    **{name: LibraryClass(name, make) for name, make in _CONSTRUCTORS.items()},
-    **{cls.name: cls for cls in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER, _MOVE_GROUP_OPTIONS)},
+    **{name: av.LibraryClass(name, make) for name, make in _CONSTRUCTORS.items()},
+    **{cls.name: cls for cls in (_RECONFIGURE, _UPDATER, _SHAPE_SHIFTER)},
 }
 
 
-def _filter_subscriber(machine: AbstractMachine, arguments: Arguments) -> Value:
+def _filter_subscriber(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`message_filters::Subscriber<T>(handle, topic, queue)`, or later by `subscribe`."""
-    made = Instance(_FILTER_SUBSCRIBER, {}, arguments.types)
+    made = av.Instance(_FILTER_SUBSCRIBER, {}, arguments.types)
     if len(arguments.values) > 1:
-        _filter_subscribe(machine, made, arguments)
+        _subscribe(machine, made, arguments)
     return made
 
 
-def _filter_subscribe(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _subscribe(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     names = name_arguments(arguments)
     topic = resolve_in_handle(
         machine, handle_argument_or_default(machine, arguments), names[0] if names else None
@@ -205,10 +165,10 @@ def _filter_subscribe(machine: AbstractMachine, owner: Instance, arguments: Argu
     return owner
 
 
-_FILTER_SUBSCRIBER = LibraryClass(
+_FILTER_SUBSCRIBER = av.LibraryClass(
     "message_filters::Subscriber",
     _filter_subscriber,
-    {"subscribe": _filter_subscribe, "registerCallback": register_callbacks},
+    {"subscribe": _subscribe, "registerCallback": register_callbacks},
 )
 _SYNCHRONIZERS = (
     "message_filters::Synchronizer",
@@ -221,7 +181,7 @@ _SYNCHRONIZERS = (
 FILTER_CLASSES = {
     _FILTER_SUBSCRIBER.name: _FILTER_SUBSCRIBER,
     **{
-        name: LibraryClass(name, methods={"registerCallback": register_callbacks})
+        name: av.LibraryClass(name, methods={"registerCallback": register_callbacks})
         for name in _SYNCHRONIZERS
     },
 }

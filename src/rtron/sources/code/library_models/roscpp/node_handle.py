@@ -3,59 +3,36 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    TRUE,
-    UNKNOWN,
-    Instance,
-    LibraryClass,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-    is_text,
-    options,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.library_models.common.cpp_arguments import (
-    callback_message_type,
-    escape_functions,
-    message_type_of,
-    resolve_in_handle,
-    template_message_type,
+from rtron.sources.code.library_models.common import cpp_arguments
+from rtron.sources.code.library_models.common.trivial_functions import (
+    returning_field,
+    returning_unknown,
 )
-from rtron.sources.code.library_models.common.trivial_functions import returning_unknown
 from rtron.sources.code.library_models.ros1_common import endpoints
 from rtron.sources.code.library_models.ros1_common.names import (
     node_namespace,
     remap_name,
     resolve_name,
 )
-from rtron.sources.code.library_models.roscpp.parameters import (
-    get_param,
-    has_param,
-    param,
-    search_param,
-    set_param,
-)
+from rtron.sources.code.library_models.roscpp import parameters
 from rtron.sources.declaration import DeclarationKind
 
 
-def make_handle(machine: AbstractMachine, arguments: Arguments) -> Value:
+def make_handle(machine: AbstractMachine, arguments: Arguments) -> av.Value:
     """`NodeHandle()`, `NodeHandle("ns")`, `NodeHandle(parent, "ns")`."""
     first, second = arguments.get(0), arguments.get(1)
-    if isinstance(arguments.values[-1] if arguments.values else None, MapValue):
+    if isinstance(arguments.values[-1] if arguments.values else None, av.MapValue):
         note_program_remaps(machine, arguments)
-    if isinstance(first, Instance) and "namespace" in first.fields:
+    if isinstance(first, av.Instance) and "namespace" in first.fields:
         parent = first.fields["namespace"]
-        if second is None or second == Scalar(""):
+        if second is None or second == av.Scalar(""):
             return handle(parent)
         return handle(remap_name(machine, resolve_name(machine, second, parent)))
-    if first is None or first == Scalar(""):
-        return handle(Scalar(node_namespace(machine)))
+    if first is None or first == av.Scalar(""):
+        return handle(av.Scalar(node_namespace(machine)))
     return handle(remap_name(machine, resolve_name(machine, first)))
 
 
@@ -65,96 +42,96 @@ def note_program_remaps(machine: AbstractMachine, arguments: Arguments) -> None:
     machine.recorder.add_unresolved("remaps in the program", why, arguments.evidence)
 
 
-def handle(namespace: Value) -> Instance:
+def handle(namespace: av.Value) -> av.Instance:
     """Return a node handle of an absolute namespace."""
-    return Instance(NODE_HANDLE, {"namespace": namespace})
+    return av.Instance(NODE_HANDLE, {"namespace": namespace})
 
 
-def private_handle(machine: AbstractMachine) -> Instance:
+def private_handle(machine: AbstractMachine) -> av.Instance:
     """Return the handle of the node's private names."""
     return handle(endpoints.resolve_private(machine))
 
 
-def handle_argument(arguments: Arguments) -> Instance | None:
+def handle_argument(arguments: Arguments) -> av.Instance | None:
     """Return the first argument that is certainly a node handle."""
-    given = (v for v in arguments.values if isinstance(v, Instance) and "namespace" in v.fields)
+    given = (v for v in arguments.values if isinstance(v, av.Instance) and "namespace" in v.fields)
     return next(given, None)
 
 
-def handle_argument_or_default(machine: AbstractMachine, arguments: Arguments) -> Instance:
+def handle_argument_or_default(machine: AbstractMachine, arguments: Arguments) -> av.Instance:
     """Return the node handle among the arguments, or the node's own."""
     for value in arguments.values:
-        for option in options(value):
-            if isinstance(option, Instance) and "namespace" in option.fields:
+        for option in av.options(value):
+            if isinstance(option, av.Instance) and "namespace" in option.fields:
                 return option
-    return handle(Scalar(node_namespace(machine)))
+    return handle(av.Scalar(node_namespace(machine)))
 
 
 def _declare_endpoint(
     kind: DeclarationKind,
     machine: AbstractMachine,
-    owner: Value,
+    owner: av.Value,
     arguments: Arguments,
     type: str,
     *,
     latched: bool = False,
-) -> Value:
+) -> av.Value:
     """Record what an endpoint's name, or its options in the place of the name, say."""
     name = arguments.value(0)
-    if isinstance(name, Instance) and name.type is ENDPOINT:
+    if isinstance(name, av.Instance) and name.type is ENDPOINT:
         return name  # rosserial's handle gets what is declared already
-    if isinstance(name, Instance) and "options" in name.fields:
-        type = type or text_with_holes(name.fields.get("type", Scalar("")))
+    if isinstance(name, av.Instance) and "options" in name.fields:
+        type = type or av.text_with_holes(name.fields.get("type", av.Scalar("")))
         name = name.fields["options"]
-    full = resolve_in_handle(machine, owner, name)
-    escape_functions(machine, arguments)
+    full = cpp_arguments.resolve_in_handle(machine, owner, name)
+    cpp_arguments.escape_functions(machine, arguments)
     endpoints.declare_endpoint(machine, kind, full, type, arguments, latched=latched)
-    return Instance(ENDPOINT, {"name": remap_name(machine, full)})
+    return av.Instance(ENDPOINT, {"name": remap_name(machine, full)})
 
 
 def _make_firmware_endpoint(
     kind: DeclarationKind, machine: AbstractMachine, arguments: Arguments
-) -> Value:
+) -> av.Value:
     """`ros::Subscriber<T> x("topic", callback)` of rosserial; those of roscpp get no name.
 
     `ros::Publisher x("topic", &message)`, `ros::ServiceServer<Request, Response> x(…)`.
     """
     message = arguments.get(1)
-    if not (arguments.values and is_text(arguments.values[0])):
-        escape_functions(machine, arguments)
-        return Instance(ENDPOINT)
-    given = message.type if isinstance(message, Unknown) else None
-    type = template_message_type(machine, arguments)
-    type = type or callback_message_type(machine, arguments, 1)
-    type = _service_type(type or message_type_of(machine, given, arguments))
-    owner = handle(Scalar(node_namespace(machine)))
+    if not (arguments.values and av.is_text(arguments.values[0])):
+        cpp_arguments.escape_functions(machine, arguments)
+        return av.Instance(ENDPOINT)
+    given = message.type if isinstance(message, av.Unknown) else None
+    type = cpp_arguments.template_message_type(machine, arguments)
+    type = type or cpp_arguments.callback_message_type(machine, arguments, 1)
+    type = _service_type(type or cpp_arguments.message_type_of(machine, given, arguments))
+    owner = handle(av.Scalar(node_namespace(machine)))
     return _declare_endpoint(kind, machine, owner, arguments, type)
 
 
-def advertise(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def advertise(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`advertise<T>(topic, queue_size, …, latch)`, `advertise(AdvertiseOptions)`."""
-    latched = TRUE in arguments.values[2:] or _has_latch(arguments.get(0))
-    type = template_message_type(machine, arguments)
+    latched = av.TRUE in arguments.values[2:] or _has_latch(arguments.get(0))
+    type = cpp_arguments.template_message_type(machine, arguments)
     kind = DeclarationKind.PUBLISH
     return _declare_endpoint(kind, machine, owner, arguments, type, latched=latched)
 
 
-def _has_latch(options: Value | None) -> bool:
-    return isinstance(options, Instance) and options.fields.get("latch") == TRUE
+def _has_latch(options: av.Value | None) -> bool:
+    return isinstance(options, av.Instance) and options.fields.get("latch") == av.TRUE
 
 
-def subscribe(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def subscribe(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`subscribe<T>(topic, queue_size, callback, …)`, `subscribe(SubscribeOptions)`."""
-    type = template_message_type(machine, arguments)
-    type = type or callback_message_type(machine, arguments, 1)
+    type = cpp_arguments.template_message_type(machine, arguments)
+    type = type or cpp_arguments.callback_message_type(machine, arguments, 1)
     return _declare_endpoint(DeclarationKind.SUBSCRIBE, machine, owner, arguments, type)
 
 
 def _declare_service(
-    kind: DeclarationKind, machine: AbstractMachine, owner: Value, arguments: Arguments
-) -> Value:
-    type = template_message_type(machine, arguments)
-    type = _service_type(type or callback_message_type(machine, arguments, 1))
+    kind: DeclarationKind, machine: AbstractMachine, owner: av.Value, arguments: Arguments
+) -> av.Value:
+    type = cpp_arguments.template_message_type(machine, arguments)
+    type = _service_type(type or cpp_arguments.callback_message_type(machine, arguments, 1))
     return _declare_endpoint(kind, machine, owner, arguments, type)
 
 
@@ -163,46 +140,42 @@ def _service_type(request: str) -> str:
     return request.removesuffix("::Request").removesuffix("Request")
 
 
-def _resolve_name(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
-    name = resolve_in_handle(machine, owner, arguments.get(0))
-    plain = truth(arguments.get(1) or TRUE) is False
+def _resolve_name(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
+    name = cpp_arguments.resolve_in_handle(machine, owner, arguments.get(0))
+    plain = av.truth(arguments.get(1) or av.TRUE) is False
     return name if plain else remap_name(machine, name)
 
 
-def _get_namespace(machine: AbstractMachine, owner: Value, _: Arguments) -> Value:
-    return resolve_in_handle(machine, owner, Scalar(""))
+def _get_namespace(machine: AbstractMachine, owner: av.Value, _: Arguments) -> av.Value:
+    return cpp_arguments.resolve_in_handle(machine, owner, av.Scalar(""))
 
 
-def _register_callback(machine: AbstractMachine, _: Value, arguments: Arguments) -> Value:
-    escape_functions(machine, arguments)
-    return Instance(ENDPOINT)
+def _register_callback(machine: AbstractMachine, _: av.Value, arguments: Arguments) -> av.Value:
+    cpp_arguments.escape_functions(machine, arguments)
+    return av.Instance(ENDPOINT)
 
 
-def _topic_name(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
-    return owner.fields.get("name", Unknown("topic"))
-
-
-_HANDLE_METHODS: Mapping[str, Callable[..., Value]] = {
+_HANDLE_METHODS: Mapping[str, Callable[..., av.Value]] = {
     "advertise": advertise,
     "subscribe": subscribe,
     "advertiseService": partial(_declare_service, DeclarationKind.SERVICE),
     "serviceClient": partial(_declare_service, DeclarationKind.SERVICE_CLIENT),
-    "param": param,
-    "getParam": get_param,
-    "getParamCached": get_param,
-    "hasParam": has_param,
-    "setParam": set_param,
-    "searchParam": search_param,
+    "param": parameters.param,
+    "getParam": parameters.get_param,
+    "getParamCached": parameters.get_param,
+    "hasParam": parameters.has_param,
+    "setParam": parameters.set_param,
+    "searchParam": parameters.search_param,
     "resolveName": _resolve_name,
     "getNamespace": _get_namespace,
     "getUnresolvedNamespace": _get_namespace,
     **dict.fromkeys(("createTimer", "createWallTimer", "createSteadyTimer"), _register_callback),
 }
-NODE_HANDLE = LibraryClass("ros::NodeHandle", make_handle, dict(_HANDLE_METHODS))
-ENDPOINT = LibraryClass(
+NODE_HANDLE = av.LibraryClass("ros::NodeHandle", make_handle, dict(_HANDLE_METHODS))
+ENDPOINT = av.LibraryClass(
     "ros::Publisher",
     methods={
-        **dict.fromkeys(("getTopic", "getService"), _topic_name),
+        **dict.fromkeys(("getTopic", "getService"), returning_field("name", av.Unknown("topic"))),
         **dict.fromkeys(
             ("getNumSubscribers", "getNumPublishers", "isValid"), returning_unknown("set")
         ),
@@ -215,50 +188,24 @@ _FIRMWARE_KINDS = {
     "ros::ServiceServer": DeclarationKind.SERVICE,
     "ros::ServiceClient": DeclarationKind.SERVICE_CLIENT,
 }
-_HANDLE_POINTER = LibraryClass("pointer", lambda machine, arguments: arguments.get(0) or NONE)
+_HANDLE_POINTER = av.LibraryClass("pointer", lambda machine, arguments: arguments.get(0) or av.NONE)
 
 HANDLE_CLASSES = {
     "ros::NodeHandle": NODE_HANDLE,
     **dict.fromkeys(("ros::NodeHandlePtr", "ros::NodeHandleConstPtr"), _HANDLE_POINTER),
     **{
-        name: LibraryClass(name, partial(_make_firmware_endpoint, kind), ENDPOINT.methods)
+        name: av.LibraryClass(name, partial(_make_firmware_endpoint, kind), ENDPOINT.methods)
         for name, kind in _FIRMWARE_KINDS.items()
     },
     **dict.fromkeys(("ros::Timer", "ros::WallTimer"), ENDPOINT),
 }
 
 
-def create_options(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def create_options(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`AdvertiseOptions::create<T>(topic, …)`, `SubscribeOptions::create<T>(topic, …)`."""
-    escape_functions(machine, arguments)
-    type = Scalar(template_message_type(machine, arguments))
-    return Instance(ADVERTISE_OPTIONS, {"options": arguments.value(0), "type": type})
+    cpp_arguments.escape_functions(machine, arguments)
+    type = av.Scalar(cpp_arguments.template_message_type(machine, arguments))
+    return av.Instance(ADVERTISE_OPTIONS, {"options": arguments.value(0), "type": type})
 
 
-def _make_options(_: AbstractMachine, arguments: Arguments) -> Value:
-    del arguments
-    return Instance(ADVERTISE_OPTIONS, {"options": UNKNOWN, "type": Scalar("")})
-
-
-def _init_options(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    """`SubscribeOptions::init<T>(topic, queue, callback)`."""
-    escape_functions(machine, arguments)
-    machine.undo_log.set(owner.fields, "options", arguments.value(0))
-    machine.undo_log.set(owner.fields, "type", Scalar(template_message_type(machine, arguments)))
-    return owner
-
-
-ADVERTISE_OPTIONS = LibraryClass(
-    "ros::AdvertiseOptions",
-    methods=dict.fromkeys(("init", "initByFullCallbackType"), _init_options),
-)
-
-OPTIONS_CLASSES = {
-    name: LibraryClass(name, _make_options)
-    for name in (
-        "ros::AdvertiseOptions",
-        "ros::SubscribeOptions",
-        "ros::AdvertiseServiceOptions",
-        "ros::ServiceClientOptions",
-    )
-}
+ADVERTISE_OPTIONS = av.LibraryClass("ros::AdvertiseOptions")

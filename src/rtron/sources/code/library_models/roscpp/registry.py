@@ -2,23 +2,12 @@
 
 from collections.abc import Callable, Mapping
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    LibraryClass,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-    concat,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.library_models.common.command_lines import write_without_remappings
 from rtron.sources.code.library_models.common.cpp_arguments import message_type_of
-from rtron.sources.code.library_models.common.embedded_python import EMBEDDED_PYTHON
 from rtron.sources.code.library_models.common.navigation_plugins import NAVIGATION_CLASSES
-from rtron.sources.code.library_models.common.ros_arguments import write_without_remappings
 from rtron.sources.code.library_models.common.transforms import MESSAGE_CLASSES
 from rtron.sources.code.library_models.common.trivial_functions import (
     return_argument,
@@ -30,105 +19,84 @@ from rtron.sources.code.library_models.ros1_common.names import (
     remap_name,
     resolve_name,
 )
+from rtron.sources.code.library_models.roscpp import node_handle, parameters
 from rtron.sources.code.library_models.roscpp.image_transport import IMAGE_CLASSES
 from rtron.sources.code.library_models.roscpp.libraries import FILTER_CLASSES, SERVER_CLASSES
-from rtron.sources.code.library_models.roscpp.node_handle import (
-    HANDLE_CLASSES,
-    OPTIONS_CLASSES,
-    create_options,
-    handle,
-    handle_argument,
-    note_program_remaps,
-    subscribe,
-)
-from rtron.sources.code.library_models.roscpp.nodelets import NODELET_CLASSES
-from rtron.sources.code.library_models.roscpp.parameters import (
-    get_param,
-    has_param,
-    param,
-    search_param,
-    set_param,
-)
-from rtron.sources.code.library_models.roscpp.pluginlib import PLUGIN_CLASSES
+from rtron.sources.code.library_models.roscpp.plugins import NODELET_CLASSES, PLUGIN_CLASSES
 from rtron.sources.declaration import DeclarationKind
 
 
-def _with_node_handle(method: Callable[..., Value]) -> Callable[..., Value]:
+def _with_node_handle(method: Callable[..., av.Value]) -> Callable[..., av.Value]:
     """`ros::param::get` and the like resolve in the node's own namespace."""
 
-    def called(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
-        return method(machine, handle(Scalar(node_namespace(machine))), arguments)
+    def called(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
+        return method(machine, node_handle.handle(av.Scalar(node_namespace(machine))), arguments)
 
     return called
 
 
-def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _wait_for_message(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`ros::topic::waitForMessage<T>(topic, handle)`."""
-    owner = handle_argument(arguments) or handle(Scalar(node_namespace(machine)))
-    subscribe(machine, owner, arguments)
-    return Unknown("message")
+    owner = node_handle.handle_argument(arguments) or node_handle.handle(
+        av.Scalar(node_namespace(machine))
+    )
+    node_handle.subscribe(machine, owner, arguments)
+    return av.Unknown("message")
 
 
-def _node_name(machine: AbstractMachine, _: object, __: Arguments) -> Value:
-    return Scalar(machine.recorder.site.process_name)
-
-
-def _node_namespace(machine: AbstractMachine, _: object, __: Arguments) -> Value:
-    return Scalar(node_namespace(machine))
-
-
-def _resolve(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _resolve(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     return remap_name(machine, resolve_name(machine, arguments.value(len(arguments.values) - 1)))
 
 
-def _append(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _append(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
     left, right = arguments.value(0), arguments.value(1)
-    return concat((left, Scalar("/"), right))
+    return av.concat((left, av.Scalar("/"), right))
 
 
-def _call_service(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _call_service(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`ros::service::call("name", service)`."""
     name = resolve_name(machine, arguments.value(0))
     service = arguments.get(1)
-    made = service.type if isinstance(service, Unknown) else None
+    made = service.type if isinstance(service, av.Unknown) else None
     type = message_type_of(machine, made, arguments)
     endpoints.declare_endpoint(machine, DeclarationKind.SERVICE_CLIENT, name, type, arguments)
-    return Unknown("call")
+    return av.Unknown("call")
 
 
-def _init(machine: AbstractMachine, _: object, arguments: Arguments) -> Value:
+def _init(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`ros::init(argc, argv, name)`, or with remaps instead of the command line."""
-    if isinstance(arguments.get(0), (MapValue, ListValue)):
-        note_program_remaps(machine, arguments)
-    return NONE
+    if isinstance(arguments.get(0), (av.MapValue, av.ListValue)):
+        node_handle.note_program_remaps(machine, arguments)
+    return av.NONE
 
 
-ROSCPP_FUNCTIONS: Mapping[str, Callable[..., Value]] = {
-    "ros::param::get": _with_node_handle(get_param),
-    "ros::param::getCached": _with_node_handle(get_param),
-    "ros::param::param": _with_node_handle(param),
-    "ros::param::has": _with_node_handle(has_param),
-    "ros::param::set": _with_node_handle(set_param),
-    "ros::param::search": _with_node_handle(search_param),
+ROSCPP_FUNCTIONS: Mapping[str, Callable[..., av.Value]] = {
+    "ros::param::get": _with_node_handle(parameters.get_param),
+    "ros::param::getCached": _with_node_handle(parameters.get_param),
+    "ros::param::param": _with_node_handle(parameters.param),
+    "ros::param::has": _with_node_handle(parameters.has_param),
+    "ros::param::set": _with_node_handle(parameters.set_param),
+    "ros::param::search": _with_node_handle(parameters.search_param),
     "ros::topic::waitForMessage": _wait_for_message,
     "ros::init": _init,
     "ros::removeROSArgs": write_without_remappings,
     "ros::service::call": _call_service,
-    "ros::this_node::getName": _node_name,
-    "ros::this_node::getNamespace": _node_namespace,
+    "ros::this_node::getName": lambda machine, __, ___: av.Scalar(
+        machine.recorder.site.process_name
+    ),
+    "ros::this_node::getNamespace": lambda machine, __, ___: av.Scalar(node_namespace(machine)),
     "ros::names::resolve": _resolve,
     "ros::names::remap": _resolve,
     "ros::names::append": _append,
     "ros::names::clean": return_argument,
-    "ros::AdvertiseServiceOptions::create": create_options,
-    "ros::AdvertiseOptions::create": create_options,
-    "ros::SubscribeOptions::create": create_options,
+    "ros::AdvertiseServiceOptions::create": node_handle.create_options,
+    "ros::AdvertiseOptions::create": node_handle.create_options,
+    "ros::SubscribeOptions::create": node_handle.create_options,
     "ros::ok": returning_unknown("ok"),
 }
 
-ROSCPP_CLASSES: dict[str, LibraryClass] = {
-    **HANDLE_CLASSES,
-    **OPTIONS_CLASSES,
+ROSCPP_CLASSES: dict[str, av.LibraryClass] = {
+    **node_handle.HANDLE_CLASSES,
     **IMAGE_CLASSES,
     **FILTER_CLASSES,
     **PLUGIN_CLASSES,
@@ -138,6 +106,5 @@ ROSCPP_CLASSES: dict[str, LibraryClass] = {
     **MESSAGE_CLASSES,
 }
 ROSCPP_FUNCTION_VALUES = {
-    name: LibraryFunction(name, call)
-    for name, call in {**ROSCPP_FUNCTIONS, **EMBEDDED_PYTHON}.items()
+    name: av.LibraryFunction(name, call) for name, call in ROSCPP_FUNCTIONS.items()
 }

@@ -9,8 +9,7 @@ from contextlib import suppress
 from threading import Thread
 
 import rclpy
-from demo_logic.device import Device
-from demo_logic.frame_codec import Frame, Head
+from demo_logic.device import Device, Frame, Head
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 

@@ -3,9 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
+from rtron.demos.apps.logic.demo_logic.device import encode
 from rtron.demos.world import camera, lidar
-from rtron.demos.world.server.protocol import encode_frame
-from rtron.demos.world.server.requests import ClientRole
 from rtron.demos.world.simulation import RobotSimulation
 
 _EARLY = 1e-6
@@ -19,73 +18,69 @@ class DeviceStreams:
 
     def __init__(self, world: RobotSimulation) -> None:
         self._world = world
-        self._next: dict[ClientRole, float] = {}
+        self._next: dict[str, float] = {}
 
-    def due(self) -> list[ClientRole]:
+    def due(self) -> list[str]:
         """Return the roles that have something to say after this step."""
         now = self._world.t
         found = [role for role in _ENCODERS if self._next.get(role, 0.0) <= now + _EARLY]
         for role in found:
-            period = 1.0 / self._rate(role)
+            period = 1.0 / _RATES.get(role, self._world.camera_rate)
             self._next[role] = max(self._next.get(role, now) + period, now + _EARLY)
         return found
 
-    def frame(self, role: ClientRole) -> bytes:
+    def frame(self, role: str) -> bytes:
         """Return what a role has to say now."""
         return _ENCODERS[role](self._world)
-
-    def _rate(self, role: ClientRole) -> float:
-        return self._world.camera_rate if role is ClientRole.CAMERA else _RATES[role]
-
-
-def _stamp(world: RobotSimulation, **rest: Any) -> dict[str, Any]:  # noqa: ANN401 - JSON
-    return {"t": world.t, **rest}
 
 
 def _base(world: RobotSimulation) -> bytes:
     pose, velocity = world.motion()
-    return encode_frame(_stamp(world, pose=pose, velocity=velocity, run=world.run))
+    return _stamped(world, pose=pose, velocity=velocity)
 
 
 def _lidar(world: RobotSimulation) -> bytes:
-    head = _stamp(
+    return _stamped(
         world,
+        world.lidar_scan(),
         angle_min=0.0,
         angle_increment=lidar.INCREMENT,
         range_min=lidar.RANGE_MIN,
         range_max=lidar.RANGE_MAX,
-        run=world.run,
     )
-    return encode_frame(head, world.lidar_scan())
 
 
 def _camera(world: RobotSimulation) -> bytes:
-    head = _stamp(world, width=camera.WIDTH, height=camera.HEIGHT, run=world.run)
-    return encode_frame(head, world.camera_image())
+    return _stamped(world, world.camera_image(), width=camera.WIDTH, height=camera.HEIGHT)
 
 
 def _battery(world: RobotSimulation) -> bytes:
     t = world.t
-    return encode_frame(_stamp(world, percentage=battery_percentage(t), voltage=battery_voltage(t)))
+    return _stamped(world, percentage=battery_percentage(t), voltage=battery_voltage(t))
 
 
 def _owner(world: RobotSimulation) -> bytes:
-    return encode_frame({"truth": world.truth().as_json()})
+    return encode({"truth": world.truth().as_json()})
 
 
-_ENCODERS: dict[ClientRole, Callable[[RobotSimulation], bytes]] = {
-    ClientRole.BASE: _base,
-    ClientRole.LIDAR: _lidar,
-    ClientRole.CAMERA: _camera,
-    ClientRole.BATTERY: _battery,
-    ClientRole.OWNER: _owner,
+def _stamped(world: RobotSimulation, blob: bytes = b"", **head: Any) -> bytes:  # noqa: ANN401 - JSON
+    return encode({"t": world.t, **head}, blob)
+
+
+_ENCODERS: dict[str, Callable[[RobotSimulation], bytes]] = {
+    "base": _base,
+    "lidar": _lidar,
+    "camera": _camera,
+    "battery": _battery,
+    "owner": _owner,
 }
 _RATES = {
-    ClientRole.BASE: _EACH_STEP,
-    ClientRole.LIDAR: _LIDAR_RATE,
-    ClientRole.BATTERY: _BATTERY_RATE,
-    ClientRole.OWNER: _EACH_STEP,
+    "base": _EACH_STEP,
+    "lidar": _LIDAR_RATE,
+    "battery": _BATTERY_RATE,
+    "owner": _EACH_STEP,
 }
+"""Hz, but of the camera, whose rate a run sets."""
 
 _LASTS = 9000.0
 """Simulated s: two and a half hours."""

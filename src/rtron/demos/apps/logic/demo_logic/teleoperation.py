@@ -1,9 +1,23 @@
-"""Safe teleoperation: a person's command, without its forward part near an obstacle."""
+"""Teleoperation: a person's command, without its forward part near an obstacle."""
 
 from collections.abc import Sequence
-from math import inf, pi
+from math import inf, isfinite, pi
+from pathlib import Path
 
 from .geometry import Velocity, wrap_angle
+
+
+def read_command(path: str) -> Velocity | None:
+    """Return the velocity in a file, "forwards turn" (m/s, rad/s); None if there is none.
+
+    The file is there while the command holds.
+    """
+    try:
+        forwards, turn = map(float, Path(path).read_text(encoding="utf-8").split())
+    except (OSError, ValueError):
+        return None
+    return (forwards, turn) if isfinite(forwards) and isfinite(turn) else None
+
 
 STOP_WITHIN = 0.25
 """Metres."""
@@ -22,12 +36,6 @@ def nearest_ahead(ranges: Sequence[float], first: float, step: float) -> float:
     )
 
 
-def safe(command: Velocity, ahead: float) -> Velocity:
-    """Return the command, without forward velocity if something is too near (`ahead`, metres)."""
-    forwards, turn = command
-    return (min(forwards, 0.0), turn) if ahead <= STOP_WITHIN else command
-
-
 class TeleopSafety:
     """Limits commands by the last scan; before the first scan nothing drives forwards."""
 
@@ -39,5 +47,6 @@ class TeleopSafety:
         self._ahead = nearest_ahead(ranges, first, step)
 
     def limit(self, command: Velocity) -> Velocity:
-        """Return a command, limited."""
-        return safe(command, self._ahead)
+        """Return the command, without forward velocity if something is too near."""
+        forwards, turn = command
+        return (min(forwards, 0.0), turn) if self._ahead <= STOP_WITHIN else command

@@ -1,0 +1,90 @@
+"""Topics on Gazebo's own side: what a bridge carries, against what the robots' plugins have.
+
+Names and defaults: gz-sim (src/systems/*/*.cc, `Configure`); the clock: src/SimulationRunner.cc,
+which does not publish it where another does.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from rtron.sources.declaration import GazeboTopic
+from rtron.sources.gazebo import GazeboPlugin
+from rtron.vocabulary import WiringFact, WiringFactKind
+
+_SYSTEM = re.compile(r"(?:gz-sim|ignition-gazebo)\d*-(.+)-system")
+_COMMAND = ("topic", "Twist", "/model/{}/cmd_vel")
+_ODOMETRY = ("odom_topic", "Odometry", "/model/{}/odometry")
+_INPUTS = dict.fromkeys(
+    ("diff-drive", "mecanum-drive", "ackermann-steering", "velocity-control"), _COMMAND
+)
+_OUTPUTS = {
+    **dict.fromkeys(("diff-drive", "mecanum-drive", "ackermann-steering"), _ODOMETRY),
+    "odometry-publisher": _ODOMETRY,
+    "joint-state-publisher": ("topic", "Model", ""),
+}
+"""The element with a topic's name, its type, and its name without the element, if it is known."""
+_CLOCK, _UNKNOWN = "Clock", "/"
+
+
+def plugin_topics(plugins: Iterable[GazeboPlugin], model: str) -> Iterator[GazeboTopic]:
+    """Yield the topics of the systems of a model whose types are known; `/` if a name is not."""
+    for plugin in plugins:
+        system = _SYSTEM.fullmatch(plugin.filename)
+        for systems in (_INPUTS, _OUTPUTS) if system else ():
+            element, type, default = systems.get(system[1], ("", "", ""))  # type: ignore[index]
+            name = plugin.values.get(element, default.format(model) if model else "")
+            if type:
+                yield GazeboTopic(
+                    name=gazebo_name(name if isinstance(name, str) else ""),
+                    type=type,
+                    to_ros=systems is _OUTPUTS,
+                    to_gazebo=systems is _INPUTS,
+                    evidence=(plugin.evidence,),
+                )
+
+
+def gazebo_name(name: str) -> str:
+    """Return the full name of a topic of Gazebo, where a name without a slash is the same."""
+    return f"/{name.strip().strip('/')}"
+
+
+def mismatched_bridges(topics: Sequence[GazeboTopic]) -> Iterator[WiringFact]:
+    """Yield a fact for each topic that bridges carry past the plugin, or in the wrong direction."""
+    bridged, of_plugins = [t for t in topics if t.bridge], [t for t in topics if not t.bridge]
+    for carried in bridged:
+        if carried.type == _CLOCK and carried.to_gazebo:
+            yield _fact(carried, replace(carried, to_gazebo=False))
+        for other in of_plugins:
+            is_same = (carried.name, carried.type) == (other.name, other.type)
+            if is_same and not _is_its_way(other, carried):
+                yield _fact(carried, other)
+    for type, to_ros in sorted({(each.type, each.to_ros) for each in of_plugins}):
+        plugins = [each for each in of_plugins if (each.type, each.to_ros) == (type, to_ros)]
+        of_type = (each for each in bridged if each.type == type)
+        yield from _unmatched(plugins, [each for each in of_type if _is_its_way(plugins[0], each)])
+
+
+def _is_its_way(other: GazeboTopic, carried: GazeboTopic) -> bool:
+    """Return whether a bridge carries in the direction that a plugin's topic has."""
+    return carried.to_ros if other.to_ros else carried.to_gazebo
+
+
+def _unmatched(plugins: list[GazeboTopic], bridged: list[GazeboTopic]) -> Iterator[WiringFact]:
+    """Yield a fact where one name of a bridge and one of a plugin are left over."""
+    known, used = {each.name for each in plugins}, {each.name for each in bridged}
+    lost, unbridged = sorted(used - known), sorted(known - used)
+    if len(lost) == len(unbridged) == 1 and _UNKNOWN not in known:
+        (other,) = [each for each in plugins if each.name == unbridged[0]][:1]
+        for carried in (each for each in bridged if each.name == lost[0]):
+            yield _fact(carried, other)
+
+
+def _fact(carried: GazeboTopic, other: GazeboTopic) -> WiringFact:
+    return WiringFact(
+        kind=WiringFactKind.BRIDGE_MISMATCH,
+        subject=carried.name,
+        value=other.name,
+        others=(carried.bridge,),
+        evidence=tuple(dict.fromkeys((*carried.evidence, *other.evidence))),
+    )
