@@ -471,13 +471,14 @@ def forged_anchors():
     }
 
 
-@pytest.mark.parametrize("fault", forged_anchors())
-def test_a_beginning_with_a_wrong_signature_is_no_beginning(database, fault):
+def test_a_beginning_with_a_wrong_signature_is_no_beginning(database):
     three_days(database)
-    begin, refused = delete_beginning(database, 3), {}
-    set_anchor(database, forged_anchors()[fault]("events:robot", Head(**begin)))
-    assert prune_all(database, refused) == 0
-    assert refused == {"events:robot": f"where it begins is not proven: {fault}"}
+    begin = Head(**delete_beginning(database, 3))
+    for fault, forge in forged_anchors().items():
+        set_anchor(database, forge("events:robot", begin))
+        refused = {}
+        assert prune_all(database, refused) == 0
+        assert refused == {"events:robot": f"where it begins is not proven: {fault}"}
 
 
 def test_a_deleted_beginning_without_an_anchor_stays_a_gap(database):

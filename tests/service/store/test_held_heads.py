@@ -84,6 +84,6 @@ def test_a_begin_that_nobody_has_signed_hides_nothing(database, held):
     assert "where it begins is not proven" in reasons(database, held)[6]
 
 
-@pytest.mark.parametrize(("number", "is_told"), [(-1, False), (1 << 70, True)])
-def test_odd_numbers_harm_nothing(database, held, number, is_told):
-    assert (number in reasons(database, [Head(number, "a" * 64)])) is is_told
+def test_odd_numbers_harm_nothing(database, held):
+    for number, is_told in ((-1, False), (1 << 70, True)):
+        assert (number in reasons(database, [Head(number, "a" * 64)])) is is_told
