@@ -60,8 +60,8 @@ def check(app: AppFacts) -> Iterator[Finding]:
 
 def _is_of_one_other(app: AppFacts, topic: str) -> bool:
     """Return whether all ends belong to one node whose source is not the user's."""
-    ends = (*app.graph.publishers(topic), *app.graph.subscribers(topic))
-    nodes = {end.node for end in ends}
+    endpoints = (*app.graph.publishers(topic), *app.graph.subscribers(topic))
+    nodes = {end.node for end in endpoints}
     return len(nodes) == 1 and not app.facts.are_own(nodes)
 
 

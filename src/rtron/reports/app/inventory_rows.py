@@ -133,9 +133,11 @@ def _request_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
     direct = _senders(last)
     senders = join_names(direct, "nobody in this launch")
     behind = (c for c in mover.commands if c.hops and not set(direct).isdisjoint(c.receivers))
-    is_said = any(each.means is Means.TOPIC for each in mover.last_commands)
-    told = "" if is_said else _instructed_by(n for n in _senders(behind) if n not in direct)
-    yield MoverRow(f"{noun} {_names(last)} of {obeyed}, {verb} {senders}{told}")
+    has_topics = any(each.means is Means.TOPIC for each in mover.last_commands)
+    instructed = (
+        "" if has_topics else _instructed_by(n for n in _senders(behind) if n not in direct)
+    )
+    yield MoverRow(f"{noun} {_names(last)} of {obeyed}, {verb} {senders}{instructed}")
 
 
 def _parameter_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:

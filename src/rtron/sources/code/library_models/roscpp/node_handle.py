@@ -68,8 +68,8 @@ def get_param(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -
         return av.FALSE
     if slot is not None:
         before = slot.holder.get(slot.key)
-        kept = before if isinstance(before, av.Scalar) and before.value else found
-        value = tainted_default(kept) if isinstance(found, av.Unknown) else found
+        default = before if isinstance(before, av.Scalar) and before.value else found
+        value = tainted_default(default) if isinstance(found, av.Unknown) else found
         machine.undo_log.set(*slot, value)
     return is_set(found)
 
