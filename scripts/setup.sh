@@ -12,7 +12,7 @@ RUN_PACKAGES=(
   python3-std-msgs python3-tf2-msgs
 )
 TEST_PACKAGES=(
-  chromium-driver chromium-headless-shell fonts-dejavu-core g++ graphviz haproxy libactionlib-dev libgeometry-msgs-dev
+  chromium chromium-driver fonts-dejavu-core g++ graphviz haproxy libactionlib-dev libgeometry-msgs-dev
   libroscpp-dev libstd-msgs-dev make pkg-config postgresql python3-actionlib
 )
 

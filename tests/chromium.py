@@ -1,4 +1,4 @@
-"""Chromium without a window, for the tests of pages: Debian's headless shell, which costs least."""
+"""Debian's Chromium without a window, for the tests of pages."""
 
 import os
 import shutil
@@ -6,8 +6,9 @@ from contextlib import contextmanager
 
 import pytest
 
-CHROMIUM, DRIVER = shutil.which("chromium-headless-shell"), shutil.which("chromedriver")
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 ARGUMENTS = (
+    "--headless=new",
     "--disable-gpu",
     "--disable-dev-shm-usage",
     "--hide-scrollbars",
@@ -21,7 +22,7 @@ ARGUMENTS = (
 def open_chromium(width=1600, height=1000):
     """Yield a browser with a window of so many pixels; skip where there is none."""
     if not (CHROMIUM and DRIVER):
-        pytest.skip("needs Debian's chromium-headless-shell and chromium-driver")
+        pytest.skip("needs Debian's chromium and chromium-driver")
     webdriver = pytest.importorskip("selenium.webdriver", reason="needs Selenium")
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
