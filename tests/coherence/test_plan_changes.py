@@ -140,6 +140,7 @@ ALLOWED = [
     with_monitor(silent_after=5),
     replace(PLAN, leases=(LeaseGroup(name="base", ttl=1, service=list(CommanderRank)[1]),)),
     replace(PLAN, revision=3),
+    replace(PLAN, unguarded=(UnguardedPath(what="/kill", why="a service"),)),
     with_flow(LOCKED_MISSION, priority=7),
     with_msrcn(LOCKED_MISSION, rules=(LOCKED_RULE, *OTHER_RULES)),
 ]
@@ -218,7 +219,6 @@ REFUSED = {
     "incidents: keep": replace(PLAN, incidents=IncidentRecording(keep=0)),
     "messages": replace(PLAN, messages=(MessageDefinition(type="x/Y", definition=""),)),
     "cell": replace(PLAN, cell=("/base",)),
-    "unguarded": replace(PLAN, unguarded=(UnguardedPath(what="/kill", why="a service"),)),
     "accept_unenforceable": replace(PLAN, accept_unenforceable=("/x",)),
 }
 

@@ -6,7 +6,7 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.vocabulary import Mode, UnguardedPath
-from rtron.vocabulary.verification import GuardedPath, PathState, Verification, accepted_paths
+from rtron.vocabulary.verification import GuardedPath, PathState, Verification, unguarded_paths
 
 CLOSED, OPEN, DRIFT, UNKNOWN, NOT_SEEN, ABSENT = PathState
 
@@ -59,5 +59,7 @@ def test_what_is_known_to_be_off_is_absent_unless_it_runs():
 def test_what_the_plan_leaves_unguarded():
     observed = grcn("/seen", ["/a"], ["/b"], mode=Mode.OBSERVE)
     plan = plan_of(observed, grcn("/t", ["/a"], ["/b"]), accept_unenforceable=("/x",))
-    plan = replace(plan, unguarded=(UnguardedPath(what="/kill", why="a service"),))
-    assert [each.what for each in accepted_paths(plan)] == ["/seen", "/kill", "/x"]
+    left = [UnguardedPath(what=what, why="a service") for what in ("/kill", "/t")]
+    running = [UnguardedPath(what=what, why="is a service") for what in ("/kill", "/own")]
+    found = unguarded_paths(replace(plan, unguarded=tuple(left)), running)
+    assert [each.what for each in found] == ["/seen", "/kill", "/x", "/own"]

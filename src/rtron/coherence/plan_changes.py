@@ -11,7 +11,7 @@ from dataclasses import fields, is_dataclass, replace
 from rtron.vocabulary import GRCN, MSRCN, RSRCN, EventFlow, Flow, FpsMonitor, LeaseGroup, Plan
 
 _CHANGEABLE: Mapping[type, frozenset[str]] = {
-    Plan: frozenset({"revision"}),
+    Plan: frozenset({"revision", "unguarded"}),
     Flow: frozenset(
         {"priority", "block", "timeout", "silent_after", "on_silence", "on_error", "rank"}
     ),

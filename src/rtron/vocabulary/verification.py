@@ -1,6 +1,6 @@
 """One audit as a result: every planned path, whether it is closed, and who is there beside it."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from rtron.vocabulary.enums import Mode, StringEnum
@@ -81,11 +81,20 @@ def _as_absent(path: GuardedPath, absent: Collection[str]) -> GuardedPath:
     return path
 
 
-def accepted_paths(plan: Plan) -> Iterator[UnguardedPath]:
-    """Yield what the plan itself leaves unguarded."""
-    for stream in build_streams(plan):
+def unguarded_paths(plan: Plan, running: Iterable[UnguardedPath]) -> Iterator[UnguardedPath]:
+    """Yield what the plan itself leaves unguarded, then what `running` nodes offer beside that."""
+    accepted = list(_accepted_paths(plan))
+    yield from accepted
+    known = {each.what for each in accepted}
+    yield from (each for each in running if each.what not in known)
+
+
+def _accepted_paths(plan: Plan) -> Iterator[UnguardedPath]:
+    streams = build_streams(plan)
+    for stream in streams:
         if stream.mode is Mode.OBSERVE:
             yield UnguardedPath(what=stream.topic, why="is only observed: everybody can publish it")
-    yield from plan.unguarded
+    guarded = {stream.topic for stream in streams}
+    yield from (each for each in plan.unguarded if each.what not in guarded)
     for what in plan.accept_unenforceable:
         yield UnguardedPath(what=what, why="cannot be closed, and was accepted")

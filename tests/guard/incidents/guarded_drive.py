@@ -163,7 +163,7 @@ def recorded_drive(folder, plan=None):
     finally:
         link.close()
         loop.close()
-        drive.recorder.stop()
+        drive.recorder.stop(20)
         port.close()
         os.close(config)
         assert drive.recorder.process.poll() == 0, "it ends when the bulk process has"

@@ -55,7 +55,7 @@ class Starter:
 def helper(order):
     helper = HelperProcess(Starter(sys.executable, "-c", CODE), order, "link_program:main")
     yield helper
-    helper.stop()
+    helper.stop(20)
 
 
 def end(helper):
@@ -138,7 +138,7 @@ def watched(order):
         Starter(sys.executable, "-c", CODE), order, "link_program:main", beat=beat
     )
     yield Watched(helper, beat)
-    helper.stop()
+    helper.stop(20)
 
 
 def test_one_that_beats_is_left_alone(watched):
@@ -177,7 +177,7 @@ def test_one_that_is_late_again_and_again_has_longer(watched):
 def test_it_is_told_to_end(helper):
     helper.tick(0)
     wait_for(lambda: handles(Path(f"/proc/{helper.process.pid}/status")), what="its handler")
-    helper.stop()
+    helper.stop(20)
     assert helper.process.returncode == 7
 
 
@@ -185,4 +185,4 @@ def test_a_program_that_cannot_be_started_is_tried_again(order, caplog):
     helper = HelperProcess(Starter("/no/such/program"), order, "link_program:main")
     helper.tick(0)
     assert "rtron-link cannot be started" in caplog.text, "it is called as ps shows it"
-    helper.stop()
+    helper.stop(20)

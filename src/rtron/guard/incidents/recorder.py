@@ -44,7 +44,7 @@ log = logging.getLogger(__name__)
 
 RING_SHARE = 8
 """The ring takes one in so many bytes of what the plan allows."""
-_NICE = 5
+_NICE = 10
 _CHECK_S = 0.25
 _RETRY = 2 * SECOND
 _SAVE_AGAIN = 5 * SECOND

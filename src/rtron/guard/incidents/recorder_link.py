@@ -101,7 +101,7 @@ class RecorderLink:
     def statuses(self) -> list[Status]:
         """Return why incidents are not recorded, or which was saved last, if there is any."""
         problem, saved = self._report
-        if self._loop.now() - self._read_at > _SLOW:
+        if self._channel and self._loop.now() - self._read_at > _SLOW:
             problem = "the recorder reads nothing, its disk may hang"
         if not (problem or saved):
             return []

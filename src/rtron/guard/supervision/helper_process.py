@@ -1,12 +1,15 @@
-"""A process beside the guard: started, started again when it ends or hangs, ended at the end."""
+"""The processes beside the guard: started, again when they end or hang, and ended at its end."""
 
 import logging
 import signal
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 
+from rtron.guard.incidents.recorder_port import RecorderPort
 from rtron.guard.supervision.fork_server import ForkServer
 from rtron.guard.supervision.forked_process import ForkedProcess
-from rtron.guard.supervision.programs import process_name
+from rtron.guard.supervision.guard_config import GuardConfig
+from rtron.guard.supervision.programs import BULK, INCIDENTS, LINK, process_name
 from rtron.guard.supervision.watchdog import HangWatch
 from rtron.guard.system.shared_beat import SharedBeat
 from rtron.vocabulary import SECOND
@@ -16,8 +19,8 @@ log = logging.getLogger(__name__)
 MIN_RESTART_DELAY = SECOND
 """The time before the next start of one that ended soon, ns; it doubles while each does."""
 MAX_RESTART_DELAY = 4 * SECOND
-_STOP_TIMEOUT_S = 10.0
-"""How long a helper may take to deliver or save what waits."""
+_END_S, _LEAST_S = 15.0, 1.0
+"""How long the helpers may take to end together, and each at least; systemd's unit gives 20 s."""
 
 
 class HelperProcess:
@@ -99,10 +102,38 @@ class HelperProcess:
         if self.process and self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)
 
-    def stop(self) -> None:
-        """End it; it has a moment to deliver what waits."""
+    def stop(self, timeout: float) -> None:
+        """End it; it has so long (s) to deliver or save what waits."""
         if self.process is None or self.process.poll() is not None:
             return
         self.process.send_signal(signal.SIGTERM)
-        self.process.wait(_STOP_TIMEOUT_S)
+        self.process.wait(timeout)
         self.process.send_signal(signal.SIGKILL)
+
+
+def make_helpers(
+    server: ForkServer, config: GuardConfig, config_file: int, slot_files: Sequence[int]
+) -> Iterator[HelperProcess]:
+    """Yield what runs beside the guard: a dry run is one process."""
+    if not config.options.get("dry_run"):
+        port = RecorderPort()
+        yield HelperProcess(server, config_file, BULK, files=[port.bulk_side.fileno()])
+        yield HelperProcess(
+            server,
+            config_file,
+            INCIDENTS,
+            files=[port.recorder_side.fileno()],
+            has_plan=False,
+            is_needed=port.has_connection,
+        )
+    if config.options.get("link"):
+        yield HelperProcess(
+            server, config_file, LINK, files=slot_files, beat=SharedBeat.create(), has_plan=False
+        )
+
+
+def stop_helpers(helpers: Sequence[HelperProcess]) -> None:
+    """End them in their order: what the bulk process notes last is recorded and delivered."""
+    until = time.monotonic() + _END_S
+    for helper in helpers:
+        helper.stop(max(_LEAST_S, until - time.monotonic()))

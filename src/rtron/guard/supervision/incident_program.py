@@ -8,14 +8,16 @@ from rtron.guard.incidents.recorder_port import accept
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.programs import leave_terminal, open_descriptors
+from rtron.guard.system.process_attributes import outlive_parent
 
 
 def main(numbers: str) -> None:
     """Record what comes over the connection that waits at the port, until that ends.
 
-    It hears no SIGTERM: what the bulk process has noted last is still saved.
+    It hears no SIGTERM, and outlives the fork server: what was noted last is still saved.
     """
     leave_terminal()
+    outlive_parent()
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     config_file, port = open_descriptors(numbers)
     start_logging(read_config(config_file).log_level, "incidents")

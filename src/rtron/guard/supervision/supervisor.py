@@ -4,13 +4,12 @@ import json
 import logging
 import os
 import signal
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from functools import partial
 
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
-from rtron.guard.incidents.recorder_port import RecorderPort
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.fork_server import ForkServer
 from rtron.guard.supervision.forked_process import START_FAILED, UNKNOWN_END
@@ -22,16 +21,10 @@ from rtron.guard.supervision.guard_name import (
     take_name,
 )
 from rtron.guard.supervision.guard_process import GuardProcess, spawn_guard
-from rtron.guard.supervision.helper_process import HelperProcess
+from rtron.guard.supervision.helper_process import make_helpers, stop_helpers
 from rtron.guard.supervision.intrusion_file import intrusion_file
 from rtron.guard.supervision.plan_trial import PlanTrial, make_plan_slot
-from rtron.guard.supervision.programs import (
-    BULK,
-    INCIDENTS,
-    JOB_CONTROL_SIGNALS,
-    LINK,
-    TERMINATION_SIGNALS,
-)
+from rtron.guard.supervision.programs import JOB_CONTROL_SIGNALS, TERMINATION_SIGNALS
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.stream_brakes import StreamBrakes
 from rtron.guard.supervision.supervisor_fsm import (
@@ -43,7 +36,6 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorFsm,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
-from rtron.guard.system.shared_beat import SharedBeat
 from rtron.guard.transport.factory import open_transport
 from rtron.vocabulary import SECOND
 from rtron.wire.common.systemd import take_notifier
@@ -93,7 +85,7 @@ class Supervisor:
         self._delay = SchedulingDelay(loop.now())
         self._delivery = DeliveryWatch(self._transport, loop.now())
         self._fsm = SupervisorFsm(loop.now(), config.plan.supervision)
-        self._helpers = list(_helpers(server, config, config_file, self._plan_trial.slot_files))
+        self._helpers = list(make_helpers(server, config, config_file, self._plan_trial.slot_files))
         self._spare: GuardProcess | None = None
         self._spare_due = 0
         self._is_spare_ready = False
@@ -115,8 +107,7 @@ class Supervisor:
         self._loop.run()
         if self._spare:
             self._spare.discard()
-        for helper in self._helpers:
-            helper.stop()
+        stop_helpers(self._helpers)
         if self._intrusions:
             self._intrusions.finish(_SAVE_S)
         self._transport.close()
@@ -369,27 +360,6 @@ class Supervisor:
 def _plan_trial(config: GuardConfig, config_file: int) -> PlanTrial:
     link = config.options.get("link")
     return PlanTrial(config_file, make_plan_slot() if link and link.plans else None)
-
-
-def _helpers(
-    server: ForkServer, config: GuardConfig, config_file: int, slot_files: Sequence[int]
-) -> Iterator[HelperProcess]:
-    """Yield what runs beside the guard: a dry run is one process."""
-    if not config.options.get("dry_run"):
-        port = RecorderPort()
-        yield HelperProcess(server, config_file, BULK, files=[port.bulk_side.fileno()])
-        yield HelperProcess(
-            server,
-            config_file,
-            INCIDENTS,
-            files=[port.recorder_side.fileno()],
-            has_plan=False,
-            is_needed=port.has_connection,
-        )
-    if config.options.get("link"):
-        yield HelperProcess(
-            server, config_file, LINK, files=slot_files, beat=SharedBeat.create(), has_plan=False
-        )
 
 
 def _exit_text(code: int) -> str:

@@ -16,7 +16,7 @@ from rtron.guard.audit.ros1.foreign_connections import (
 )
 from rtron.guard.audit.ros1.registrations import MasterRegistrations, foreign_publisher_alarms
 from rtron.vocabulary import GUARD_NODE, Plan, TopicAccess, UnguardedPath, matches_node
-from rtron.vocabulary.verification import GuardedPath, PathState, Verification, accepted_paths
+from rtron.vocabulary.verification import GuardedPath, PathState, Verification, unguarded_paths
 from rtron.wire.ros1.ros_api import BusConnection, NamedNode
 
 _LOGGERS = ("/get_loggers", "/set_logger_level")
@@ -51,7 +51,7 @@ def verify(plan: Plan, answers: ApiAnswers) -> Verification:
     return Verification(
         paths=(*_output_paths(expected, answers, addresses), *_input_paths(expected, answers)),
         problems=tuple(_problems(expected, answers)),
-        unguarded=tuple(_unguarded(plan, expected, answers)),
+        unguarded=tuple(unguarded_paths(plan, _unguarded(expected, answers))),
     )
 
 
@@ -206,8 +206,7 @@ def _impostors(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[str]:
             yield f"{node} is no node of the guard: another process has taken its name"
 
 
-def _unguarded(plan: Plan, expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[UnguardedPath]:
-    yield from accepted_paths(plan)
+def _unguarded(expected: ExpectedGraph, answers: ApiAnswers) -> Iterator[UnguardedPath]:
     for service, node in answers.services:
         if expected.audited_topics(node) and not service.endswith(_LOGGERS):
             is_parameter_service = service.endswith(_PARAMETERS)

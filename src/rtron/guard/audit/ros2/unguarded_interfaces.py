@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtron.vocabulary import PRIVATE_ROOT, Plan, Service, UnguardedPath
-from rtron.vocabulary.verification import accepted_paths
+from rtron.vocabulary.verification import unguarded_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,9 +47,9 @@ def unguarded_interfaces(
     plan: Plan, expected: ExpectedGraph, observed: ObservedGraph
 ) -> Iterator[UnguardedPath]:
     """Yield what the plan lets be or cannot reach, then what the running nodes offer."""
-    yield from accepted_paths(plan)
-    for service in sorted(set(observed.services), key=lambda each: (each.name, each.node)):
-        yield from _unguarded_service(expected, service)
+    services = sorted(set(observed.services), key=lambda each: (each.name, each.node))
+    running = (path for each in services for path in _unguarded_service(expected, each))
+    yield from unguarded_paths(plan, running)
 
 
 def _unguarded_service(expected: ExpectedGraph, service: Service) -> Iterator[UnguardedPath]:
