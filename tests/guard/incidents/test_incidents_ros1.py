@@ -56,10 +56,14 @@ class LimitedBase:
         found = re.findall(rf"{process} is there, process (\d+)", self.guard.log)
         return int(found[-1])
 
+    @property
+    def fork_server(self):
+        stat = Path(f"/proc/{self.pid_of('the bulk process')}/stat").read_text()
+        return int(stat.rpartition(")")[2].split()[1])
+
     def recorders(self):
         """Return the processes that record, which the guard's fork server has started."""
-        stat = Path(f"/proc/{self.pid_of('the bulk process')}/stat").read_text()
-        server = stat.rpartition(")")[2].split()[1]
+        server = self.fork_server
         forks = map(int, Path(f"/proc/{server}/task/{server}/children").read_text().split())
         name = process_name(programs.INCIDENTS)
         return [pid for pid in forks if Path(f"/proc/{pid}/comm").read_text().strip() == name]
@@ -127,6 +131,15 @@ def test_a_guard_that_ends_leaves_no_recorder_behind(ros1):
     assert not lives(recorder)
     check_limited_drive(wait_for_incident(base.app), 1, "/teleop")
     start_guard(ros1, speed_plan(base.app), CMD_VEL_GUARD)
+
+
+@pytest.mark.long
+def test_what_has_begun_is_saved_where_all_that_was_forked_is_killed(ros1):
+    base = LimitedBase(ros1, "incident_forks", after=60 * SECOND)
+    base.drive()
+    assert base.recorders()
+    os.kill(base.fork_server, signal.SIGKILL)
+    check_limited_drive(wait_for_incident(base.app), 1, "/teleop")
 
 
 @pytest.mark.long
