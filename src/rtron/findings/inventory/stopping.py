@@ -29,7 +29,7 @@ _KNOWN = {
     "gazebo_plugins": (Stops.NO, "Gazebo's plugin keeps the last command"),
     "ros_gz_bridge": (Stops.NO, "Gazebo keeps the last command"),
     "stage_ros": (Stops.YES, "watchdog_timeout, by default 0.2 s"),
-    "mavros": (Stops.YES, "the autopilot's own failsafe"),
+    "mavros": (Stops.UNKNOWN, "the settings of the autopilot's failsafe decide"),
 }
 """What is documented of drivers: control.ros.org, wiki.ros.org, or their own source."""
 
