@@ -29,6 +29,7 @@ def move_group(prefix):
         ("import moveit_commander\nmoveit_commander.MoveGroupCommander('arm').go()", "/ns"),
         ("from moveit_commander import *\ng = MoveGroupCommander('arm', ns='/robot')", "/robot"),
         ("from moveit_commander.move_group import MoveGroupCommander as M\nM('arm')", "/ns"),
+        ("import moveit_commander as m\nr = m.RobotCommander()\nr.get_group('arm').go()", "/ns"),
     ],
 )
 def test_the_commander_of_python_is_a_client(body, prefix):

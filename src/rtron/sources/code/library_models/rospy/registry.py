@@ -10,6 +10,7 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.exceptions import is_caught
 from rtron.sources.code.library_models.common.transforms import BROADCASTERS
 from rtron.sources.code.library_models.common.trivial_functions import (
+    making,
     return_none,
     returning_unknown,
 )
@@ -168,6 +169,11 @@ def _make_move_group_client(machine: AbstractMachine, _: object, arguments: Argu
     return av.Instance(_ENDPOINT)
 
 
+_ROBOT = av.LibraryClass(
+    "moveit_commander.RobotCommander", methods={"get_group": _make_move_group_client}
+)
+
+
 def _make_planning_scene(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     """`PlanningSceneInterface(ns)` publishes what stands around the robot, or is in its hand."""
     namespace = names.resolve_name(machine, arguments.get(0, "ns") or av.Scalar(""))
@@ -252,6 +258,7 @@ _CALLS: dict[str, RospyFunction] = {
     ),
     "bondpy.Bond": _declare_bond,
     "moveit_commander.MoveGroupCommander": _make_move_group_client,
+    "moveit_commander.RobotCommander": making(_ROBOT),
     "moveit_commander.PlanningSceneInterface": _make_planning_scene,
 }
 ROSPY: dict[str, av.Value] = {
