@@ -31,6 +31,7 @@ from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.reachability import methods, reachable_functions, unknown_bases
 from rtron.sources.code.repeated_message import (
     dependent_nodes,
+    find_outputs,
     find_repetition,
     is_cleared_by,
     is_compared,
@@ -155,6 +156,7 @@ class _Program:
     ) -> LastMessageUse | None:
         """Return the first test of a time that was stored, rather one that stops something."""
         found: LastMessageUse | None = None
+        outputs = find_outputs(self.codes, stored) if times else frozenset()
         verdicts = {
             each.function.name.rpartition("::")[2]
             for each in codes
@@ -166,7 +168,7 @@ class _Program:
                 if not _is_about(test.condition, names, flags | verdicts):
                     continue
                 at = Evidence(file=code.function.file, line=test.line or code.function.line)
-                stops = self._stops(code, test, stored)
+                stops = self._stops(code, test, stored, outputs)
                 fate = LastMessageFate.STOPPED if stops else LastMessageFate.CHECKED
                 seconds = _limit(test.condition, names)
                 if found is None or stops:
@@ -175,7 +177,9 @@ class _Program:
                     return found
         return found
 
-    def _stops(self, code: FunctionSteps, test: Test, stored: set[str]) -> bool:
+    def _stops(
+        self, code: FunctionSteps, test: Test, stored: set[str], outputs: frozenset[str]
+    ) -> bool:
         """Return whether what depends on a test, or what it leaves at zero, stops something."""
         sent = _sent_names(code, stored)
         zeros = {name for name, value in (*code.locals, *code.members) if is_zero(value)} & sent
@@ -183,21 +187,16 @@ class _Program:
         steps = [n for n in in_branches if isinstance(n, (Assign, Evaluate))]
         for node in steps:
             left_at_zero = any(last_name(t) in zeros for t, _ in assignments(node))
-            if left_at_zero or is_stop(node, sent, self._outputs):
+            if left_at_zero or is_stop(node, sent, outputs):
                 return True
         called = {last_name(n.function) for n in in_branches if isinstance(n, Call)}
         helpers = (f for name in called for f in self.machine.runtime.functions_named(name))
         codes = [self._code(helper) for helper in islice(helpers, _MAX_REACHED)]
         return any(
-            is_stop(node, _sent_names(each, stored), self._outputs)
+            is_stop(node, _sent_names(each, stored), outputs)
             for each in codes
             for node in ir_nodes(each.function.body)
         )
-
-    @cached_property
-    def _outputs(self) -> frozenset[str]:
-        """The names of what is called for its effect, here or there with more than constants."""
-        return frozenset().union(*(each.outputs for each in self.codes))
 
     def _may_base_watch(self, callbacks: list[Function]) -> bool:
         """Return whether callbacks are methods of a class with a base that is not read."""

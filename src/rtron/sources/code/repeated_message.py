@@ -6,9 +6,11 @@ from typing import Any, NamedTuple
 
 from rtron.sources.code.function_steps import (
     ADDING,
+    SELF,
     FunctionSteps,
     Test,
     assignments,
+    given,
     is_constant,
     is_log,
     is_zero,
@@ -172,6 +174,32 @@ def dependent_nodes(code: FunctionSteps, names: set[str]) -> list[Any]:
     """Return what a function does only where a test of names says so."""
     tests = (test for test in code.tests if mentioned_names(test.condition) & names)
     return [node for test in tests for node in ir_nodes(test.branches)]
+
+
+def find_outputs(codes: list[FunctionSteps], stored: set[str]) -> frozenset[str]:
+    """Return the names of what is called for its effect with what functions make of stored values.
+
+    What a function is given may be made of them, too. Who passes it on is an output as well.
+    """
+    outputs = {"publish"}
+    names = _kept_values(codes, stored)
+    for code in codes:
+        params = {param.name for param in code.function.params} - SELF
+        made = made_of(code, names | params)
+        fed = {last_name(c.function) for c in code.done if mentioned_names(given(c)) & made}
+        outputs |= fed | ({_name(code)} if fed else set())
+    return frozenset(outputs)
+
+
+def _kept_values(codes: list[FunctionSteps], stored: set[str]) -> set[str]:
+    """Return names of values that were stored, and of the members that functions make of them."""
+    names, before = set(stored), -1
+    while len(names) > before:
+        before = len(names)
+        for code in codes:
+            if mentioned_names(code.function.body) & names:
+                names |= made_of(code, names) & {name for name, _ in code.members}
+    return names
 
 
 def is_cleared_by(code: FunctionSteps, stored: set[str]) -> bool:
