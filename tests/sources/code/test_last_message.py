@@ -47,6 +47,9 @@ class Base:
     def pace(self):
         return self.speed / (time.monotonic() - self.last)
 
+    def stop_base(self):
+        rospy.logwarn('too late')
+
     def off(self):
         self.motor.write(0)
 
@@ -76,6 +79,7 @@ KEEP = "self.speed = message.linear.x"
 KEEP_WITH_TIME = f"{KEEP}; self.last = now"
 STOP_IN_CALLBACK = f"if now - self.last > 1:\n    self.speed = 0.0\n{KEEP_WITH_TIME}"
 TAKEN = "if self.speed:\n    self.drive(self.speed)\n    self.last = now{}"
+OLD = "speed = 0.0 if age > 1 else self.cmd.speed\nself.drive(speed)"
 LATE = "\nif now - self.last > 2: self.off()"
 COUNTED = "if self.ticks != self.seen: self.out.publish(self.speed)"
 KEEP_CPP = "speed_ = message.linear.x;"
@@ -223,6 +227,12 @@ def told(found):
         (KEEP_WITH_TIME, f"{SUM}\nif now - self.last > 1: self.sum = 0", *CHECKED_AT_1),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.led.write(0)", *CHECKED_AT_1),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.old.pop(0)", *CHECKED_AT_1),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.stop_base()", *CHECKED_AT_1),
+        (f"{KEEP}\nself.seen = self.ticks", f"self.ticks += 1\n{COUNTED}", *CHECKED),
+        (f"{KEEP}\nself.seen = self.ticks", "self.ticks += 1\nself.drive(self.speed)", *NOT),
+        ("self.cmd = message", f"age = now - self.cmd.stamp\n{OLD}", *CHECKED),
+        ("self.cmd = message", f"age = now - self.scan.stamp\n{OLD}", *NOT),
+        ("self.cmd = message", f"age = self.limit - self.cmd.speed\n{OLD}", *NOT),
         (
             KEEP_WITH_TIME,
             "if now - self.last > 1: self.port.seek(0)\nself.port.seek(self.limit)",

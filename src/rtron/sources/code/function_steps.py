@@ -221,3 +221,8 @@ def _words(name: str) -> list[str]:
 def is_log(call: Call) -> bool:
     """Return whether a call only tells people something."""
     return bool(_LOGGING.fullmatch(last_name(call.function)))
+
+
+def is_logger(call: Call) -> bool:
+    """Return whether a call returns what logs."""
+    return snake_case(last_name(call.function)) == "get_logger"

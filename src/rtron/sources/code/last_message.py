@@ -19,6 +19,7 @@ from rtron.sources.code.function_steps import (
     assignments,
     is_comparison,
     is_log,
+    is_logger,
     is_stop,
     is_zero,
     last_name,
@@ -116,6 +117,7 @@ class _Program:
             evidence = (place, *found.evidence)
             return replace(found, fate=LastMessageFate.CHECKED, evidence=evidence)
         is_watched = may_be_watched(reached, others) or self._may_base_watch(callbacks)
+        is_watched |= any(_tests_stamp(each, stored) for each in others)
         if is_watched or self._is_marked(reached, others):
             return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
         repetition = find_repetition(stored, reached, beside)
@@ -187,7 +189,7 @@ class _Program:
         steps = [n for n in in_branches if isinstance(n, (Assign, Evaluate))]
         for node in steps:
             left_at_zero = any(last_name(t) in zeros for t, _ in assignments(node))
-            if left_at_zero or is_stop(node, sent, outputs):
+            if left_at_zero or (is_stop(node, sent, outputs) and not self._only_logs(node)):
                 return True
         called = {last_name(n.function) for n in in_branches if isinstance(n, Call)}
         helpers = (f for name in called for f in self.machine.runtime.functions_named(name))
@@ -197,6 +199,15 @@ class _Program:
             for each in codes
             for node in ir_nodes(each.function.body)
         )
+
+    def _only_logs(self, node: object) -> bool:
+        """Return whether a step calls functions of the program that all do nothing but log."""
+        if not isinstance(node, Evaluate) or not isinstance(node.value, Call):
+            return False
+        named = list(self.machine.runtime.functions_named(last_name(node.value.function)))
+        codes = [self._code(each) for each in named]
+        logs = all(is_log(c) or is_logger(c) for each in codes for c in each.calls)
+        return bool(codes) and logs and not any(each.members for each in codes)
 
     def _may_base_watch(self, callbacks: list[Function]) -> bool:
         """Return whether callbacks are methods of a class with a base that is not read."""
@@ -268,6 +279,16 @@ def _aliases(code: FunctionSteps, times: set[str]) -> tuple[frozenset[str], froz
             is_verdict = any(is_comparison(node) for node in ir_nodes(value))
             (flags if is_verdict else names).add(name)
     return frozenset(names), frozenset(flags)
+
+
+def _tests_stamp(code: FunctionSteps, stored: set[str]) -> bool:
+    """Return whether a function compares the stamp of a message that was stored with now."""
+    values = [value for _, value in code.locals] + [test.condition for test in code.tests]
+    clocks = (CLOCKS | code.clocks) - {"stamp"}
+    is_read = any({"stamp"} & mentioned_names(v) and stored & mentioned_names(v) for v in values)
+    is_read &= bool(clocks & mentioned_names(code.function.body))
+    names, flags = _aliases(code, {"stamp"}) if is_read else (frozenset(), frozenset())
+    return any(_is_about(test.condition, names, flags) for test in code.tests)
 
 
 def _sent_names(code: FunctionSteps, stored: set[str]) -> frozenset[str]:

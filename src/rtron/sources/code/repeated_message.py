@@ -69,7 +69,8 @@ def _reads(code: FunctionSteps, stored: set[str]) -> bool:
 
 def is_counted(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
     """Return whether somebody tests a number that counts messages, or the time without them."""
-    written = {name for each in reached for name, _ in each.members}
+    pairs = [pair for each in reached for pair in each.members]
+    written = {name for name, _ in pairs} | {last_name(value) for _, value in pairs}
     counters = {
         name
         for each in (*reached, *others)
