@@ -56,6 +56,8 @@ _STATES = re.compile(
 """Types of what is measured or shown: no command."""
 _ORDERS = re.compile(r"cmd|command|target|desired|goal|set_?point|reference", re.IGNORECASE)
 """Words in the names of topics that command, also where their type tells what was measured."""
+_STEERING = re.compile(r"steer|angle|servo", re.IGNORECASE)
+"""Words in the names of values that move no vehicle whose speed is zero."""
 _HEADERS = (".h", ".hh", ".hpp", ".hxx", ".inl")
 _STANDARD = frozenset({"object", *sys.stdlib_module_names})
 """Where classes are from that know nothing of messages."""
@@ -184,8 +186,9 @@ class _Program:
     ) -> bool:
         """Return whether what depends on a test, or what it leaves at zero, stops something."""
         sent = _sent_names(code, stored)
-        zeros = {name for name, value in (*code.locals, *code.members) if is_zero(value)} & sent
         in_branches = list(ir_nodes(test.branches))
+        sent -= _zeroed_in_part(in_branches, stored, self.codes)
+        zeros = {name for name, value in (*code.locals, *code.members) if is_zero(value)} & sent
         steps = [n for n in in_branches if isinstance(n, (Assign, Evaluate))]
         for node in steps:
             left_at_zero = any(last_name(t) in zeros for t, _ in assignments(node))
@@ -279,6 +282,18 @@ def _aliases(code: FunctionSteps, times: set[str]) -> tuple[frozenset[str], froz
             is_verdict = any(is_comparison(node) for node in ir_nodes(value))
             (flags if is_verdict else names).add(name)
     return frozenset(names), frozenset(flags)
+
+
+def _zeroed_in_part(nodes: list[object], stored: set[str], codes: list[FunctionSteps]) -> set[str]:
+    """Return the stored names that steps set to zero, if these go out with others that stay."""
+    pairs = [pair for node in nodes for pair in assignments(node)]
+    changed = set[str]().union(*(mentioned_names(target) for target, _ in pairs)) & stored
+    zeroed = {name for t, v in pairs if is_zero(v) for name in mentioned_names(t)} & stored
+    staying = {name for name in stored - changed if not _STEERING.search(name)}
+    values = [c.args for each in codes for c in each.calls if not is_log(c)]
+    values += [(value,) for each in codes for _, value in each.locals]
+    is_part = any(mentioned_names(v) & zeroed and mentioned_names(v) & staying for v in values)
+    return zeroed if zeroed and is_part else set()
 
 
 def _tests_stamp(code: FunctionSteps, stored: set[str]) -> bool:
