@@ -47,6 +47,9 @@ class Base:
     def pace(self):
         return self.speed / (time.monotonic() - self.last)
 
+    def stop_base(self):
+        rospy.logwarn('too late')
+
     def off(self):
         self.motor.write(0)
 
@@ -74,8 +77,12 @@ CHECKED_AT_1, LATER = ("checked", 1.0), ("stopped", None)
 SUM = "self.sum += self.speed\nself.drive(self.speed + self.sum)"
 KEEP = "self.speed = message.linear.x"
 KEEP_WITH_TIME = f"{KEEP}; self.last = now"
+BOTH = f"self.turn = message.angular.z; {KEEP_WITH_TIME}"
+DRIVE_BOTH = "self.drive([self.speed, self.turn])"
+STILL = "if now - self.last > 1: self.speed = 0\n"
 STOP_IN_CALLBACK = f"if now - self.last > 1:\n    self.speed = 0.0\n{KEEP_WITH_TIME}"
 TAKEN = "if self.speed:\n    self.drive(self.speed)\n    self.last = now{}"
+OLD = "speed = 0.0 if age > 1 else self.cmd.speed\nself.drive(speed)"
 LATE = "\nif now - self.last > 2: self.off()"
 COUNTED = "if self.ticks != self.seen: self.out.publish(self.speed)"
 KEEP_CPP = "speed_ = message.linear.x;"
@@ -223,6 +230,27 @@ def told(found):
         (KEEP_WITH_TIME, f"{SUM}\nif now - self.last > 1: self.sum = 0", *CHECKED_AT_1),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.led.write(0)", *CHECKED_AT_1),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.old.pop(0)", *CHECKED_AT_1),
+        (BOTH, f"if now - self.last > 1: self.turn = 0\n{DRIVE_BOTH}", *CHECKED_AT_1),
+        (BOTH, f"if now - self.last > 1: self.turn = self.speed = 0\n{DRIVE_BOTH}", *STOPPED),
+        (BOTH, "if now - self.last > 1: self.turn = 0\nself.drive(self.turn)", *STOPPED),
+        (BOTH.replace("turn", "angle"), f"{STILL}{DRIVE_BOTH.replace('turn', 'angle')}", *STOPPED),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.stop_base()", *CHECKED_AT_1),
+        (f"{KEEP}\nself.seen = self.ticks", f"self.ticks += 1\n{COUNTED}", *CHECKED),
+        (f"{KEEP}\nself.seen = self.ticks", "self.ticks += 1\nself.drive(self.speed)", *NOT),
+        ("self.cmd = message", f"age = now - self.cmd.stamp\n{OLD}", *CHECKED),
+        ("self.cmd = message", f"age = now - self.scan.stamp\n{OLD}", *NOT),
+        ("self.cmd = message", f"age = self.limit - self.cmd.speed\n{OLD}", *NOT),
+        (
+            KEEP_WITH_TIME,
+            "if now - self.last > 1: self.port.seek(0)\nself.port.seek(self.limit)",
+            *CHECKED_AT_1,
+        ),
+        (KEEP_WITH_TIME, "if now - self.last > 1: self.pace(self.limit, 0)", *CHECKED_AT_1),
+        (
+            KEEP_WITH_TIME,
+            "self.want = self.speed\nself.go_on(self.want)\nif now - self.last > 1: self.go_on(0)",
+            *STOPPED,
+        ),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.last = rospy.Time(0)", *CHECKED_AT_1),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.out.publish(Float32(0))", *STOPPED),
         (KEEP_WITH_TIME, "if now - self.last > 1: self.motor.write(left=0)", *STOPPED),
@@ -257,6 +285,12 @@ def test_in_python(callback, timer, fate, seconds):
             None,
         ),
         (KEEP_WITH_TIME_CPP, "if ((now() - last_).seconds() > 0.5) return;", "checked", 0.5),
+        (KEEP_WITH_TIME_CPP, "if (now() - last_ > 1.0) tcflush(fd_, 0);", *CHECKED_AT_1),
+        (
+            f"turn_ = message.angular.z; {KEEP_WITH_TIME_CPP}",
+            "if (now() - last_ > 1.0) { turn_ = 0; } double both[2] = {speed_, turn_}; send(both);",
+            *CHECKED_AT_1,
+        ),
         (f"{KEEP_CPP} watchdog_timer_->reset();", "", "checked", None),
         (f"{KEEP_CPP} fresh_ = true;", "if (!fresh_) return; fresh_ = false;", "checked", None),
         (KEEP_CPP, "out_->publish(speed_);", "repeated", None),

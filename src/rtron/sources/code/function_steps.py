@@ -74,8 +74,7 @@ class FunctionSteps:
     """What a function does, as far as it matters here; `members` outlive its call.
 
     `marks` are the constants that it writes to members, or into them, `clocks` the names of the
-    program's own functions that tell the time, `outputs` of what is called for its effect alone
-    with more than constants, and of the function that does so.
+    program's own functions that tell the time, `done` what is called for its effect alone.
     """
 
     def __init__(
@@ -91,9 +90,9 @@ class FunctionSteps:
         self.tests = [test for node in nodes if (test := _test(node))]
         self.returned = [n.value for n in nodes if isinstance(n, Return) and n.value is not None]
         self.calls = [n for n in nodes if isinstance(n, Call)]
-        done = [n.value for n in nodes if isinstance(n, Evaluate) and isinstance(n.value, Call)]
-        self.outputs = {last_name(c.function) for c in done if any(map(mentioned_names, given(c)))}
-        self.outputs |= {function.name.rpartition("::")[2]} if self.outputs else set()
+        self.done = [
+            n.value for n in nodes if isinstance(n, Evaluate) and isinstance(n.value, Call)
+        ]
         loops = [part for n in nodes if isinstance(n, While) for part in ir_nodes(n.body)]
         self.loop_calls = {last_name(n.function) for n in loops if isinstance(n, Call)}
         self.members: list[tuple[str, Expr]] = []
@@ -222,3 +221,8 @@ def _words(name: str) -> list[str]:
 def is_log(call: Call) -> bool:
     """Return whether a call only tells people something."""
     return bool(_LOGGING.fullmatch(last_name(call.function)))
+
+
+def is_logger(call: Call) -> bool:
+    """Return whether a call returns what logs."""
+    return snake_case(last_name(call.function)) == "get_logger"

@@ -19,6 +19,7 @@ from rtron.sources.code.function_steps import (
     assignments,
     is_comparison,
     is_log,
+    is_logger,
     is_stop,
     is_zero,
     last_name,
@@ -31,6 +32,7 @@ from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.reachability import methods, reachable_functions, unknown_bases
 from rtron.sources.code.repeated_message import (
     dependent_nodes,
+    find_outputs,
     find_repetition,
     is_cleared_by,
     is_compared,
@@ -54,6 +56,8 @@ _STATES = re.compile(
 """Types of what is measured or shown: no command."""
 _ORDERS = re.compile(r"cmd|command|target|desired|goal|set_?point|reference", re.IGNORECASE)
 """Words in the names of topics that command, also where their type tells what was measured."""
+_STEERING = re.compile(r"steer|angle|servo", re.IGNORECASE)
+"""Words in the names of values that move no vehicle whose speed is zero."""
 _HEADERS = (".h", ".hh", ".hpp", ".hxx", ".inl")
 _STANDARD = frozenset({"object", *sys.stdlib_module_names})
 """Where classes are from that know nothing of messages."""
@@ -115,6 +119,7 @@ class _Program:
             evidence = (place, *found.evidence)
             return replace(found, fate=LastMessageFate.CHECKED, evidence=evidence)
         is_watched = may_be_watched(reached, others) or self._may_base_watch(callbacks)
+        is_watched |= any(_tests_stamp(each, stored) for each in others)
         if is_watched or self._is_marked(reached, others):
             return LastMessageUse(fate=LastMessageFate.CHECKED, evidence=(place,))
         repetition = find_repetition(stored, reached, beside)
@@ -155,6 +160,7 @@ class _Program:
     ) -> LastMessageUse | None:
         """Return the first test of a time that was stored, rather one that stops something."""
         found: LastMessageUse | None = None
+        outputs = find_outputs(self.codes, stored) if times else frozenset()
         verdicts = {
             each.function.name.rpartition("::")[2]
             for each in codes
@@ -166,7 +172,7 @@ class _Program:
                 if not _is_about(test.condition, names, flags | verdicts):
                     continue
                 at = Evidence(file=code.function.file, line=test.line or code.function.line)
-                stops = self._stops(code, test, stored)
+                stops = self._stops(code, test, stored, outputs)
                 fate = LastMessageFate.STOPPED if stops else LastMessageFate.CHECKED
                 seconds = _limit(test.condition, names)
                 if found is None or stops:
@@ -175,29 +181,36 @@ class _Program:
                     return found
         return found
 
-    def _stops(self, code: FunctionSteps, test: Test, stored: set[str]) -> bool:
+    def _stops(
+        self, code: FunctionSteps, test: Test, stored: set[str], outputs: frozenset[str]
+    ) -> bool:
         """Return whether what depends on a test, or what it leaves at zero, stops something."""
         sent = _sent_names(code, stored)
-        zeros = {name for name, value in (*code.locals, *code.members) if is_zero(value)} & sent
         in_branches = list(ir_nodes(test.branches))
+        sent -= _zeroed_in_part(in_branches, stored, self.codes)
+        zeros = {name for name, value in (*code.locals, *code.members) if is_zero(value)} & sent
         steps = [n for n in in_branches if isinstance(n, (Assign, Evaluate))]
         for node in steps:
             left_at_zero = any(last_name(t) in zeros for t, _ in assignments(node))
-            if left_at_zero or is_stop(node, sent, self._outputs):
+            if left_at_zero or (is_stop(node, sent, outputs) and not self._only_logs(node)):
                 return True
         called = {last_name(n.function) for n in in_branches if isinstance(n, Call)}
         helpers = (f for name in called for f in self.machine.runtime.functions_named(name))
         codes = [self._code(helper) for helper in islice(helpers, _MAX_REACHED)]
         return any(
-            is_stop(node, _sent_names(each, stored), self._outputs)
+            is_stop(node, _sent_names(each, stored), outputs)
             for each in codes
             for node in ir_nodes(each.function.body)
         )
 
-    @cached_property
-    def _outputs(self) -> frozenset[str]:
-        """The names of what is called for its effect, here or there with more than constants."""
-        return frozenset().union(*(each.outputs for each in self.codes))
+    def _only_logs(self, node: object) -> bool:
+        """Return whether a step calls functions of the program that all do nothing but log."""
+        if not isinstance(node, Evaluate) or not isinstance(node.value, Call):
+            return False
+        named = list(self.machine.runtime.functions_named(last_name(node.value.function)))
+        codes = [self._code(each) for each in named]
+        logs = all(is_log(c) or is_logger(c) for each in codes for c in each.calls)
+        return bool(codes) and logs and not any(each.members for each in codes)
 
     def _may_base_watch(self, callbacks: list[Function]) -> bool:
         """Return whether callbacks are methods of a class with a base that is not read."""
@@ -269,6 +282,28 @@ def _aliases(code: FunctionSteps, times: set[str]) -> tuple[frozenset[str], froz
             is_verdict = any(is_comparison(node) for node in ir_nodes(value))
             (flags if is_verdict else names).add(name)
     return frozenset(names), frozenset(flags)
+
+
+def _zeroed_in_part(nodes: list[object], stored: set[str], codes: list[FunctionSteps]) -> set[str]:
+    """Return the stored names that steps set to zero, if these go out with others that stay."""
+    pairs = [pair for node in nodes for pair in assignments(node)]
+    changed = set[str]().union(*(mentioned_names(target) for target, _ in pairs)) & stored
+    zeroed = {name for t, v in pairs if is_zero(v) for name in mentioned_names(t)} & stored
+    staying = {name for name in stored - changed if not _STEERING.search(name)}
+    values = [c.args for each in codes for c in each.calls if not is_log(c)]
+    values += [(value,) for each in codes for _, value in each.locals]
+    is_part = any(mentioned_names(v) & zeroed and mentioned_names(v) & staying for v in values)
+    return zeroed if zeroed and is_part else set()
+
+
+def _tests_stamp(code: FunctionSteps, stored: set[str]) -> bool:
+    """Return whether a function compares the stamp of a message that was stored with now."""
+    values = [value for _, value in code.locals] + [test.condition for test in code.tests]
+    clocks = (CLOCKS | code.clocks) - {"stamp"}
+    is_read = any({"stamp"} & mentioned_names(v) and stored & mentioned_names(v) for v in values)
+    is_read &= bool(clocks & mentioned_names(code.function.body))
+    names, flags = _aliases(code, {"stamp"}) if is_read else (frozenset(), frozenset())
+    return any(_is_about(test.condition, names, flags) for test in code.tests)
 
 
 def _sent_names(code: FunctionSteps, stored: set[str]) -> frozenset[str]:

@@ -6,9 +6,11 @@ from typing import Any, NamedTuple
 
 from rtron.sources.code.function_steps import (
     ADDING,
+    SELF,
     FunctionSteps,
     Test,
     assignments,
+    given,
     is_constant,
     is_log,
     is_zero,
@@ -67,7 +69,8 @@ def _reads(code: FunctionSteps, stored: set[str]) -> bool:
 
 def is_counted(reached: list[FunctionSteps], others: list[FunctionSteps]) -> bool:
     """Return whether somebody tests a number that counts messages, or the time without them."""
-    written = {name for each in reached for name, _ in each.members}
+    pairs = [pair for each in reached for pair in each.members]
+    written = {name for name, _ in pairs} | {last_name(value) for _, value in pairs}
     counters = {
         name
         for each in (*reached, *others)
@@ -172,6 +175,32 @@ def dependent_nodes(code: FunctionSteps, names: set[str]) -> list[Any]:
     """Return what a function does only where a test of names says so."""
     tests = (test for test in code.tests if mentioned_names(test.condition) & names)
     return [node for test in tests for node in ir_nodes(test.branches)]
+
+
+def find_outputs(codes: list[FunctionSteps], stored: set[str]) -> frozenset[str]:
+    """Return the names of what is called for its effect with what functions make of stored values.
+
+    What a function is given may be made of them, too. Who passes it on is an output as well.
+    """
+    outputs = {"publish"}
+    names = _kept_values(codes, stored)
+    for code in codes:
+        params = {param.name for param in code.function.params} - SELF
+        made = made_of(code, names | params)
+        fed = {last_name(c.function) for c in code.done if mentioned_names(given(c)) & made}
+        outputs |= fed | ({_name(code)} if fed else set())
+    return frozenset(outputs)
+
+
+def _kept_values(codes: list[FunctionSteps], stored: set[str]) -> set[str]:
+    """Return names of values that were stored, and of the members that functions make of them."""
+    names, before = set(stored), -1
+    while len(names) > before:
+        before = len(names)
+        for code in codes:
+            if mentioned_names(code.function.body) & names:
+                names |= made_of(code, names) & {name for name, _ in code.members}
+    return names
 
 
 def is_cleared_by(code: FunctionSteps, stored: set[str]) -> bool:
