@@ -1,5 +1,6 @@
 """The actions of ROS 2's launch files that start nothing: what they change for all after them."""
 
+import re
 from dataclasses import dataclass
 
 from rtron.sources.launch.common.errors import MissingArgumentError
@@ -7,6 +8,7 @@ from rtron.sources.launch.ros2.conditions import FALSE, TRUE
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator, Setting
 from rtron.sources.launch.ros2.launch_context import NAMESPACE, ArgumentOrigin, LaunchVariable
+from rtron.sources.launch.ros2.parameters.file import read_text_file
 from rtron.sources.launch.ros2.substitutions.template import has_placeholder, placeholder
 from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
@@ -43,6 +45,8 @@ IGNORED_TAGS = frozenset(
     }
 )
 """What neither starts a node nor changes a name."""
+_USE = r"(?:LaunchConfiguration\w*\(|launch_configurations(?:\[|\.get\()|\$\(var)"
+"""What stands before the name of an argument where a launch file uses it."""
 
 
 @dataclass(slots=True)
@@ -154,7 +158,7 @@ class ContextActions:
         value, default = site.context.configurations.get(name, ""), site.plain_text("default")
         origin = site.context.origins.get(name)
         is_known = bool(value and default) and not has_placeholder(value)
-        if origin is None or not (origin.file and is_known) or value.lower() == default.lower():
+        if origin is None or not (origin.file and is_known) or _is_equal(value, default):
             return
         is_switch = value.lower() in TRUE | FALSE
         if is_switch and not origin.is_default:
@@ -162,7 +166,7 @@ class ContextActions:
         is_of_one = not is_switch and (origin.is_default or origin.file == site.file.path)
         kinds = WiringFactKind.POSSIBLE_LEAKED_ARGUMENT, WiringFactKind.LEAKED_ARGUMENT
         fact = WiringFact(
-            kind=kinds[is_of_one],
+            kind=kinds[is_of_one and _names_use(site.location.file, name)],
             subject=name,
             value=value,
             others=(site.file.path, origin.file, default),
@@ -176,3 +180,18 @@ class ContextActions:
             raise MissingArgumentError(variable.name)
         self.evaluator.note_missing(site, variable.name)
         site.context.set_value(variable, placeholder(variable.name), {variable})
+
+
+def _is_equal(value: str, other: str) -> bool:
+    """Return whether two values are the same text, switch or number."""
+    one, two = value.strip().lower(), other.strip().lower()
+    try:
+        return one == two or float(one) == float(two)
+    except ValueError:
+        return any({one, two} <= switches for switches in (TRUE, FALSE))
+
+
+def _names_use(path: str, name: str) -> bool:
+    """Return whether a launch file itself says where it uses an argument."""
+    use = rf"{_USE}\s*(?:\w+\s*=\s*)?['\"]?{re.escape(name)}\b"
+    return re.search(use, read_text_file(path)) is not None
