@@ -236,6 +236,29 @@ def generate_launch_description():
     assert included(f"<front/>{rear}", front=FRONT) == [(expected, *LEAK[1:])]
 
 
+def test_what_is_pushed_and_popped_does_not_leak(package, program):
+    for name, text in (("front", FRONT), ("rear", REAR)):
+        (package / "launch" / f"{name}.xml").write_text(f"<launch>{text}</launch>")
+    text = """from launch import LaunchDescription
+from launch.actions import (
+    IncludeLaunchDescription, PopLaunchConfigurations, PushLaunchConfigurations)
+from launch.launch_description_sources import AnyLaunchDescriptionSource
+from launch_ros.substitutions import FindPackageShare
+
+
+def include(name):
+    path = [FindPackageShare('pkg'), f'/launch/{name}.xml']
+    return IncludeLaunchDescription(AnyLaunchDescriptionSource(path))
+
+
+def generate_launch_description():
+    return LaunchDescription([
+        PushLaunchConfigurations(), include('front'), PopLaunchConfigurations(), include('rear')])
+"""
+    assert leaks(program(text)) == []
+    assert leaks(program(text.replace("PopLaunchConfigurations(), ", ""))) == [LEAK]
+
+
 @pytest.mark.parametrize(("one", "other"), [("10", "10.0"), ("1", "true"), ("False", "0")])
 def test_the_same_value_written_otherwise_does_not_leak(included, one, other):
     files = {"front": FRONT.replace("front/scan", one), "rear": REAR.replace("rear/scan", other)}

@@ -19,6 +19,8 @@ CONTEXT_TAGS = NAMESPACE_TAGS | {
     "arg",
     "let",
     "unset",
+    "push_configurations",
+    "pop_configurations",
     "set_remap",
     "reset",
     "set_env",
@@ -66,11 +68,8 @@ class ContextActions:
             self._push_namespace(site)
         elif site.tag == "set_remap":
             context.add_remaps(self.evaluator.remap_rules([site]))
-        elif site.tag == "reset":
-            preserved = self.preserved_configurations(site)
-            context.clear()
-            for setting in preserved:
-                context.set_value(*setting)
+        elif site.tag in {"reset", "push_configurations", "pop_configurations"}:
+            self._all_configurations(site)
         elif site.tag == "unset":
             context.configurations.pop(self.evaluator.text(site, "name") or "", None)
         elif site.tag == "reset_env":
@@ -98,6 +97,18 @@ class ContextActions:
     def preserved_configurations(self, site: ElementSite) -> list[Setting]:
         """Return the configurations that a group or a reset keeps."""
         return list(self.evaluator.configurations(site.children("keep")))
+
+    def _all_configurations(self, site: ElementSite) -> None:
+        context = site.context
+        if site.tag == "push_configurations":
+            context.push_configurations()
+        elif site.tag == "pop_configurations":
+            context.pop_configurations()
+        else:
+            preserved = self.preserved_configurations(site)
+            context.clear()
+            for setting in preserved:
+                context.set_value(*setting)
 
     def _push_namespace(self, site: ElementSite) -> None:
         pushed = self.evaluator.text(site, "namespace")
