@@ -403,6 +403,8 @@ class TestNoServer:
         [
             ("/arm/follow", "", True),
             ("/b1_arm/follow", "", False),
+            ("/gripper_controller/follow", "", False),
+            ("/trajectory_controller/follow", "", True),
             ("/arm/follow", "/third third own\n server /other/follow c/action/Follow\n", False),
             ("/arm/follow", "/third third own\n client /other/follow c/action/Follow\n", False),
             ("/arm/follow", "/third third own\n client /arm/follow c/action/Follow\n", False),

@@ -253,6 +253,7 @@ class GazeboTopic:
     """A topic on Gazebo's own side, of a bridge or, where that is empty, of a plugin.
 
     `type` is without its package; the messages go to ROS, to Gazebo or, of a bridge, both ways.
+    `models` are the names that a plugin's model may have.
     """
 
     name: str
@@ -260,6 +261,7 @@ class GazeboTopic:
     to_ros: bool
     to_gazebo: bool
     bridge: str = ""
+    models: frozenset[str] = frozenset()
     evidence: tuple[Evidence, ...] = ()
 
 

@@ -15,7 +15,9 @@ Gazebo `]` or `ROS_TO_GZ`. `@` carries both ways; Gazebo gives no time while som
 
 ## When it is silent
 
-For sensors and for models of a world file, and where more than one name is left over on a side.
+For sensors, and where more than one name is left over on a side. Names are not compared where the
+bridge's namespace tells of another model, such as one of a world file, and where a robot has a
+plugin whose topics are not known.
 """
 
 from collections.abc import Iterator

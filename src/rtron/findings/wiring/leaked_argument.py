@@ -17,7 +17,8 @@ Put each inclusion into a group (`GroupAction`, `<group>`), or give the argument
 
 Where a value is not known, and for a switch that the file before was given, such as `use_sim_time`.
 It is `pedantic` for a switch that it has as a default, and for other values that it was given,
-unless it is the same file: they may be meant for both.
+unless it is the same file: they may be meant for both. So it is where the file that gets the value
+does not itself use the argument.
 """
 
 from collections.abc import Iterator

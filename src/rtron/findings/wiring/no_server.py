@@ -16,8 +16,9 @@ Correct the name.
 
 ## When it is silent
 
-Where none is likely meant (`incomplete_launch`), between twins (`left_arm`, `right_arm`), and for
-calls of a lifecycle manager (`missing_managed_node`).
+Where none is likely meant (`incomplete_launch`), between twins (`left_arm`, `right_arm`), between
+actions whose names tell of different parts (`arm_controller`, `gripper_controller`), and for calls
+of a lifecycle manager (`missing_managed_node`).
 """
 
 from collections import defaultdict
@@ -26,6 +27,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts, near_names
+from rtron.findings.inventory.things import thing_of_node
 from rtron.findings.lost_commands import are_twins
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring.missing_managed_node import is_managing
@@ -39,6 +41,7 @@ from rtron.vocabulary import (
     ServiceClient,
     fits_open_name,
 )
+from rtron.vocabulary.inventory import Thing
 from rtron.wording import conjugate, join_names
 
 
@@ -99,7 +102,13 @@ def _only_server(name: str, missing: list[_RequestSide], spare: list[_RequestSid
         for sides in (missing, spare)
     )
     is_only = len(called) == len(offered) == 1 and not any("{" in each for each in offered)
-    return list(offered) if is_only else []
+    return list(offered) if is_only and len(_parts_of_robot([name, *offered])) <= 1 else []
+
+
+def _parts_of_robot(names: list[str]) -> set[Thing]:
+    """Return what the names tell that they move, of each the first that it tells."""
+    things = (filter(None, map(thing_of_node, name.split("/"))) for name in names)
+    return {thing for of_name in things for thing in [next(of_name, None)] if thing}
 
 
 def _offers(app: AppFacts) -> list[_RequestSide]:

@@ -176,7 +176,8 @@ def included(package, xml):
     return read
 
 
-FRONT, REAR = (f'<arg name="topic" default="{each}/scan"/>' for each in ("front", "rear"))
+USE = '<let name="scan" value="$(var topic)"/>'
+FRONT, REAR = (f'<arg name="topic" default="{each}/scan"/>{USE}' for each in ("front", "rear"))
 LEAK = ("leaked_argument", "topic", "front/scan", "rear/scan")
 
 
@@ -211,6 +212,57 @@ def test_what_another_file_was_given_may_be_meant_for_both(included):
     assert included(given, front=FRONT, rear=REAR) == expected
     expected = [("leaked_argument", "topic", "given/scan", "front/scan")]
     assert included(given.replace("rear", "front"), front=FRONT) == expected
+
+
+def test_an_argument_that_the_file_does_not_use_is_possible_only(included):
+    files = {"front": FRONT, "rear": REAR.replace(USE, "")}
+    assert included("<front/><rear/>", **files) == [("possible_leaked_argument", *LEAK[1:])]
+
+
+@pytest.mark.parametrize("is_used", [True, False])
+def test_a_python_file_uses_an_argument_by_its_configuration(included, package, is_used):
+    used = f"LaunchConfiguration(\n{' ' * 8}'topic')" if is_used else "''"
+    (package / "launch" / "rear.launch.py").write_text(f"""from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, LogInfo
+from launch.substitutions import LaunchConfiguration
+
+
+def generate_launch_description():
+    topic = DeclareLaunchArgument('topic', default_value='rear/scan')
+    return LaunchDescription([topic, LogInfo(msg={used})])
+""")
+    rear = '<include file="$(find-pkg-share pkg)/launch/rear.launch.py"/>'
+    expected = "leaked_argument" if is_used else "possible_leaked_argument"
+    assert included(f"<front/>{rear}", front=FRONT) == [(expected, *LEAK[1:])]
+
+
+def test_what_is_pushed_and_popped_does_not_leak(package, program):
+    for name, text in (("front", FRONT), ("rear", REAR)):
+        (package / "launch" / f"{name}.xml").write_text(f"<launch>{text}</launch>")
+    text = """from launch import LaunchDescription
+from launch.actions import (
+    IncludeLaunchDescription, PopLaunchConfigurations, PushLaunchConfigurations)
+from launch.launch_description_sources import AnyLaunchDescriptionSource
+from launch_ros.substitutions import FindPackageShare
+
+
+def include(name):
+    path = [FindPackageShare('pkg'), f'/launch/{name}.xml']
+    return IncludeLaunchDescription(AnyLaunchDescriptionSource(path))
+
+
+def generate_launch_description():
+    return LaunchDescription([
+        PushLaunchConfigurations(), include('front'), PopLaunchConfigurations(), include('rear')])
+"""
+    assert leaks(program(text)) == []
+    assert leaks(program(text.replace("PopLaunchConfigurations(), ", ""))) == [LEAK]
+
+
+@pytest.mark.parametrize(("one", "other"), [("10", "10.0"), ("1", "true"), ("False", "0")])
+def test_the_same_value_written_otherwise_does_not_leak(included, one, other):
+    files = {"front": FRONT.replace("front/scan", one), "rear": REAR.replace("rear/scan", other)}
+    assert not included("<front/><rear/>", **files)
 
 
 def test_a_switch_is_likely_meant_for_all(included):

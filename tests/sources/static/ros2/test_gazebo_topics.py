@@ -69,6 +69,28 @@ def test_a_name_that_the_plugin_does_not_have(mismatched, library):
     assert mismatched(twist("/model/bot/cmd_vel"), library=library) == expected
 
 
+@pytest.mark.parametrize("name", ["/conveyor/cmd_vel", "/model/truck/cmd_vel"])
+@pytest.mark.parametrize("elements", ["", "<topic>cmd_vel</topic>"])
+def test_a_name_of_another_model(mismatched, name, elements):
+    assert not mismatched(twist(name), elements=elements)
+    assert mismatched(twist("/world/w/model/bot/cmd"), elements=elements)
+
+
+@pytest.mark.parametrize(
+    ("library", "is_known"),
+    [
+        ("libmy_truth.so", False),
+        ("gz-sim-tracked-vehicle-system", False),
+        ("gz-sim-imu-system", True),
+        ("gz_ros2_control-system", True),
+    ],
+)
+def test_a_plugin_whose_topics_are_not_known(mismatched, library, is_known):
+    more = f'<topic>cmd_vel</topic></plugin><plugin filename="{library}" name="other">'
+    assert bool(mismatched(twist("/other"), elements=more)) is is_known
+    assert mismatched(twist("/cmd_vel", "["), elements=more)
+
+
 def test_the_same_name_with_or_without_a_slash(mismatched):
     assert not mismatched(
         twist("cmd_vel"), twist("/other", "["), elements="<topic>/cmd_vel</topic>"

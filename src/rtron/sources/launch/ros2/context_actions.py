@@ -1,5 +1,6 @@
 """The actions of ROS 2's launch files that start nothing: what they change for all after them."""
 
+import re
 from dataclasses import dataclass
 
 from rtron.sources.launch.common.errors import MissingArgumentError
@@ -7,6 +8,7 @@ from rtron.sources.launch.ros2.conditions import FALSE, TRUE
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator, Setting
 from rtron.sources.launch.ros2.launch_context import NAMESPACE, ArgumentOrigin, LaunchVariable
+from rtron.sources.launch.ros2.parameters.file import read_text_file
 from rtron.sources.launch.ros2.substitutions.template import has_placeholder, placeholder
 from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
@@ -17,6 +19,8 @@ CONTEXT_TAGS = NAMESPACE_TAGS | {
     "arg",
     "let",
     "unset",
+    "push_configurations",
+    "pop_configurations",
     "set_remap",
     "reset",
     "set_env",
@@ -43,6 +47,8 @@ IGNORED_TAGS = frozenset(
     }
 )
 """What neither starts a node nor changes a name."""
+_USE = r"(?:LaunchConfiguration\w*\(|launch_configurations(?:\[|\.get\()|\$\(var)"
+"""What stands before the name of an argument where a launch file uses it."""
 
 
 @dataclass(slots=True)
@@ -62,11 +68,8 @@ class ContextActions:
             self._push_namespace(site)
         elif site.tag == "set_remap":
             context.add_remaps(self.evaluator.remap_rules([site]))
-        elif site.tag == "reset":
-            preserved = self.preserved_configurations(site)
-            context.clear()
-            for setting in preserved:
-                context.set_value(*setting)
+        elif site.tag in {"reset", "push_configurations", "pop_configurations"}:
+            self._all_configurations(site)
         elif site.tag == "unset":
             context.configurations.pop(self.evaluator.text(site, "name") or "", None)
         elif site.tag == "reset_env":
@@ -94,6 +97,18 @@ class ContextActions:
     def preserved_configurations(self, site: ElementSite) -> list[Setting]:
         """Return the configurations that a group or a reset keeps."""
         return list(self.evaluator.configurations(site.children("keep")))
+
+    def _all_configurations(self, site: ElementSite) -> None:
+        context = site.context
+        if site.tag == "push_configurations":
+            context.push_configurations()
+        elif site.tag == "pop_configurations":
+            context.pop_configurations()
+        else:
+            preserved = self.preserved_configurations(site)
+            context.clear()
+            for setting in preserved:
+                context.set_value(*setting)
 
     def _push_namespace(self, site: ElementSite) -> None:
         pushed = self.evaluator.text(site, "namespace")
@@ -154,7 +169,7 @@ class ContextActions:
         value, default = site.context.configurations.get(name, ""), site.plain_text("default")
         origin = site.context.origins.get(name)
         is_known = bool(value and default) and not has_placeholder(value)
-        if origin is None or not (origin.file and is_known) or value.lower() == default.lower():
+        if origin is None or not (origin.file and is_known) or _is_equal(value, default):
             return
         is_switch = value.lower() in TRUE | FALSE
         if is_switch and not origin.is_default:
@@ -162,7 +177,7 @@ class ContextActions:
         is_of_one = not is_switch and (origin.is_default or origin.file == site.file.path)
         kinds = WiringFactKind.POSSIBLE_LEAKED_ARGUMENT, WiringFactKind.LEAKED_ARGUMENT
         fact = WiringFact(
-            kind=kinds[is_of_one],
+            kind=kinds[is_of_one and _names_use(site.location.file, name)],
             subject=name,
             value=value,
             others=(site.file.path, origin.file, default),
@@ -176,3 +191,18 @@ class ContextActions:
             raise MissingArgumentError(variable.name)
         self.evaluator.note_missing(site, variable.name)
         site.context.set_value(variable, placeholder(variable.name), {variable})
+
+
+def _is_equal(value: str, other: str) -> bool:
+    """Return whether two values are the same text, switch or number."""
+    one, two = value.strip().lower(), other.strip().lower()
+    try:
+        return one == two or float(one) == float(two)
+    except ValueError:
+        return any({one, two} <= switches for switches in (TRUE, FALSE))
+
+
+def _names_use(path: str, name: str) -> bool:
+    """Return whether a launch file itself says where it uses an argument."""
+    use = rf"{_USE}\s*(?:\w+\s*=\s*)?['\"]?{re.escape(name)}\b"
+    return re.search(use, read_text_file(path)) is not None

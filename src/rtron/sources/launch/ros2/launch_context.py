@@ -55,6 +55,7 @@ class LaunchContext:
     dependencies: dict[LaunchVariable, frozenset[LaunchVariable]] = field(default_factory=dict)
     loops: dict[str, str | None] = field(default_factory=dict)
     origins: dict[str, ArgumentOrigin] = field(default_factory=dict)
+    _pushed: list["LaunchContext"] = field(default_factory=list)
     _changes: list[LaunchVariable] = field(default_factory=list)
     _reset_count: int = 0
 
@@ -111,6 +112,26 @@ class LaunchContext:
             key: dependencies
             for key, dependencies in self.dependencies.items()
             if key.is_environment
+        }
+
+    def push_configurations(self) -> None:
+        """Keep all configurations for `pop_configurations`."""
+        self._pushed.append(self.child())
+
+    def pop_configurations(self) -> None:
+        """Set all configurations, the namespace and the remaps among them, as they were pushed."""
+        if not self._pushed:
+            return
+        before = self._pushed.pop()
+        self._reset_count += 1
+        self.configurations, self.origins = before.configurations, before.origins
+        self.remaps, self.parameters = before.remaps, before.parameters
+        self.unknown = {
+            *(each for each in self.unknown if each.is_environment),
+            *(each for each in before.unknown if not each.is_environment),
+        }
+        self.dependencies = before.dependencies | {
+            key: value for key, value in self.dependencies.items() if key.is_environment
         }
 
     @property

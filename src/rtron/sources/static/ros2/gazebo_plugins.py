@@ -57,8 +57,8 @@ class GazeboPluginNodes:
         except InputError as error:
             yield _missing_plugin(spawner, f"what {spawner.node.name} spawns", str(error))
             return
-        model = option(spawner.node.site.args, "-name --name") or model
-        topics = tuple(plugin_topics(plugins, model))
+        given = option(spawner.node.site.args, "-name --name") or ""
+        topics = tuple(plugin_topics(plugins, given, model))
         if topics:
             nodes = spawner.interface.nodes
             yield replace(spawner, interface=NodeInterface(nodes=nodes, gazebo_topics=topics))

@@ -25,11 +25,24 @@ _OUTPUTS = {
 }
 """The element with a topic's name, its type, and its name without the element, if it is known."""
 _CLOCK, _UNKNOWN = "Clock", "/"
+_WITHOUT = re.compile(
+    r"(?:lib)?(?:gz_|ign_|gazebo_ros|(?:gz-sim|ignition-gazebo)"
+    r"(?!.*(?:tracked-vehicle|multicopter-control|drive-to-pose)))"
+)
+"""Plugins that have no topics of these types: those of ROS and of Gazebo itself, but for a few."""
 
 
-def plugin_topics(plugins: Iterable[GazeboPlugin], model: str) -> Iterator[GazeboTopic]:
-    """Yield the topics of the systems of a model whose types are known; `/` if a name is not."""
+def plugin_topics(
+    plugins: Iterable[GazeboPlugin], given: str, called: str
+) -> Iterator[GazeboTopic]:
+    """Yield the topics of a model's systems; `/` if a name is not known, without a type if none is.
+
+    `given` is the name that the spawner gives the model, `called` that in its file.
+    """
+    model, models = given or called, frozenset({given, called} - {""})
     for plugin in plugins:
+        if not _WITHOUT.match(plugin.filename):
+            yield GazeboTopic(name=_UNKNOWN, type="", to_ros=True, to_gazebo=True)
         system = _SYSTEM.fullmatch(plugin.filename)
         for systems in (_INPUTS, _OUTPUTS) if system else ():
             element, type, default = systems.get(system[1], ("", "", ""))  # type: ignore[index]
@@ -40,6 +53,7 @@ def plugin_topics(plugins: Iterable[GazeboPlugin], model: str) -> Iterator[Gazeb
                     type=type,
                     to_ros=systems is _OUTPUTS,
                     to_gazebo=systems is _INPUTS,
+                    models=models,
                     evidence=(plugin.evidence,),
                 )
 
@@ -59,6 +73,8 @@ def mismatched_bridges(topics: Sequence[GazeboTopic]) -> Iterator[WiringFact]:
             is_same = (carried.name, carried.type) == (other.name, other.type)
             if is_same and not _is_its_way(other, carried):
                 yield _fact(carried, other)
+    if not all(each.type for each in of_plugins):
+        return
     for type, to_ros in sorted({(each.type, each.to_ros) for each in of_plugins}):
         plugins = [each for each in of_plugins if (each.type, each.to_ros) == (type, to_ros)]
         of_type = (each for each in bridged if each.type == type)
@@ -74,10 +90,18 @@ def _unmatched(plugins: list[GazeboTopic], bridged: list[GazeboTopic]) -> Iterat
     """Yield a fact where one name of a bridge and one of a plugin are left over."""
     known, used = {each.name for each in plugins}, {each.name for each in bridged}
     lost, unbridged = sorted(used - known), sorted(known - used)
-    if len(lost) == len(unbridged) == 1 and _UNKNOWN not in known:
+    is_only = len(lost) == len(unbridged) == 1 and _UNKNOWN not in known
+    if is_only and not _is_of_another(lost[0], plugins):
         (other,) = [each for each in plugins if each.name == unbridged[0]][:1]
         for carried in (each for each in bridged if each.name == lost[0]):
             yield _fact(carried, other)
+
+
+def _is_of_another(name: str, plugins: list[GazeboTopic]) -> bool:
+    """Return whether a name's namespace tells of none of the models that are spawned."""
+    namespace, *others = (each.split("/")[1:-1] for each in (name, *(e.name for e in plugins)))
+    own = frozenset().union(*others, *(each.models for each in plugins)) - {"model"}
+    return bool(namespace) and own.isdisjoint(namespace)
 
 
 def _fact(carried: GazeboTopic, other: GazeboTopic) -> WiringFact:

@@ -161,6 +161,8 @@ BUILDERS: Mapping[str, Build] = {
     "Node": partial(node_element, tag="node"),
     "OpaqueCoroutine": _opaque_function,
     "OpaqueFunction": _opaque_function,
+    "PopLaunchConfigurations": _empty_element("pop_configurations"),
+    "PushLaunchConfigurations": _empty_element("push_configurations"),
     "PushROSNamespace": _text_element("push_ros_namespace", namespace="namespace"),
     "PushRosNamespace": _text_element("push_ros_namespace", namespace="namespace"),
     "RegisterEventHandler": _event_handler,
