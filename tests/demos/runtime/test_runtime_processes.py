@@ -113,11 +113,15 @@ def test_who_has_ended_is_told_with_what_it_said(processes):
         started.check()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-@pytest.mark.parametrize("ignored", [False, True], ids=["as usual", "ignored by the shell"])
-def test_an_interrupted_runner_leaves_nothing_behind(tmp_path, number, ignored):
-    text = RUNNER.format(commands=[SLEEP, LEFT_BEHIND, SLEEP], sleep=SLEEP)
-    text = IGNORE * ignored + text
+@pytest.mark.parametrize(
+    ("number", "before"),
+    [
+        *[(each, "") for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)],
+        *[(each, IGNORE) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)],
+    ],
+)
+def test_a_runner_that_ends_leaves_nothing_behind(tmp_path, number, before):
+    text = before + RUNNER.format(commands=[SLEEP, LEFT_BEHIND, SLEEP], sleep=SLEEP)
     runner = subprocess.Popen(
         [sys.executable, "-c", text, str(tmp_path)],
         stdout=subprocess.PIPE,

@@ -1,12 +1,14 @@
 """Starts processes and ends them again, whatever happens; touches no others.
 
-A mark tells what our processes have started themselves, wherever it has gone.
+A mark tells what our processes have started themselves, wherever it has gone. Run as a program it
+reads marks, a line each, until whoever writes them is gone, and kills what has one of them.
 """
 
 import os
 import shlex
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -63,7 +65,7 @@ class ProcessGroup:
 
     Each has a session of its own, so that ^C reaches this process only, and this one ends the
     others. SIGTERM and a closed terminal end this process as ^C does; nothing is heard while
-    processes are being ended.
+    processes are being ended. If this process is killed, a watchdog kills them.
     To be entered in the main thread.
     """
 
@@ -75,6 +77,13 @@ class ProcessGroup:
 
     def __enter__(self) -> "ProcessGroup":  # noqa: PYI034 - `Self` is not in Python 3.10
         self._signal_handling.__enter__()
+        self._watchdog = subprocess.Popen(
+            [sys.executable, "-m", "rtron.demos.runtime.processes"],
+            cwd=self._folder,
+            stdin=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
         return self
 
     def __exit__(
@@ -86,6 +95,7 @@ class ProcessGroup:
         try:
             self.end(tuple(self._running))
         finally:
+            self._watchdog.communicate()
             self._signal_handling.__exit__(kind, error, trace)
 
     def start(self, command: Command, environ: Environ, name: str = "") -> StartedProcess:
@@ -93,6 +103,7 @@ class ProcessGroup:
         self._count += 1
         log = self._folder / f"{self._count:02}-{name or Path(command[0]).name}.log"
         mark = uuid4().hex
+        print(mark, file=self._watchdog.stdin, flush=True)
         with log.open("wb") as output, defer_signals():
             popen = subprocess.Popen(  # noqa: S603 - the commands are the demo's own
                 [str(word) for word in command],
@@ -203,3 +214,7 @@ def _has_marker(folder: Path, markers: Collection[bytes]) -> bool:
         return not set((folder / "environ").read_bytes().split(b"\0")).isdisjoint(markers)
     except OSError:
         return False
+
+
+if __name__ == "__main__":
+    _kill_descendants(sys.stdin.read().split())
