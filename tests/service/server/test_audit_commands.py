@@ -17,7 +17,7 @@ from rtron.service.domain.hash_chain import GENESIS
 from rtron.service.server.app import create_app
 from rtron.service.server.audit_key import HEADS_FILE, load_signer
 from rtron.service.store.audit import record_event
-from rtron.service.store.chain_entries import all_chains
+from rtron.service.store.chain_check import all_chains
 from rtron.service.store.chains import chain_heads
 
 

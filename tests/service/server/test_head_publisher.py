@@ -25,7 +25,7 @@ from rtron.service.server.audit_check import check_audit_log
 from rtron.service.server.head_publisher import HeadPublisher
 from rtron.service.server.heads_journal import HeadsJournal
 from rtron.service.store.audit import record_event
-from rtron.service.store.chain_entries import all_chains, chain_links
+from rtron.service.store.chain_check import all_chains, chain_links
 from rtron.service.store.database import Database
 from rtron.service.store.tables import AuditRow, ChainLinkRow
 from rtron.vocabulary import GuardState

@@ -10,8 +10,7 @@ from sqlalchemy.exc import DBAPIError
 from store_data import SECOND, age_partitions, make_event, new_robot, prune, store_events
 
 from rtron.service.store import event_pages
-from rtron.service.store.chain_check import check_database
-from rtron.service.store.chain_entries import snapshot
+from rtron.service.store.chain_check import check_database, snapshot
 from rtron.service.store.database import Database
 from rtron.service.store.event_pages import EventFilter, event_page
 from rtron.service.store.partitions import partition_pruning

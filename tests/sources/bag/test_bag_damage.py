@@ -34,7 +34,7 @@ from rtron.sources.bag.common import limits
 from rtron.sources.bag.common.compression import decompress, decompress_zstd
 from rtron.sources.bag.formats import open_bag
 from rtron.sources.bag.mcap import record as mcap_record_module
-from rtron.sources.bag.ros1 import chunk, reader
+from rtron.sources.bag.ros1 import reader
 from rtron.sources.bag.ros1 import record as ros1_record_module
 from rtron.sources.bag.ros2 import sqlite
 from rtron.sources.bag.ros2.offered_qos import parse_offered_qos
@@ -203,10 +203,10 @@ def test_messages_in_a_chunk_are_counted(tmp_path, monkeypatch):
         summary,
         chunks=[(1, mcap_chunk_record(1, mcap_message_record(1, 1, b"") * 4))],
     )
-    for module in (chunk, mcap_record_module):
+    for module in (reader, mcap_record_module):
         monkeypatch.setattr(module, "MAX_CHUNK_MESSAGES", 5)
     assert len(list(open_bag(ros1_path))) == len(list(open_bag(mcap_path))) == 4
-    for module in (chunk, mcap_record_module):
+    for module in (reader, mcap_record_module):
         monkeypatch.setattr(module, "MAX_CHUNK_MESSAGES", 3)
     assert "more than 3 messages" in fault(ros1_path)
     assert "more than 3 messages" in fault(mcap_path)

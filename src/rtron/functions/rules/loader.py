@@ -13,7 +13,7 @@ from rtron.errors import InputError
 from rtron.functions.classifier.result import InformationSource
 from rtron.functions.patterns.index import PatternIndex
 from rtron.functions.patterns.parser import parse_pattern
-from rtron.functions.rules.rule import FunctionRule
+from rtron.functions.rules.code_rules import FunctionRule
 from rtron.vocabulary import FunctionType
 
 if TYPE_CHECKING:

@@ -7,7 +7,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
 from rtron.errors import InputError
-from rtron.security.access.client_library import node_rights
 from rtron.security.access.names import (
     LONGEST_PROCESS_NAME,
     is_legal_name,
@@ -15,6 +14,7 @@ from rtron.security.access.names import (
     is_own_node,
     is_tool,
     means_own_node,
+    node_rights,
     process_name,
 )
 from rtron.security.access.own_access import (

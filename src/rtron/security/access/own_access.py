@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
-from rtron.security.access.client_library import node_rights
-from rtron.security.access.names import is_legal_name
+from rtron.security.access.names import is_legal_name, node_rights
 from rtron.security.access.plan_rights import watched_topics
 from rtron.security.access.rights import AccessRight, NodeAccess, ProcessAccess, RightKind
 from rtron.vocabulary import (

@@ -8,9 +8,11 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from rtron.service.config import ServiceConfig
-from rtron.service.controller.command_dispatcher import CommandDispatcher
-from rtron.service.controller.lease_dispatcher import LeaseDispatcher
-from rtron.service.controller.request_dispatcher import RequestDispatcher
+from rtron.service.controller.command_dispatcher import (
+    CommandDispatcher,
+    LeaseDispatcher,
+    RequestDispatcher,
+)
 from rtron.service.controller.risk_controller import RiskController
 from rtron.service.domain.clock import Clock, SteadyClock
 from rtron.service.domain.signed_documents import DocumentSigner

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from rtron.service.domain.authority.requests import (
+from rtron.service.domain.authority.leases import (
     RequestAnswer,
     check_answer,
     may_answer,

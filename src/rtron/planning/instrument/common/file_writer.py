@@ -6,8 +6,7 @@ import tempfile
 from pathlib import Path
 
 from rtron.errors import InputError
-from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT, PLAN_FILE
-from rtron.planning.instrument.common.guarded_launch import GuardedLaunch
+from rtron.planning.instrument.common.guarded_launch import GUARD_SCRIPT, PLAN_FILE, GuardedLaunch
 
 _SCRIPT_MODE = 0o755
 _TEXT_MODE = 0o644

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from rtron.planning.instrument.common.remaps import NodeRemaps
 from rtron.planning.instrument.ros1.launch_copies import Edits, LaunchCopies
-from rtron.planning.instrument.ros1.launch_prefix_script import STARTER_SCRIPT
 from rtron.planning.instrument.ros1.package_files import (
     PackageFile,
     find_modules,
@@ -16,6 +15,7 @@ from rtron.planning.instrument.ros1.package_files import (
     find_scripts,
 )
 from rtron.planning.instrument.ros1.runtime_launch import (
+    STARTER_SCRIPT,
     RuntimeLaunchTree,
     merge_launches,
     starter_nodes,

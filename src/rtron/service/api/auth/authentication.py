@@ -12,9 +12,8 @@ from rtron.service.domain.principal import Principal, group_set
 from rtron.service.domain.roles import TOKEN_ROLES, AccessScope, SessionStage
 from rtron.service.store.accounts.last_use import record_use
 from rtron.service.store.accounts.logins import SessionLifetime, find_session
-from rtron.service.store.accounts.secrets import secret_digest
-from rtron.service.store.accounts.token_renewal import promote_secret, record_replaced_secret
-from rtron.service.store.accounts.tokens import find_token
+from rtron.service.store.accounts.passwords import secret_digest
+from rtron.service.store.accounts.tokens import find_token, promote_secret, record_replaced_secret
 from rtron.service.store.accounts.users import roles_of
 from rtron.service.store.tables import SessionRow, TokenRow
 

@@ -8,15 +8,16 @@ from rtron.service.api.context import ServiceContext
 from rtron.service.api.schemas import CurrentUser
 from rtron.service.config import ServiceConfig
 from rtron.service.domain.roles import SessionStage, UserRole
-from rtron.service.store.accounts.known_browsers import (
+from rtron.service.store.accounts.logins import (
     MAX_AGE_S,
+    begin_session,
+    end_session,
     find_known_browser,
     is_anybodys_browser,
     remember_browser,
 )
-from rtron.service.store.accounts.logins import begin_session, end_session
+from rtron.service.store.accounts.passwords import secret_digest
 from rtron.service.store.accounts.second_factors import has_second_factor
-from rtron.service.store.accounts.secrets import secret_digest
 from rtron.service.store.tables import UserRow
 
 

@@ -34,8 +34,15 @@ from rtron.service.controller.fleet_stop import FleetStop
 from rtron.service.controller.node_parameters import get_node_parameters, list_node_parameters
 from rtron.service.controller.robot_snapshot import load_current_app, load_snapshot
 from rtron.service.controller.robot_summaries import get_robot_summary, list_robot_summaries
-from rtron.service.domain.authority.leases import LeaseChange, LeaseOutcome, LeaseView, may_command
-from rtron.service.domain.authority.requests import RequestAnswer, RequestOutcome, RequestsView
+from rtron.service.domain.authority.leases import (
+    LeaseChange,
+    LeaseOutcome,
+    LeaseView,
+    RequestAnswer,
+    RequestOutcome,
+    RequestsView,
+    may_command,
+)
 from rtron.service.domain.errors import ForbiddenError
 from rtron.service.domain.principal import is_within_reach
 from rtron.service.domain.roles import UserRole

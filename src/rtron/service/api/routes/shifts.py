@@ -25,9 +25,8 @@ from rtron.service.domain.shifts import (
     HandoverPage,
     NewHandover,
 )
-from rtron.service.store.acknowledgements import list_acknowledgements
+from rtron.service.store.acknowledgements import add_handover, list_acknowledgements, list_handovers
 from rtron.service.store.fleet.labels import labels_of
-from rtron.service.store.handovers import add_handover, list_handovers
 from rtron.service.store.settings import ChangeAuthor
 
 router = APIRouter()

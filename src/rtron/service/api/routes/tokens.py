@@ -21,9 +21,16 @@ from rtron.service.domain.account_changes import CreateToken
 from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.roles import AccessScope
 from rtron.service.domain.schemas import Name
-from rtron.service.store.accounts.secrets import new_secret, secret_digest
-from rtron.service.store.accounts.token_renewal import TOKEN_PREFIX, lifetime_of, renew_token
-from rtron.service.store.accounts.tokens import TokenSpec, all_tokens, find_token, revoke_token
+from rtron.service.store.accounts.passwords import new_secret, secret_digest
+from rtron.service.store.accounts.tokens import (
+    TOKEN_PREFIX,
+    TokenSpec,
+    all_tokens,
+    find_token,
+    lifetime_of,
+    renew_token,
+    revoke_token,
+)
 from rtron.service.store.tables import TokenRow
 
 router = APIRouter(prefix="/tokens")

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from sqlalchemy import ColumnElement, Select, and_, func, literal, select, union_all
 from sqlalchemy.orm import Session
 
-from rtron.service.domain.rollouts.states import Problem, RobotPhase
+from rtron.service.domain.rollouts.schemas import Problem, RobotPhase
 from rtron.service.store.fleet.rollout_tables import RolloutRobotRow
 from rtron.service.store.tables import EventRow
 from rtron.vocabulary import EventKind

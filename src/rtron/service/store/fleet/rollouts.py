@@ -10,8 +10,12 @@ from sqlalchemy.orm import Session
 
 from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.rollouts.observations import RobotBaseline
-from rtron.service.domain.rollouts.schemas import RolloutPolicy
-from rtron.service.domain.rollouts.states import ACTIVE_STATES, RobotPhase, RolloutState
+from rtron.service.domain.rollouts.schemas import (
+    ACTIVE_STATES,
+    RobotPhase,
+    RolloutPolicy,
+    RolloutState,
+)
 from rtron.service.domain.schemas import SettingsOutcome
 from rtron.service.store.database import Database
 from rtron.service.store.fleet.rollout_tables import PlanDocumentRow, RolloutRobotRow, RolloutRow

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, delete, select, text
 from sqlalchemy.orm import Session
 
-from rtron.service.store.chain_entries import chain_links
+from rtron.service.store.chain_check import chain_links
 from rtron.service.store.chain_pruning import ChainBegin, ChainCutter
 from rtron.service.store.chains import EVENTS_PREFIX
 from rtron.service.store.database import Database

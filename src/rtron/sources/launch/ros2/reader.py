@@ -14,7 +14,6 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError
-from rtron.sources.launch.ros2.bundled_files import GAZEBO_ACTIONS, as_include, bundled_launch_file
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.collector import LaunchCollector
 from rtron.sources.launch.ros2.conditions import evaluate_condition, note_unknown_condition
@@ -22,6 +21,7 @@ from rtron.sources.launch.ros2.context_actions import CONTEXT_TAGS, IGNORED_TAGS
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
+from rtron.sources.launch.ros2.file_search import GAZEBO_ACTIONS, as_include, bundled_launch_file
 from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.limits import MAX_INCLUDE_DEPTH
 from rtron.sources.launch.ros2.node_collector import LaunchNodeCollector

@@ -5,13 +5,13 @@ docs/models.md lists them; a function answers with a Hole where the answer is no
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
-from functools import partial
+from functools import lru_cache, partial
 from itertools import takewhile
 
+from rtron.errors import InputError
 from rtron.sources.models.common import arguments
 from rtron.sources.models.common.model_scope import ModelScope
 from rtron.sources.models.common.node_files import read_lua_setting, read_yaml_file, tree_nodes
-from rtron.sources.models.common.robot_joints import joints
 from rtron.sources.models.common.rviz import rviz_move_groups, rviz_publications, rviz_subscriptions
 from rtron.sources.models.common.rviz2 import (
     rviz2_markers,
@@ -27,6 +27,7 @@ from rtron.sources.models.common.values import (
     placeholder,
     with_placeholders,
 )
+from rtron.sources.xacro import XmlElement, parse_element
 from rtron.vocabulary import ParameterValue
 from rtron.vocabulary.parameters import pattern_matches
 
@@ -253,3 +254,35 @@ _PURE_FUNCTIONS: Mapping[str, Function] = {
     "tree_nodes": tree_nodes,
     "yaml_file": read_yaml_file,
 }
+
+
+_MOVING = frozenset({"revolute", "continuous", "prismatic"})
+
+
+def joints(description: Value, *, fixed: bool) -> list[dict[str, str]]:
+    """Return the `parent` and `child` links of the joints in the text of a description.
+
+    They are those that are fixed, or those that have a position.
+    """
+    types = frozenset({"fixed"}) if fixed else _MOVING
+    is_known = isinstance(description, str) and not isinstance(description, Placeholder)
+    found = _read_joints(description) if is_known else ()
+    return [{"parent": above, "child": below} for type, above, below in found if type in types]
+
+
+@lru_cache(maxsize=4)
+def _read_joints(description: str) -> tuple[tuple[str, str, str], ...]:
+    """Return type, parent and child of each joint; nothing of what cannot be read."""
+    try:
+        root = parse_element(description, "robot_description")
+    except InputError:
+        return ()
+    return tuple(
+        (joint.attributes.get("type", ""), _link(joint, "parent"), _link(joint, "child"))
+        for joint in root.elements("joint")
+    )
+
+
+def _link(joint: XmlElement, end: str) -> str:
+    found = joint.find(end)
+    return found.attributes.get("link", "") if found is not None else ""

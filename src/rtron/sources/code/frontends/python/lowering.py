@@ -1,8 +1,7 @@
 """One file of Python as a unit of the intermediate representation."""
 
 from rtron.sources.code.frontends.python.parser import parse
-from rtron.sources.code.frontends.python.source_encoding import decode
-from rtron.sources.code.frontends.python.source_file import SourceFile
+from rtron.sources.code.frontends.python.source_file import SourceFile, decode
 from rtron.sources.code.frontends.python.statements import lower_statements
 from rtron.sources.code.ir import SourceLanguage, SourceProblem, Unit
 

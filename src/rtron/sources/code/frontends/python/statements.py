@@ -6,12 +6,13 @@ from functools import singledispatch
 
 from rtron.sources.code import ir
 from rtron.sources.code.frontends.python.expressions import (
+    BINARY,
+    IN_PLACE,
     lower_expression,
     lower_expressions,
     lower_optional,
 )
 from rtron.sources.code.frontends.python.match_statement import lower_match
-from rtron.sources.code.frontends.python.operators import BINARY, IN_PLACE
 from rtron.sources.code.frontends.python.parameters import (
     annotation_type,
     dotted_name,
