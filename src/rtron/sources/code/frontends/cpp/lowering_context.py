@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from tree_sitter import Node
 
-from rtron.sources.code.ir import Class, Function, Name, SourceProblem, Stmt, TypeRef
+from rtron.sources.code import ir
 
 MAX_DEPTH = 90
 _MAX_PROBLEMS = 100
@@ -20,7 +20,7 @@ class Template(NamedTuple):
     """The names of template parameters, and what they are where nothing is written."""
 
     names: tuple[str, ...]
-    defaults: tuple[tuple[str, TypeRef], ...]
+    defaults: tuple[tuple[str, ir.TypeRef], ...]
 
 
 @dataclass(slots=True)
@@ -37,20 +37,20 @@ class LoweringContext:
     source: bytes
     scope: str = ""
     depth: int = 0
-    statements: list[Stmt] | None = None
-    template: tuple[tuple[str, TypeRef | None], ...] = ()
+    statements: list[ir.Stmt] | None = None
+    template: tuple[tuple[str, ir.TypeRef | None], ...] = ()
     in_class: bool = False
-    functions: list[Function] = field(default_factory=list)
-    classes: list[Class] = field(default_factory=list)
-    aliases: list[tuple[str, TypeRef]] = field(default_factory=list)
+    functions: list[ir.Function] = field(default_factory=list)
+    classes: list[ir.Class] = field(default_factory=list)
+    aliases: list[tuple[str, ir.TypeRef]] = field(default_factory=list)
     using_declarations: list[str] = field(default_factory=list)
     exports: list[tuple[str, str]] = field(default_factory=list)
     enums: dict[str, int | None] = field(default_factory=dict)
-    problems: list[SourceProblem] = field(default_factory=list)
-    names: dict[bytes, Name] = field(default_factory=dict)
+    problems: list[ir.SourceProblem] = field(default_factory=list)
+    names: dict[bytes, ir.Name] = field(default_factory=dict)
     packs: set[str] = field(default_factory=set)
     called: list[tuple[int, int]] = field(default_factory=list)
-    types: dict[bytes, TypeRef | None] = field(default_factory=dict)
+    types: dict[bytes, ir.TypeRef | None] = field(default_factory=dict)
     labels: list[frozenset[str]] = field(default_factory=list)
 
     def text(self, node: Node) -> str:
@@ -60,7 +60,7 @@ class LoweringContext:
     def add_problem(self, line: int, why: str) -> None:
         """Note a part that could not be read; the number of notes is bounded."""
         if len(self.problems) < _MAX_PROBLEMS:
-            self.problems.append(SourceProblem(line, why))
+            self.problems.append(ir.SourceProblem(line, why))
 
     def note_call(self, name: Node) -> None:
         """Note that what is called, or declared, by a name is lowered."""

@@ -5,11 +5,11 @@ from typing import TypeVar
 
 from tree_sitter import Node
 
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.ir import Evaluate, Expr, Opaque, Stmt
 
-ExpressionLowerer = Callable[[LoweringContext, Node], Expr]
-StatementLowerer = Callable[[LoweringContext, Node, list[Stmt]], None]
+ExpressionLowerer = Callable[[LoweringContext, Node], ir.Expr]
+StatementLowerer = Callable[[LoweringContext, Node, list[ir.Stmt]], None]
 _Lowerer = TypeVar("_Lowerer")
 
 _EXPRESSIONS: dict[str, ExpressionLowerer] = {}
@@ -43,29 +43,29 @@ def lowers_declaration(*kinds: str) -> Callable[[StatementLowerer], StatementLow
     return _registering(_DECLARATIONS, kinds)
 
 
-def lower_expression(context: LoweringContext, node: Node) -> Expr:
+def lower_expression(context: LoweringContext, node: Node) -> ir.Expr:
     """Return the lowered expression, an Opaque of what lies within where none lowers it."""
     if context.is_too_deep(node):
-        return Opaque((), context.text(node)[:60])
+        return ir.Opaque((), context.text(node)[:60])
     context.depth += 1
     value = _EXPRESSIONS.get(node.type, lower_opaque)(context, node)
     context.depth -= 1
     return value
 
 
-def lower_expressions(context: LoweringContext, nodes: Iterable[Node]) -> tuple[Expr, ...]:
+def lower_expressions(context: LoweringContext, nodes: Iterable[Node]) -> tuple[ir.Expr, ...]:
     """Return the lowered expressions."""
     return tuple([lower_expression(context, node) for node in nodes])
 
 
-def lower_opaque(context: LoweringContext, node: Node) -> Opaque:
+def lower_opaque(context: LoweringContext, node: Node) -> ir.Opaque:
     """Return an Opaque with the expressions within a node."""
-    return Opaque(
+    return ir.Opaque(
         lower_expressions(context, node.named_children[:_MAX_PARTS]), context.text(node)[:60]
     )
 
 
-def lower_statement(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+def lower_statement(context: LoweringContext, node: Node, out: list[ir.Stmt]) -> None:
     """Lower a statement of a function into `out`; an ERROR node gives what can be read in it."""
     if context.is_too_deep(node):
         return
@@ -76,20 +76,20 @@ def lower_statement(context: LoweringContext, node: Node, out: list[Stmt]) -> No
     if write:
         write(context, node, out)
     elif kind in _EXPRESSIONS:
-        out.append(Evaluate(lower_expression(context, node), line_of(node)))
+        out.append(ir.Evaluate(lower_expression(context, node), line_of(node)))
     context.depth -= 1
     context.statements = outer
 
 
-def lower_block(context: LoweringContext, nodes: Iterable[Node]) -> tuple[Stmt, ...]:
+def lower_block(context: LoweringContext, nodes: Iterable[Node]) -> tuple[ir.Stmt, ...]:
     """Return the lowered statements."""
-    out: list[Stmt] = []
+    out: list[ir.Stmt] = []
     for node in nodes:
         lower_statement(context, node, out)
     return tuple(out)
 
 
-def lower_declaration(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+def lower_declaration(context: LoweringContext, node: Node, out: list[ir.Stmt]) -> None:
     """Lower a member of a namespace or class; its variables go to `out`."""
     write = _DECLARATIONS.get(node.type)
     if write and not context.is_too_deep(node):

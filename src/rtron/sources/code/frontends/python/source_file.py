@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from dataclasses import dataclass, field
 
-from rtron.sources.code.ir import SourceProblem, Stmt
+from rtron.sources.code import ir
 
 _MAX_DEPTH = 100
 _TEXT = 60
@@ -22,8 +22,8 @@ class SourceFile:
 
     file: str
     lines: list[bytes]
-    problems: list[SourceProblem] = field(default_factory=list)
-    preceding: list[Stmt] = field(default_factory=list)
+    problems: list[ir.SourceProblem] = field(default_factory=list)
+    preceding: list[ir.Stmt] = field(default_factory=list)
     depth: int = 0
     class_name: str = ""
     lambdas: Counter[int] = field(default_factory=Counter)
@@ -43,7 +43,7 @@ class SourceFile:
         """Whether a node lies deeper than we go; note the problem, once a line."""
         if self.depth < _MAX_DEPTH:
             return False
-        problem = SourceProblem(line, "nested too deep, left out")
+        problem = ir.SourceProblem(line, "nested too deep, left out")
         if problem not in self.problems[-1:]:
             self.problems.append(problem)
         return True
@@ -62,7 +62,7 @@ _KNOWN = re.compile(
 )
 
 
-def decode(data: bytes) -> tuple[str, tuple[SourceProblem, ...]]:
+def decode(data: bytes) -> tuple[str, tuple[ir.SourceProblem, ...]]:
     """Return a file's text with a line feed at its line ends, and what was wrong with its bytes.
 
     Bytes that are not of the file's encoding are read as Latin-1, NUL bytes as spaces: lines
@@ -71,14 +71,14 @@ def decode(data: bytes) -> tuple[str, tuple[SourceProblem, ...]]:
     data = data.removeprefix(codecs.BOM_UTF8)
     encoding = _named_encoding(data)
     try:
-        text, problems = data.decode(encoding), list[SourceProblem]()
+        text, problems = data.decode(encoding), list[ir.SourceProblem]()
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        text, problems = data.decode("latin-1"), [SourceProblem(line, f"this is not {encoding}")]
+        text, problems = data.decode("latin-1"), [ir.SourceProblem(line, f"this is not {encoding}")]
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if "\0" in text:
         line = text.count("\n", 0, text.index("\0")) + 1
-        problems.append(SourceProblem(line, "NUL bytes"))
+        problems.append(ir.SourceProblem(line, "NUL bytes"))
     return text.replace("\0", " "), tuple(problems)
 
 

@@ -5,18 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    Choice,
-    Instance,
-    ListValue,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-    options,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.library_models.launch.constructor_calls import (
     ENTITIES_FIELD,
     FILE_FIELD,
@@ -49,7 +38,7 @@ class ActionTranslator:
     _depth: int = 0
     _has_functions: bool = False
 
-    def elements(self, value: Value) -> tuple[Element, ...]:
+    def elements(self, value: av.Value) -> tuple[Element, ...]:
         """Return the elements of an action, of a list of them, or of a launch description."""
         self.translator.count()
         self._depth += 1
@@ -63,7 +52,7 @@ class ActionTranslator:
         self._has_functions = True
         return Element("function", {}, expand=run)
 
-    def _added(self, entities: ListValue, count: int) -> Element:
+    def _added(self, entities: av.ListValue, count: int) -> Element:
         """Return the element of what functions add to a launch description while it is visited.
 
         Launch goes on behind the entities that were there, in the description's own scope.
@@ -76,30 +65,30 @@ class ActionTranslator:
 
         return Element("function", {}, expand=expand)
 
-    def _elements(self, value: Value) -> Iterator[Element]:
-        if isinstance(value, Choice):
+    def _elements(self, value: av.Value) -> Iterator[Element]:
+        if isinstance(value, av.Choice):
             yield from filter(None, map(self._alternative, value.options))
-        elif isinstance(value, ListValue):
+        elif isinstance(value, av.ListValue):
             for item in value.items:
                 yield from self.elements(item)
             yield from [Element("more_actions", {})] if value.open else ()
-        elif isinstance(value, Instance) and ENTITIES_FIELD in value.fields:
+        elif isinstance(value, av.Instance) and ENTITIES_FIELD in value.fields:
             entities = value.fields[ENTITIES_FIELD]
             yield from self.elements(entities)
-            if self._has_functions and isinstance(entities, ListValue):
+            if self._has_functions and isinstance(entities, av.ListValue):
                 yield self._added(entities, len(entities.items))
-        elif isinstance(value, Instance) and launch_class_name(value):
+        elif isinstance(value, av.Instance) and launch_class_name(value):
             yield from self._action(value)
-        elif value != NONE and not _is_of_library(value):
+        elif value != av.NONE and not _is_of_library(value):
             yield Element("unknown_action", {"name": self.translator.template(value)})
 
-    def _alternative(self, option: Value) -> Element | None:
+    def _alternative(self, option: av.Value) -> Element | None:
         """Return what is one of several, under a condition that is not known."""
         inner = self.elements(option)
         attributes: Attributes = {"if": (placeholder("one of several"),), "scoped": "false"}
         return Element("group", attributes, inner, line=inner[0].line) if inner else None
 
-    def _action(self, value: Instance) -> Iterator[Element]:
+    def _action(self, value: av.Instance) -> Iterator[Element]:
         name, fields = launch_class_name(value), constructor_arguments(value)
         build = self.builders.get(name)
         if build is None:
@@ -108,25 +97,25 @@ class ActionTranslator:
         element = build(self, fields)
         attributes = {
             **element.attributes,
-            **self.condition_attributes(fields.get("condition", NONE)),
+            **self.condition_attributes(fields.get("condition", av.NONE)),
         }
         yield self.with_call_location(replace(element, attributes=attributes), value)
-        if fields.get("on_exit", NONE) != NONE and name in _PROCESSES:
+        if fields.get("on_exit", av.NONE) != av.NONE and name in _PROCESSES:
             yield self.with_call_location(
                 self.event_element("OnProcessExit", fields["on_exit"]), value
             )
 
-    def with_call_location(self, element: Element, value: Instance) -> Element:
+    def with_call_location(self, element: Element, value: av.Instance) -> Element:
         """Return an element, and those in it without a place, at the place of a call."""
-        line, file = (value.fields.get(key, NONE) for key in (LINE_FIELD, FILE_FIELD))
-        number = line.value if isinstance(line, Scalar) else 0
-        return element.with_location(number, str(file.value) if isinstance(file, Scalar) else "")
+        line, file = (value.fields.get(key, av.NONE) for key in (LINE_FIELD, FILE_FIELD))
+        number = line.value if isinstance(line, av.Scalar) else 0
+        return element.with_location(number, str(file.value) if isinstance(file, av.Scalar) else "")
 
-    def condition_attributes(self, value: Value) -> Attributes:
+    def condition_attributes(self, value: av.Value) -> Attributes:
         """Return what an action's condition says, in the words of XML."""
-        return {} if value == NONE else {"if": self.translator.template(value)}
+        return {} if value == av.NONE else {"if": self.translator.template(value)}
 
-    def event_element(self, event: str, value: Value) -> Element:
+    def event_element(self, event: str, value: av.Value) -> Element:
         """Return the element of actions that wait for an event."""
         if self.callbacks.is_function(value):
             run = self.callbacks.callback({"function": value}, self.elements, event=True)
@@ -138,10 +127,10 @@ class ActionTranslator:
         return {
             attribute: self.translator.template(fields[key])
             for attribute, key in keys.items()
-            if fields.get(key, NONE) != NONE
+            if fields.get(key, av.NONE) != av.NONE
         }
 
-    def pair_elements(self, tag: str, value: Value | None, *names: str) -> tuple[Element, ...]:
+    def pair_elements(self, tag: str, value: av.Value | None, *names: str) -> tuple[Element, ...]:
         """Return an element for each pair of a list, or of a dict."""
         return tuple(
             Element(
@@ -154,25 +143,27 @@ class ActionTranslator:
             for row in _rows(value)
         )
 
-    def word_elements(self, tag: str, value: Value | None) -> tuple[Element, ...]:
+    def word_elements(self, tag: str, value: av.Value | None) -> tuple[Element, ...]:
         """Return an element for each word of a command line."""
-        items, certain = items_of(value) if value is not None else ((), True)
-        if isinstance(value, (Instance, Scalar)) and value != NONE:
+        items, certain = av.items_of(value) if value is not None else ((), True)
+        if isinstance(value, (av.Instance, av.Scalar)) and value != av.NONE:
             items, certain = (value,), True
         elements = [Element(tag, {"value": self.translator.template(item)}) for item in items]
         return (*elements, *(() if certain else (Element(tag, {"value": (placeholder("more"),)}),)))
 
 
-def _is_of_library(value: Value) -> bool:
+def _is_of_library(value: av.Value) -> bool:
     """Tell whether a value is what a function of Python's library returned: no action."""
-    return isinstance(value, Unknown) and value.label.partition(".")[0] in sys.stdlib_module_names
+    return (
+        isinstance(value, av.Unknown) and value.label.partition(".")[0] in sys.stdlib_module_names
+    )
 
 
-def _rows(value: Value | None) -> Iterator[tuple[Value, ...]]:
+def _rows(value: av.Value | None) -> Iterator[tuple[av.Value, ...]]:
     """Yield the pairs of a list or dict; what is not known of them is left out."""
-    if isinstance(value, MapValue):
-        yield from ((Scalar(key), inner) for key, inner in value.entries.items())
+    if isinstance(value, av.MapValue):
+        yield from ((av.Scalar(key), inner) for key, inner in value.entries.items())
         return
-    for item in items_of(value)[0] if value is not None else ():
-        for option in options(item):
-            yield items_of(option)[0] if isinstance(option, ListValue) else (option,)
+    for item in av.items_of(value)[0] if value is not None else ():
+        for option in av.options(item):
+            yield av.items_of(option)[0] if isinstance(option, av.ListValue) else (option,)

@@ -3,15 +3,7 @@
 from collections.abc import Iterator, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    Instance,
-    MapValue,
-    Value,
-    options,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.library_models.launch.constructor_calls import (
     constructor_arguments,
     launch_class_name,
@@ -54,11 +46,13 @@ def node_element(actions: ActionTranslator, fields: Fields, tag: str) -> Element
 
 def load_element(actions: ActionTranslator, fields: Fields) -> Element:
     """Return the element of an action that loads components."""
-    target = fields.get("target_container", NONE)
+    target = fields.get("target_container", av.NONE)
     text = actions.translator.template(target)
-    if isinstance(target, Instance) and launch_class_name(target) == "ComposableNodeContainer":
+    if isinstance(target, av.Instance) and launch_class_name(target) == "ComposableNodeContainer":
         container_fields = constructor_arguments(target)
-        keys = [key for key in ("name", "namespace") if container_fields.get(key, NONE) != NONE]
+        keys = [
+            key for key in ("name", "namespace") if container_fields.get(key, av.NONE) != av.NONE
+        ]
         text = (
             SubstitutionCall(
                 "node-name",
@@ -69,31 +63,31 @@ def load_element(actions: ActionTranslator, fields: Fields) -> Element:
 
 
 def _components(actions: ActionTranslator, fields: Fields) -> Iterator[Element]:
-    items, certain = items_of(fields.get("composable_node_descriptions", NONE))
+    items, certain = av.items_of(fields.get("composable_node_descriptions", av.NONE))
     for item in items:
-        yield from (_component(actions, option) for option in options(item))
+        yield from (_component(actions, option) for option in av.options(item))
     if not certain:
         yield Element("composable_node", {"plugin": (placeholder("more components"),)})
 
 
-def _component(actions: ActionTranslator, value: Value) -> Element:
-    if not isinstance(value, Instance) or not launch_class_name(value):
+def _component(actions: ActionTranslator, value: av.Value) -> Element:
+    if not isinstance(value, av.Instance) or not launch_class_name(value):
         return Element("composable_node", {"plugin": actions.translator.template(value)})
     fields = _renamed(constructor_arguments(value))
     attributes = actions.attributes_of(
         fields, pkg="package", plugin="plugin", name="name", namespace="namespace"
     )
-    attributes |= actions.condition_attributes(fields.get("condition", NONE))
-    extra_arguments = tuple(_extra_arguments(actions, fields.get("extra_arguments", NONE)))
+    attributes |= actions.condition_attributes(fields.get("condition", av.NONE))
+    extra_arguments = tuple(_extra_arguments(actions, fields.get("extra_arguments", av.NONE)))
     element = Element(
         "composable_node", attributes, (*_remaps_and_parameters(actions, fields), *extra_arguments)
     )
     return actions.with_call_location(element, value)
 
 
-def _extra_arguments(actions: ActionTranslator, value: Value) -> Iterator[Element]:
-    for item in items_of(value)[0]:
-        if isinstance(item, MapValue):
+def _extra_arguments(actions: ActionTranslator, value: av.Value) -> Iterator[Element]:
+    for item in av.items_of(value)[0]:
+        if isinstance(item, av.MapValue):
             yield from entry_elements(actions.translator, item, "extra_arg")
 
 
@@ -135,7 +129,7 @@ def _group(actions: ActionTranslator, fields: Fields) -> Element:
         "keep", fields.get("launch_configurations"), "name", "value"
     )
     return Element(
-        "group", flags, (*preserved_elements, *actions.elements(fields.get("actions", NONE)))
+        "group", flags, (*preserved_elements, *actions.elements(fields.get("actions", av.NONE)))
     )
 
 
@@ -154,18 +148,20 @@ def _argument(actions: ActionTranslator, fields: Fields) -> Element:
 def _set_parameter(actions: ActionTranslator, fields: Fields) -> Element:
     """Return the element of a parameter for all nodes."""
     name = actions.translator.template(fields.get("name"))
-    return parameter_element(actions.translator, name, fields.get("value", NONE), "set_parameter")
+    return parameter_element(
+        actions.translator, name, fields.get("value", av.NONE), "set_parameter"
+    )
 
 
 def _timer(actions: ActionTranslator, fields: Fields) -> Element:
     attributes = actions.attributes_of(fields, period="period")
-    return Element("timer", attributes, actions.elements(fields.get("actions", NONE)))
+    return Element("timer", attributes, actions.elements(fields.get("actions", av.NONE)))
 
 
 def _event_handler(actions: ActionTranslator, fields: Fields) -> Element:
-    handler = fields.get("event_handler", NONE)
+    handler = fields.get("event_handler", av.NONE)
     name = launch_class_name(handler)
-    if not isinstance(handler, Instance) or not name:
+    if not isinstance(handler, av.Instance) or not name:
         return Element("unknown_handler", {})
     handler_values = [
         value for key, value in constructor_arguments(handler).items() if key in _ACTION_FIELDS
@@ -187,15 +183,15 @@ def _loop(actions: ActionTranslator, fields: Fields) -> Element:
 
 
 def _process(actions: ActionTranslator, fields: Fields) -> Element:
-    description = fields.get("process_description", NONE)
+    description = fields.get("process_description", av.NONE)
     process_fields = (
-        constructor_arguments(description) if isinstance(description, Instance) else fields
+        constructor_arguments(description) if isinstance(description, av.Instance) else fields
     )
     environ = (
         *actions.pair_elements("env", process_fields.get("env"), "name", "value"),
         *actions.pair_elements("env", process_fields.get("additional_env"), "name", "value"),
     )
-    shell = {"shell": "true"} if truth(fields.get("shell", NONE)) is True else {}
+    shell = {"shell": "true"} if av.truth(fields.get("shell", av.NONE)) is True else {}
     attributes = {**actions.attributes_of(process_fields, name="name"), **shell}
     return Element(
         "executable",

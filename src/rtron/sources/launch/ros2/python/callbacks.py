@@ -3,17 +3,7 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    FunctionValue,
-    Instance,
-    LibraryFunction,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.library_models.ros1_common.names import abstract_value
@@ -23,7 +13,7 @@ from rtron.sources.launch.ros2.python.substitutions import Fields, SubstitutionT
 from rtron.sources.launch.ros2.substitutions.loops import UNKNOWN_COUNT, parse_count, parse_rows
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 
-BuildElements = Callable[[Value], tuple[Element, ...]]
+BuildElements = Callable[[av.Value], tuple[Element, ...]]
 ElementCallback = Callable[[ContextView], tuple[Element, ...]]
 
 
@@ -32,21 +22,21 @@ class LaunchCallbacks:
     """Calls functions of the launch file; `call_function` calls one, and notes what goes wrong."""
 
     translator: SubstitutionTranslator
-    call_function: Callable[[Value, Arguments], Value]
+    call_function: Callable[[av.Value, Arguments], av.Value]
 
-    def is_function(self, value: Value) -> bool:
+    def is_function(self, value: av.Value) -> bool:
         """Tell whether a value is a function, not an action or a list of them."""
-        return isinstance(value, (FunctionValue, LibraryFunction))
+        return isinstance(value, (av.FunctionValue, av.LibraryFunction))
 
     def callback(self, fields: Fields, build: BuildElements, *, event: bool) -> ElementCallback:
         """Return what calls `function(context, *args, **kwargs)`, or `function(event, context)`."""
 
         def run(view: ContextView) -> tuple[Element, ...]:
             context = self.translator.context(view)
-            args, _ = items_of(fields.get("args", NONE))
-            first = (Unknown("event"), context) if event else (context,)
-            kwargs = fields.get("kwargs", NONE)
-            named = kwargs.entries if isinstance(kwargs, MapValue) else {}
+            args, _ = av.items_of(fields.get("args", av.NONE))
+            first = (av.Unknown("event"), context) if event else (context,)
+            kwargs = fields.get("kwargs", av.NONE)
+            named = kwargs.entries if isinstance(kwargs, av.MapValue) else {}
             return self._run_function(fields, (*first, *args), named, context, view, build)
 
         return run
@@ -66,13 +56,13 @@ class LaunchCallbacks:
     def _run_function(
         self,
         fields: Fields,
-        args: tuple[Value, ...],
-        named: dict[str, Value],
-        context: Instance,
+        args: tuple[av.Value, ...],
+        named: dict[str, av.Value],
+        context: av.Instance,
         view: ContextView,
         build: BuildElements,
     ) -> tuple[Element, ...]:
-        function = fields.get("function", NONE)
+        function = fields.get("function", av.NONE)
         arguments = Arguments(values=args, keywords=named, frame=StackFrame(file=""))
         before = _known_configurations(context)
         result = self.call_function(function, arguments)
@@ -84,13 +74,13 @@ class LaunchCallbacks:
 
     def _iterations(
         self, fields: Fields, view: ContextView
-    ) -> Iterable[tuple[tuple[Value, ...], dict[str, Value]]]:
+    ) -> Iterable[tuple[tuple[av.Value, ...], dict[str, av.Value]]]:
         if "length" in fields:
             numbers = parse_count(view.perform(self.translator.template(fields["length"])))
             if numbers is None:
                 view.note(UNKNOWN_COUNT)
-                return [((), {"i": Unknown("i")})]
-            return [((), {"i": Scalar(at)}) for at in numbers]
+                return [((), {"i": av.Unknown("i")})]
+            return [((), {"i": av.Scalar(at)}) for at in numbers]
         rows = parse_rows(view.perform(self.translator.template(fields.get("input_values"))))
         if rows is None:
             view.note(UNKNOWN_COUNT)
@@ -98,6 +88,6 @@ class LaunchCallbacks:
         return [((), {key: abstract_value(value) for key, value in row.items()}) for row in rows]
 
 
-def _known_configurations(context: Instance) -> dict[object, Value]:
+def _known_configurations(context: av.Instance) -> dict[object, av.Value]:
     configurations = context.fields["launch_configurations"]
-    return dict(configurations.entries) if isinstance(configurations, MapValue) else {}
+    return dict(configurations.entries) if isinstance(configurations, av.MapValue) else {}
