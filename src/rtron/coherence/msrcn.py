@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import chain, combinations, islice
 
+from rtron.coherence.duration_bounds import MAX_RULES
 from rtron.coherence.flows import (
     CoherenceProblem,
     duplicates,
@@ -10,7 +11,6 @@ from rtron.coherence.flows import (
     policy_problems,
     required_flow_problems,
 )
-from rtron.coherence.settings_bounds import MAX_RULES
 from rtron.errors import suggestion
 from rtron.vocabulary import (
     MSRCN,

@@ -8,9 +8,8 @@ from demo_runs import CORRIDOR, make_run, runs_by_variant
 
 from rtron.cli.commands.demo import CaseName, choose_ros, demo, require_demo_packages, show_console
 from rtron.demos.cases import GR, RunConditions
-from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected
+from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected, demo_text
 from rtron.demos.experiment.results import results_document, write_results
-from rtron.demos.experiment.terminal_report import demo_text
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.metrics.message_journal import Attack
 from rtron.demos.runtime import ros_installation

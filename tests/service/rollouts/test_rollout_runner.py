@@ -8,8 +8,7 @@ from sqlalchemy import select
 from rtron.errors import InputError
 from rtron.service.controller.robot_snapshot import load_snapshot
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import Principal, UserRole
 from rtron.service.domain.rollouts.schemas import Problem, RobotSelection
 from rtron.service.domain.schemas import SettingsChange
 from rtron.service.store.accounts.users import get_user, set_groups

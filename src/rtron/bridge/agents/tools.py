@@ -10,7 +10,7 @@ from pydantic import Field
 from rtron.bridge.agents.agent_commands import AgentCommands
 from rtron.bridge.agents.app_client import AppClient
 from rtron.bridge.agents.refusals import Answer, CallRefusals, CallRefusedError
-from rtron.bridge.protocol.rate_limit import TokenBucket
+from rtron.bridge.protocol.client_state import TokenBucket
 from rtron.errors import RTronError
 from rtron.reports.app.risks_json import risks_to_json
 from rtron.vocabulary import (

@@ -139,8 +139,8 @@ def _check_options(*, guard: bool, console: bool) -> None:
 
 
 def _print_report(request: "DemoRequest", study: "Study", out: Path, format: TextOrJson) -> None:
+    from rtron.demos.experiment.demonstration import demo_text
     from rtron.demos.experiment.results import results_document, write_results
-    from rtron.demos.experiment.terminal_report import demo_text
 
     written = write_results(out, request, study)
     if format is TextOrJson.JSON:

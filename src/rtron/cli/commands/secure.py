@@ -20,7 +20,7 @@ _LONGEST_DAYS = 3600
 
 def _complete_enclave(ctx: typer.Context, incomplete: str) -> list[str]:
     """Return the enclaves of the keystore on the line."""
-    from rtron.security.access.names import is_legal_name
+    from rtron.security.access.rights import is_legal_name
     from rtron.security.sros2.layout import Keystore
 
     keystore = ctx.params.get("output")

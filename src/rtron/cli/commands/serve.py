@@ -101,7 +101,7 @@ def serve(  # noqa: PLR0913 - one for each option
     require_service_packages()
     _load_service()
     from rtron.service.config import ServiceConfig
-    from rtron.service.domain.roles import UserRole
+    from rtron.service.domain.principal import UserRole
     from rtron.service.server.oidc_setup import read_oidc_config
     from rtron.service.store.retention import RetentionLimits
 

@@ -23,9 +23,8 @@ from rtron.functions.classifier.scores import (
     score_package_code,
     score_texts,
 )
-from rtron.functions.text.descriptions import description_tokens
 from rtron.functions.text.names import name_tokens
-from rtron.functions.text.prose import readme_tokens
+from rtron.functions.text.prose import description_tokens, readme_tokens
 from rtron.vocabulary import FunctionType
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from rtron.vocabulary import FunctionType
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from rtron.functions.patterns.index import PatternMatch
+    from rtron.functions.patterns.syntax_tree import PatternMatch
     from rtron.functions.repository import SourcePackage
     from rtron.functions.rules.code_rules import CodeMatch, FunctionRule
     from rtron.functions.text.tokens import Tokens

@@ -7,8 +7,22 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
 from rtron.errors import InputError
-from rtron.security.access.names import (
+from rtron.security.access.plan_rights import (
+    OPERATOR_PROCESS,
+    PlanRights,
+    guard_access,
+    launch_access,
+    operator_access,
+    verify_access,
+)
+from rtron.security.access.rights import (
     LONGEST_PROCESS_NAME,
+    AccessDoubt,
+    AccessRight,
+    AppAccess,
+    NodeAccess,
+    ProcessAccess,
+    RightKind,
     is_legal_name,
     is_legal_node,
     is_own_node,
@@ -16,22 +30,6 @@ from rtron.security.access.names import (
     means_own_node,
     node_rights,
     process_name,
-)
-from rtron.security.access.own_access import (
-    OPERATOR_PROCESS,
-    guard_access,
-    launch_access,
-    operator_access,
-    verify_access,
-)
-from rtron.security.access.plan_rights import PlanRights
-from rtron.security.access.rights import (
-    AccessDoubt,
-    AccessRight,
-    AppAccess,
-    NodeAccess,
-    ProcessAccess,
-    RightKind,
 )
 from rtron.vocabulary import (
     GUARD_NODE,

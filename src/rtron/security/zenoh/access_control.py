@@ -22,7 +22,7 @@ from itertools import chain
 from typing import Any, NamedTuple
 
 from rtron.errors import InputError
-from rtron.security.access.own_access import NODES_OF_OWN_PROCESSES
+from rtron.security.access.plan_rights import NODES_OF_OWN_PROCESSES
 from rtron.security.access.rights import (
     AccessDoubt,
     AccessRight,

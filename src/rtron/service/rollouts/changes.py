@@ -14,9 +14,14 @@ from rtron.service.controller.robot_snapshot import RobotSnapshot, load_snapshot
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import Clock
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
-from rtron.service.domain.principal import Principal, check_reach, group_set
+from rtron.service.domain.principal import (
+    TOKEN_ROLES,
+    AccessScope,
+    Principal,
+    check_reach,
+    group_set,
+)
 from rtron.service.domain.revisions import StaleRevisionError
-from rtron.service.domain.roles import TOKEN_ROLES, AccessScope
 from rtron.service.domain.rollouts.plans import (
     check_plan_change,
     check_plan_right,

@@ -15,8 +15,13 @@ from rtron.service.api.auth.login_attempts import LoginQueue
 from rtron.service.api.context import ServiceContext
 from rtron.service.api.error_responses import ERROR_RESPONSES, install_error_handlers
 from rtron.service.api.middleware.request_body import RequestBodyLimit
-from rtron.service.api.middleware.request_checks import HostCheck, NulCheck, OriginCheck
-from rtron.service.api.middleware.responses import InternalErrorHandler, SecurityHeaders
+from rtron.service.api.middleware.request_checks import (
+    HostCheck,
+    InternalErrorHandler,
+    NulCheck,
+    OriginCheck,
+    SecurityHeaders,
+)
 from rtron.service.api.routes import (
     approvals,
     audit,
@@ -60,8 +65,7 @@ from rtron.service.rollouts.changes import RobotChanges
 from rtron.service.rollouts.runner import RolloutRunner
 from rtron.service.server.audit_key import load_signer
 from rtron.service.server.database_setup import open_database
-from rtron.service.server.head_publisher import HeadPublisher
-from rtron.service.server.heads_journal import HeadsJournal
+from rtron.service.server.heads_journal import HeadPublisher, HeadsJournal
 from rtron.service.server.oidc_setup import read_client_secret
 from rtron.service.store.accounts.tokens import GuardTokens
 from rtron.service.store.audit import known_logins

@@ -13,8 +13,7 @@ from rtron.service.domain.audit_export import (
     parse_lines,
     signed_heads,
 )
-from rtron.service.domain.hash_chain import Head, Witness
-from rtron.service.domain.signed_documents import DocumentSigner
+from rtron.service.domain.hash_chain import DocumentSigner, Head, Witness
 from rtron.service.store.chain_check import (
     DatabaseReport,
     all_chains,

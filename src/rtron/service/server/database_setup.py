@@ -14,7 +14,7 @@ from sqlalchemy.exc import IntegrityError
 from rtron.errors import InputError
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import ConflictError
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 from rtron.service.store.accounts.passwords import hash_password, new_password
 from rtron.service.store.accounts.users import add_user, all_users
 from rtron.service.store.audit import record_event

@@ -8,8 +8,7 @@ from typing import Any
 from sqlalchemy import Row, Select, func, select
 from sqlalchemy.orm import Session
 
-from rtron.service.domain.hash_chain import ChainReport, Head, Link, Witness, check_chain
-from rtron.service.domain.signed_documents import anchor_of
+from rtron.service.domain.hash_chain import ChainReport, Head, Link, Witness, anchor_of, check_chain
 from rtron.service.store.audit import AUDIT_CONTENT, audit_content
 from rtron.service.store.chains import EVENTS_PREFIX
 from rtron.service.store.database import Database

@@ -17,7 +17,7 @@ from sqlalchemy.orm import Session
 from rtron.errors import WireError
 from rtron.service.domain.schemas import EventView
 from rtron.service.store.chains import ChainEntry, append_entries, events_chain, lock_chains
-from rtron.service.store.partitions.event_runs import EventKey, keep_unstored
+from rtron.service.store.partitions.event_partitions import EventKey, keep_unstored
 from rtron.service.store.tables import CoordinationNodeRow, EventRow, RobotRow
 from rtron.vocabulary import Decision, EventKind, GuardEvent, GuardEventLevel
 

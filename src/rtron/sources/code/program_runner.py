@@ -35,11 +35,11 @@ from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 from rtron.sources.code.ir import Function, SourceProblem
 from rtron.sources.code.last_message import last_messages
-from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
-from rtron.sources.code.library_models.common.other_ros import (
+from rtron.sources.code.library_models.common.message_types import (
     OTHER_CPP_CLASSES,
     OTHER_CPP_FUNCTIONS,
 )
+from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
 from rtron.sources.code.library_models.cpp_std.registry import (
     CONSTANTS,
     CPP_STD_CLASSES,
@@ -51,8 +51,8 @@ from rtron.sources.code.library_models.python_std.registry import (
     command_line_value,
     node_constants,
 )
-from rtron.sources.code.library_models.rclcpp.hardware import HARDWARE_CALLBACKS, hardware_info
 from rtron.sources.code.library_models.rclcpp.node import component_options
+from rtron.sources.code.library_models.rclcpp.pluginlib import HARDWARE_CALLBACKS, hardware_info
 from rtron.sources.code.library_models.rclcpp.registry import (
     RCLCPP_CLASSES,
     RCLCPP_CONSTANTS,

@@ -24,11 +24,10 @@ from rtron.reports.inline_page import inline_json, page_text, policy
 from rtron.reports.text_layout import counted
 from rtron.sanitize import sanitize
 from rtron.survey.app_survey import AppResult, AppSurvey, FunctionLink
-from rtron.survey.paper import RISKS_OF_COMPLEX_APPS
 from rtron.survey.reports import page_sections as sections
 from rtron.survey.reports.page_figures import row, table, text
 from rtron.survey.reports.page_sections import link_name, pairs_of_two
-from rtron.survey.statistics import LinkCount, SurveyCounts, counts_by_ros
+from rtron.survey.statistics import RISKS_OF_COMPLEX_APPS, LinkCount, SurveyCounts, counts_by_ros
 from rtron.survey.survey_run import Survey
 from rtron.vocabulary import Domain, FunctionType, RiskKind
 

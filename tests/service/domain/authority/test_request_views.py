@@ -11,8 +11,7 @@ from rtron.service.domain.authority.leases import (
     seen_detail,
 )
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import SessionStage, UserRole
+from rtron.service.domain.principal import Principal, SessionStage, UserRole
 from rtron.vocabulary import OpenRequest, OpenRequests
 
 DIGEST = "a" * 64

@@ -7,7 +7,7 @@ import pytest
 
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import ConflictError, NotFoundError, TooManyRequestsError
-from rtron.service.domain.roles import AccessScope, UserRole
+from rtron.service.domain.principal import AccessScope, UserRole
 from rtron.service.server.database_setup import add_first_admin
 from rtron.service.store.accounts import passwords
 from rtron.service.store.accounts.logins import SessionLifetime, begin_session, find_session

@@ -14,8 +14,7 @@ from rtron.sources.live.ros2.actions import action_member
 from rtron.sources.live.ros2.domain import Snapshot
 from rtron.sources.live.ros2.source import discover_graph, graph_of_snapshot
 from rtron.vocabulary import ActionRole, Direction, QoS
-from rtron.wire.ros2.endpoints import Ros2Endpoint
-from rtron.wire.ros2.service_endpoints import Ros2ServiceEndpoint
+from rtron.wire.ros2.endpoints import Ros2Endpoint, Ros2ServiceEndpoint
 
 pytestmark = pytest.mark.ros2
 TWIST = "geometry_msgs/msg/Twist"

@@ -5,12 +5,16 @@ has. So the guard is a `launch-prefix` of a node that is installed wherever rosl
 the prefix does not run what it prefixes.
 """
 
+import os
 import shlex
+import shutil
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rtron.errors import InputError
 from rtron.vocabulary import GUARD_NODE
 
 
@@ -100,3 +104,53 @@ class GuardFiles:
         options = (f' {_OPTIONS[name]} "${{0%/*}}/{name}"' for name in texts)
         script = f"#!/bin/sh\n{note}exec {shlex.join(self.command)}{''.join(options)}\n"
         return {GUARD_SCRIPT: script, **texts}
+
+
+_SCRIPT_MODE = 0o755
+_TEXT_MODE = 0o644
+
+
+def write_guarded_launch(guarded: GuardedLaunch) -> None:
+    """Write the files; the launch file comes last, and an earlier guarded launch is replaced.
+
+    Raise InputError if the folder is there and no earlier guarded launch's, or for no access.
+    """
+    launch, folder = guarded.launch, guarded.folder
+    if folder.exists() and not all((folder / name).is_file() for name in (GUARD_SCRIPT, PLAN_FILE)):
+        help = "choose another name for the guarded launch"
+        raise InputError("is there already and not RTron's", path=str(folder), help=help)
+    try:
+        launch.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".rtron-", dir=launch.parent) as stage:
+            _stage(guarded, Path(stage))
+            _publish(Path(stage), launch, folder)
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", path=str(launch)) from None
+
+
+def _stage(guarded: GuardedLaunch, stage: Path) -> None:
+    top = guarded.launch.parent
+    for path, text in guarded.files.items():
+        staged = _with_folder(stage / path.relative_to(top))
+        staged.write_bytes(text.encode(errors="surrogateescape"))
+        staged.chmod(_SCRIPT_MODE if text.startswith("#!") else _TEXT_MODE)
+    for path, original in guarded.copies.items():
+        staged = _with_folder(stage / path.relative_to(top))
+        shutil.copyfile(original, staged)
+        staged.chmod(_SCRIPT_MODE)
+    for path, original in guarded.links.items():
+        _with_folder(stage / path.relative_to(top)).symlink_to(original)
+
+
+def _with_folder(path: Path) -> Path:
+    """Return a path whose folder is there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+def _publish(stage: Path, launch: Path, folder: Path) -> None:
+    """Move what is staged to its place; what it replaces goes away with the stage."""
+    if folder.exists():
+        folder.rename(stage / "replaced")
+    (stage / folder.name).rename(folder)
+    os.replace(stage / launch.name, launch)  # noqa: PTH105 - says what it does

@@ -22,11 +22,12 @@ from rtron.planning.instrument.common.guarded_launch import (
 from rtron.planning.instrument.common.remap_coverage import RemapCoverage
 from rtron.planning.instrument.common.remaps import enforced_streams, plan_remaps
 from rtron.planning.instrument.ros1.launch_copies import LaunchCopies
-from rtron.planning.instrument.ros1.package_files import PackageFile, find_package_file
 from rtron.planning.instrument.ros1.runtime_launch import (
     OVERLAY_FOLDER,
     STARTER_SCRIPT,
+    PackageFile,
     RuntimeLaunchTree,
+    find_package_file,
     merge_launches,
     starter_script,
 )

@@ -11,10 +11,8 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from rtron.errors import InputError
-from rtron.service.api.audit_transaction import record_refusal
-from rtron.service.api.auth.authentication import client_address
-from rtron.service.api.auth.browser_sessions import browser_cookie_name
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.auth.authentication import browser_cookie_name, client_address
+from rtron.service.api.context import ServiceContext, ServiceDependency, record_refusal
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import ForbiddenError, TooManyRequestsError
 from rtron.service.domain.login_throttle import LoginThrottle

@@ -13,8 +13,7 @@ from rtron.reports.csv_lines import Row, csv_lines
 from rtron.service.api.auth.authorization import Reader
 from rtron.service.api.context import ServiceContext, ServiceDependency
 from rtron.service.api.routes.events import EventQuery
-from rtron.service.controller.robot_snapshot import load_current_app
-from rtron.service.controller.robot_summaries import list_robot_summaries
+from rtron.service.controller.robot_snapshot import list_robot_summaries, load_current_app
 from rtron.service.domain.alarms import Acknowledgement
 from rtron.service.domain.schemas import EventView, Name, RequestModel, RobotSummary, SettingsView
 from rtron.service.domain.shifts import Handover

@@ -4,9 +4,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from rtron.service.api.audit_transaction import audit_transaction
 from rtron.service.api.auth.authorization import Principal, Reader, RoleHolder
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.context import ServiceContext, ServiceDependency, audit_transaction
 from rtron.service.controller.alarm_acknowledgement import (
     acknowledge_present,
     current_situation,

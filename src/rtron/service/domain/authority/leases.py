@@ -9,8 +9,7 @@ from pydantic import BaseModel, Field, StringConstraints, model_validator
 
 from rtron.errors import suggestion
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import SessionStage, UserRole
+from rtron.service.domain.principal import Principal, SessionStage, UserRole
 from rtron.service.domain.schemas import MIN_REASON_LENGTH, Reason, RequestModel, RequiredReason
 from rtron.vocabulary import (
     CommanderRank,

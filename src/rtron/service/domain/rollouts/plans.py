@@ -8,8 +8,7 @@ from typing import Any, TypeVar
 from rtron.coherence import EffectivePlan, relaunch_reasons
 from rtron.errors import InputError
 from rtron.service.domain.errors import ForbiddenError
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import Principal, UserRole
 from rtron.service.domain.settings_checks import check_settings, drop_misfits
 from rtron.service.domain.settings_patch import Patch, merge_patch
 from rtron.vocabulary import FlowSettings, NodeSettings, Plan, RuleSettings, Settings

@@ -15,8 +15,7 @@ from rtron.errors import InputError
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import Clock
 from rtron.service.domain.errors import ConflictError, NotFoundError
-from rtron.service.domain.principal import check_group_limit
-from rtron.service.domain.roles import AccessScope
+from rtron.service.domain.principal import AccessScope, check_group_limit
 from rtron.service.store.accounts.last_use import record_use, record_uses, try_update
 from rtron.service.store.accounts.passwords import new_secret, secret_digest
 from rtron.service.store.audit import record_event, record_repeatable

@@ -21,6 +21,7 @@ from rtron.service.store.partitions.event_partitions import (
     drop_partition,
     event_count,
     finish_dropping,
+    forget_runs_without_events,
     id_range,
     is_nearly_full,
     newest_stored,
@@ -28,7 +29,6 @@ from rtron.service.store.partitions.event_partitions import (
     partition_bytes,
     partition_numbers,
 )
-from rtron.service.store.partitions.event_runs import forget_runs_without_events
 from rtron.service.store.tables import ChainLinkRow, ChainRow
 
 AGE_PARTS, SIZE_PARTS = 30, 20

@@ -16,19 +16,22 @@ from typing import NamedTuple
 
 from rtron.errors import InputError
 from rtron.sources.bag.common.compression import decompress
-from rtron.sources.bag.common.limits import (
+from rtron.sources.bag.common.reader import (
     MAX_CHUNK_BYTES,
     MAX_CHUNK_MESSAGES,
     MAX_CONNECTIONS,
     MAX_HEADER_BYTES,
     MAX_INDEX_BYTES,
+    BagConnection,
+    BagReader,
     DamageError,
     DecompressionBudget,
+    Message,
     damage_error,
+    merge_by_time,
     open_bag_file,
+    sort_by_time,
 )
-from rtron.sources.bag.common.reader import BagConnection, BagReader, Message
-from rtron.sources.bag.common.time_order import merge_by_time, sort_by_time
 from rtron.sources.bag.ros1.record import (
     BAG_HEADER,
     CHUNK,

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 
 from rtron.sources.launch.common.errors import MissingArgumentError
-from rtron.sources.launch.ros2.conditions import FALSE, TRUE
+from rtron.sources.launch.ros2.choices import FALSE, TRUE
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator, Setting
 from rtron.sources.launch.ros2.launch_context import NAMESPACE, ArgumentOrigin, LaunchVariable

@@ -20,9 +20,9 @@ from rtron.sources.launch.ros2.substitutions.command_output import CommandOutput
 from rtron.sources.launch.ros2.substitutions.functions import (
     Function,
     format_bool,
+    loop_variable,
     require_arguments,
 )
-from rtron.sources.launch.ros2.substitutions.loops import loop_variable
 from rtron.sources.launch.ros2.substitutions.package_lookup import PackageLookup
 from rtron.sources.launch.ros2.substitutions.substitution import (
     MAX_GRAPH_TEXT,

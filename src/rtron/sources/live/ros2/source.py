@@ -48,7 +48,7 @@ from rtron.wire.ros2.session import Ros2Session
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rtron.wire.ros2.service_endpoints import Ros2ServiceEndpoint
+    from rtron.wire.ros2.endpoints import Ros2ServiceEndpoint
 
 _IMPLICIT_TOPICS = frozenset({"/rosout", "/parameter_events"})
 _CLOCK = "/clock"

@@ -17,9 +17,8 @@ from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import TaskKind
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses, sent_once
-from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
+from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities, parameter_value
 from rtron.sources.static.ros2.gazebo_topics import mismatched_bridges
-from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import (
     Direction,

@@ -13,9 +13,15 @@ from itertools import takewhile
 from pathlib import Path, PurePath
 
 from rtron.sources.workspace.cmake.build import COMPILED
-from rtron.sources.workspace.cmake.command_call import CommandCall, VariableScope, split_by_keyword
+from rtron.sources.workspace.cmake.command_call import (
+    CommandCall,
+    ExpandedArgument,
+    VariableScope,
+    VariableValue,
+    split_by_keyword,
+    split_list,
+)
 from rtron.sources.workspace.cmake.targets import TARGET_COMMANDS, add_target
-from rtron.sources.workspace.cmake.values import ExpandedArgument, VariableValue, split_list
 from rtron.sources.workspace.cmake.variables import VARIABLE_COMMANDS, Handler
 from rtron.sources.workspace.package_contents import ComponentClass, TargetKind
 

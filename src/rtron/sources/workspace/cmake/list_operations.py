@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias
 
+from rtron.sources.workspace.cmake.command_call import MAX_LENGTH, BoundsError
 from rtron.sources.workspace.cmake.patterns import plain_pattern, replace_plain
-from rtron.sources.workspace.cmake.values import MAX_LENGTH, BoundsError
 
 _FILTER_WORDS = 3
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 from tree_sitter import Node
 
 from rtron.sources.code import ir
-from rtron.sources.code.frontends.cpp.declarators import read_declarator
 from rtron.sources.code.frontends.cpp.functions import add_function
 from rtron.sources.code.frontends.cpp.literals import integer_value
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import (
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
     lower_declaration,
     lower_expression,
     lower_expressions,
@@ -20,6 +20,7 @@ from rtron.sources.code.frontends.cpp.types import (
     anonymous_name,
     one_line_text,
     qualified_name,
+    read_declarator,
     specialised_name,
     type_of,
 )

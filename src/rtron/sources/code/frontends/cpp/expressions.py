@@ -6,8 +6,9 @@ from tree_sitter import Node
 
 from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp.literals import number_value, string_value
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import (
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
     lower_expression,
     lower_expressions,
     lower_opaque,

@@ -5,15 +5,10 @@ from dataclasses import replace
 from tree_sitter import Node
 
 from rtron.sources.code import ir
-from rtron.sources.code.frontends.cpp.declarators import (
-    Declarator,
-    has_specifier,
-    is_constant,
-    read_declarator,
-)
 from rtron.sources.code.frontends.cpp.expressions import identifiers, lower_arguments
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import (
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
     lower_block,
     lower_expression,
     lower_statement,
@@ -21,7 +16,14 @@ from rtron.sources.code.frontends.cpp.node_lowering import (
     lowers_expression,
     lowers_statement,
 )
-from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
+from rtron.sources.code.frontends.cpp.types import (
+    Declarator,
+    has_specifier,
+    is_constant,
+    qualified_name,
+    read_declarator,
+    type_of,
+)
 
 
 def lambda_captures(

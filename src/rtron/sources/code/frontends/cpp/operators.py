@@ -3,8 +3,10 @@
 from tree_sitter import Node
 
 from rtron.sources.code import ir
-from rtron.sources.code.frontends.cpp.lowering_context import MAX_DEPTH, LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import (
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    MAX_DEPTH,
+    LoweringContext,
+    line_of,
     lower_expression,
     lower_expressions,
     lower_opaque,

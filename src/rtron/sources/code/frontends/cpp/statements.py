@@ -3,16 +3,16 @@
 from tree_sitter import Node
 
 from rtron.sources.code import ir
-from rtron.sources.code.frontends.cpp.declarators import read_declarator
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import (
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
     lower_block,
     lower_expression,
     lower_statement,
     lowers_statement,
 )
 from rtron.sources.code.frontends.cpp.operators import lower_discarded
-from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
+from rtron.sources.code.frontends.cpp.types import qualified_name, read_declarator, type_of
 from rtron.sources.code.frontends.cpp.variables import (
     lower_local,
     lower_variable,

@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 from tree_sitter import Node
 
 from rtron.sources.code import ir
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import (
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
     lower_block,
     lower_expression,
     lower_statement,

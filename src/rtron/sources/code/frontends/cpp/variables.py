@@ -6,17 +6,21 @@ from dataclasses import dataclass
 from tree_sitter import Node
 
 from rtron.sources.code import ir
-from rtron.sources.code.frontends.cpp.declarators import (
+from rtron.sources.code.frontends.cpp.expressions import lower_arguments
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
+    lower_expression,
+)
+from rtron.sources.code.frontends.cpp.types import (
     Declarator,
     fields_of,
     has_specifier,
     is_constant,
+    qualified_name,
     read_declarator,
+    type_of,
 )
-from rtron.sources.code.frontends.cpp.expressions import lower_arguments
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import lower_expression
-from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
 
 _BUILT_IN = {"primitive_type", "sized_type_specifier", "placeholder_type_specifier"}
 _EXPRESSIVE = {None, "abstract_function_declarator", "abstract_array_declarator"}

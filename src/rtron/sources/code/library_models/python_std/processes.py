@@ -16,7 +16,7 @@ from rtron.sources.code.library_models.common.trivial_functions import (
 )
 from rtron.sources.code.library_models.python_std.argument_parsers import command_line_value
 from rtron.sources.code.library_models.python_std.builtin_functions import BUILTINS
-from rtron.sources.code.library_models.python_std.package_paths import missing_package
+from rtron.sources.code.library_models.python_std.paths import missing_package
 from rtron.vocabulary.enums import HiddenPart
 
 

@@ -19,8 +19,11 @@ from rtron.sources.code.library_models.python_std.dynamic_code import (
     MODULE_FILES,
 )
 from rtron.sources.code.library_models.python_std.environment import environment_value, getenv
-from rtron.sources.code.library_models.python_std.package_paths import PACKAGE_PATHS
-from rtron.sources.code.library_models.python_std.paths import DATA_FILE_FUNCTIONS, PYTHON_PATHS
+from rtron.sources.code.library_models.python_std.paths import (
+    DATA_FILE_FUNCTIONS,
+    PACKAGE_PATHS,
+    PYTHON_PATHS,
+)
 from rtron.sources.code.library_models.python_std.processes import PROCESSES, THREADS
 
 __all__ = ["PYTHON_LIBRARY", "command_line_value", "node_constants"]
