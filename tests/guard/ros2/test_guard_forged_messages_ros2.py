@@ -14,7 +14,7 @@ from ros2_plans import driving, written
 
 from rtron.vocabulary import OnSilence, flow_topic, output_topic
 from rtron.wire.ros2.endpoints import publishers_of
-from rtron.wire.ros2.session import find_interface
+from rtron.wire.ros2.interfaces import find_interface
 
 pytestmark = [
     pytest.mark.ros2,

@@ -23,7 +23,8 @@ from rtron.vocabulary import (
     flow_topic,
     output_topic,
 )
-from rtron.wire.ros2.session import Ros2Session, find_interface
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = [
     pytest.mark.ros2,

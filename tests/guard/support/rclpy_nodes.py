@@ -7,7 +7,8 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from rtron.wire.ros2.session import Ros2Session, find_interface
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 TWIST, STRING, IMAGE = "geometry_msgs/msg/Twist", "std_msgs/msg/String", "sensor_msgs/msg/Image"
 

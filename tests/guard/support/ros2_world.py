@@ -9,7 +9,8 @@ from transport_worlds import RosWorld
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 from rtron.messages.common.encoding import Encoding
 from rtron.wire.ros2.endpoints import publishers_of, subscribers_of
-from rtron.wire.ros2.session import Ros2Session, find_interface
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 DEPTH = 1000
 

@@ -4,7 +4,7 @@ import pytest
 
 from rtron.errors import SourceError
 from rtron.messages.common.definition_parser import MAX_TEXT
-from rtron.wire.ros2.session import find_interface
+from rtron.wire.ros2.interfaces import find_interface
 
 INDEX = "share/ament_index/resource_index/rosidl_interfaces"
 

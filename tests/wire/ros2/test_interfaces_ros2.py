@@ -22,7 +22,8 @@ from rtron.errors import SourceError, WireError
 from rtron.messages import parse_definition
 from rtron.messages.ros2.cdr_validator import cdr_validator
 from rtron.wire.ros2.endpoints import publishers_of
-from rtron.wire.ros2.session import Ros2Session, find_interface
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = [
     pytest.mark.ros2,

@@ -60,7 +60,7 @@ def prepare_session(ros: int, address: str) -> Ros2Session | None:
 def load_types(ros: int, types: Iterable[str]) -> None:
     """Import the messages of some types, where that takes time. SourceError if one is unknown."""
     if ros != 1:
-        from rtron.wire.ros2.session import find_interface  # noqa: PLC0415
+        from rtron.wire.ros2.interfaces import find_interface  # noqa: PLC0415
 
         for type in types:
             find_interface(type)

@@ -76,7 +76,7 @@ def _try_to_publish(plan: Plan, domain: int | None) -> tuple[list[str], list[str
 
 def _may_speak(session: Ros2Session, output: str) -> bool:
     """Tell whether the middleware gives us a writer; it says no more than that of a permission."""
-    from rtron.wire.ros2.session import find_interface  # noqa: PLC0415
+    from rtron.wire.ros2.interfaces import find_interface  # noqa: PLC0415
 
     node = session.node(VERIFY_NODE)
     try:

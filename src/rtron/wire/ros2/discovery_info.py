@@ -28,8 +28,8 @@ from rtron.wire.ros2.c_structures import (
     capsule_pointer,
     typed_function,
 )
+from rtron.wire.ros2.interfaces import find_interface
 from rtron.wire.ros2.rmw_version import HUMBLE, rmw_version
-from rtron.wire.ros2.session import find_interface
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -16,7 +16,8 @@ from rtron.guard.transport.ros2.graph_query import GraphQuery
 from rtron.guard.transport.ros2.participants import MAX_ENDPOINTS
 from rtron.vocabulary import Direction
 from rtron.wire.ros2.endpoints import await_publishers, publishers_of, subscribers_of
-from rtron.wire.ros2.session import Ros2Session, find_interface
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = [
     pytest.mark.ros2,

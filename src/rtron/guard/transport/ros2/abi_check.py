@@ -29,8 +29,9 @@ from rtron.guard.transport.ros2.service_calls import ServiceCalls, request_id_pa
 from rtron.vocabulary import PRIVATE_ROOT, Direction
 from rtron.wire.ros2.c_structures import typed_function
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, Ros2Endpoint, await_publishers
+from rtron.wire.ros2.interfaces import find_interface
 from rtron.wire.ros2.rmw_version import HUMBLE, LYRICAL, release_name, rmw_version
-from rtron.wire.ros2.session import find_interface, rmw_identifier
+from rtron.wire.ros2.session import rmw_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

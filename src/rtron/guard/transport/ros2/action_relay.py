@@ -10,7 +10,7 @@ from rtron.guard.transport.ros2.action_client import ActionClient
 from rtron.guard.transport.ros2.action_server import ActionContext, ActionServer
 from rtron.guard.transport.ros2.service_calls import ServiceCalls
 from rtron.vocabulary import SECOND, UNAPPROVED, Ros2ActionEntity, Stream, flow_topic, output_topic
-from rtron.wire.ros2.session import find_interface
+from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rtron.guard.transport.ros2.data_reader import DataReader
 from rtron.guard.transport.ros2.qos import profile
 from rtron.vocabulary import QoS, Ros2ActionEntity, ros2_entity_name
-from rtron.wire.ros2.session import find_interface
+from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -34,7 +34,8 @@ from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionHa
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import GUARD_NODE, SECOND, QoS, Reliability
 from rtron.wire.ros2.discovery_tuning import publishes_without_waiting
-from rtron.wire.ros2.session import find_interface, rmw_identifier
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import rmw_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -17,7 +17,7 @@ from rtron.guard.transport.common.backlog import Backlog
 from rtron.guard.transport.ros2.qos import command_qos, latched, profile, strongest
 from rtron.guard.transport.ros2.writer import FittingWriter, LosslessWriter, Writer
 from rtron.vocabulary import SECOND, Durability, QoS, Reliability, matches_node, normalise_type
-from rtron.wire.ros2.session import find_interface
+from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
     from rclpy.node import Node

@@ -23,7 +23,8 @@ from rtron.guard.transport.ros2.cyclone_ids import CycloneSenderIds
 from rtron.vocabulary import PRIVATE_ROOT
 from rtron.wire.ros2.c_structures import GID_SIZE, RequestId, typed_function
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE, await_publishers
-from rtron.wire.ros2.session import find_interface, rmw_identifier
+from rtron.wire.ros2.interfaces import find_interface
+from rtron.wire.ros2.session import rmw_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -16,8 +16,8 @@ from rtron.guard.transport.ros2.responses import ResponseRetry
 from rtron.guard.transport.ros2.service_calls import ServiceCalls
 from rtron.vocabulary import Direction, matches_node
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
+from rtron.wire.ros2.interfaces import find_interface
 from rtron.wire.ros2.service_names import request_topic
-from rtron.wire.ros2.session import find_interface
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -23,7 +23,7 @@ from rtron.messages.common.definition_parser import parse_definition
 from rtron.messages.ros2.cdr_validator import cdr_validator
 from rtron.vocabulary import SECOND, Durability, QoS, Reliability, matches_node, normalise_type
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
-from rtron.wire.ros2.session import Interface, find_interface
+from rtron.wire.ros2.interfaces import Interface, find_interface
 
 if TYPE_CHECKING:
     from collections.abc import Callable
