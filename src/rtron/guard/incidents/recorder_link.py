@@ -20,10 +20,10 @@ from rtron.guard.incidents.entries import (
     RevisionChanged,
     Sent,
 )
-from rtron.guard.incidents.recorder_port import connect
 from rtron.guard.incidents.stream_notes import StreamNotes, observed_state
 from rtron.guard.incidents.stream_tap import is_due
 from rtron.guard.lanes.exchange.message_channel import MessageChannel
+from rtron.guard.system.process_port import connect
 from rtron.vocabulary import SECOND, Alarm, Plan, Settings
 from rtron.wire.common.incident_format import encode_settings
 
@@ -55,7 +55,7 @@ class RecorderLink:
         loop: EventLoop,
         settings: "SettingsInForce | None" = None,
     ) -> None:
-        """`port` is the bulk process's side of the recorder's port.
+        """`port` is the connecting side of the recorder's port.
 
         `host` carries the streams of the bulk process, and knows the alarms of both.
         """

@@ -63,9 +63,10 @@ class SupervisorClient:
         config: GuardConfig,
         memory: GuardMemory,
         connection: socket.socket,
+        bulk_port: socket.socket,
         session: "Ros2Session | None" = None,
     ) -> None:
-        """Take the connection to the supervisor.
+        """Take the connection to the supervisor, and the connecting side to the bulk process.
 
         `session` was opened while the guard waited to begin.
 
@@ -75,7 +76,7 @@ class SupervisorClient:
             memory.handover_state.read()[1], memory.handover_state.write
         )
         self.session = session
-        self.configuration = config.digest
+        self.configuration, self.bulk_port = config.digest, bulk_port
         self._memory = memory
         self._connection = connection
         self._name = take_name(GUARD, config.master)

@@ -1,9 +1,10 @@
 """The audit in one process and the brakes in another: what each knows when the other comes back."""
 
+import os
+import socket
 from contextlib import ExitStack
 from itertools import pairwise
 from types import SimpleNamespace
-from uuid import uuid4
 
 import pytest
 from plans import grcn, plan_of
@@ -38,6 +39,8 @@ from rtron.guard.lanes.exchange.messages import (
     SettleAlarm,
 )
 from rtron.guard.settings.intrusion_clearing import ClearCommands
+from rtron.guard.system.process_port import ProcessPort
+from rtron.guard.system.shared_beat import SharedBeat
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign, build_streams
 
@@ -77,7 +80,9 @@ class Commands:
         self.listener = self.response.listener = Listener()
         self.host.open()
         board, loop = BoardObservations(PLAN), processes.loop
-        self.connection = BulkConnection(loop, processes.configuration, board, self.host)
+        self.connection = BulkConnection(
+            loop, processes.port.connecting_side, processes.configuration, board, self.host
+        )
         self.messages = []
         self.rounds = []
         self.connection.message_listeners.append(self._keep)
@@ -109,8 +114,9 @@ class Bulk:
 
     def __init__(self, processes):
         loop = processes.loop
-        writer = BoardWriter(observations_of(PLAN), loop)
-        self.connection = CommandConnection(loop, processes.configuration, writer, Alarms())
+        writer = BoardWriter(observations_of(PLAN), loop, SharedBeat.create())
+        port = processes.accepting_side()
+        self.connection = CommandConnection(loop, port, processes.configuration, writer, Alarms())
         self.response = RemoteResponse(self.connection, loop, stops_streams=True)
         self.response.find_missing = lambda: processes.missing
         self.response.find_unseen = processes.find_unseen
@@ -126,7 +132,7 @@ class Processes:
     """Both ends on one loop, connected by a real socket."""
 
     def __init__(self, stack):
-        self.loop, self.configuration = EventLoop(), uuid4().hex
+        self.loop, self.configuration, self.port = EventLoop(), b"this plan", ProcessPort()
         self.missing = ""
         """What the audit says that it has not looked at."""
         self.seen_at, self.asked_since = 0, []
@@ -137,6 +143,10 @@ class Processes:
     def find_unseen(self, since):
         self.asked_since.append(since)
         return {} if self.seen_at > since else {TOPIC: "a gap"}
+
+    def accepting_side(self):
+        """Return the bulk process's side, as each one has it from the supervisor."""
+        return socket.socket(fileno=os.dup(self.port.accepting_side.fileno()))
 
     def start_commands(self, handover=b""):
         commands = Commands(self, handover)
@@ -473,3 +483,15 @@ def test_a_stream_is_not_cleared_while_an_intruder_waits_to_be_reported(processe
     assert "ghost 256" in processes.refusal(pair.commands)
     pair.bulk.response.settle(ghosts[-1])
     assert processes.refusal(pair.commands) == ""
+
+
+def test_a_bulk_process_with_another_plan_serves_nobody(processes):
+    processes.configuration = b"another plan"
+    commands = processes.start_commands()
+    processes.configuration = b"this plan"
+    bulk = processes.start_bulk()
+    processes.run(0.3)
+    assert not commands.connection.is_connected
+    assert not bulk.connection.is_connected
+    following = processes.start_commands()
+    processes.wait(lambda: following.connection.is_connected)

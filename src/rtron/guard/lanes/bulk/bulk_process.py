@@ -6,7 +6,7 @@ of theirs delays a command.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.audit_brake import AuditBrake, Brake
@@ -43,24 +43,32 @@ if TYPE_CHECKING:
     from rtron.guard.core.observations import Observations
     from rtron.guard.link.options import LinkOptions
     from rtron.guard.link.service_link import ServiceLink
+    from rtron.guard.system.shared_beat import SharedBeat
     from rtron.guard.transport.common.protocol import LiveTransport
 
 _NICE = 5
 """Commands go before what is carried here (nice(2), SCHED_BATCH of sched(7))."""
 
 
+@dataclass(frozen=True, slots=True)
+class BulkPorts:
+    """Where command processes come from, and where the recorder is reached."""
+
+    commands: socket.socket
+    recorder: socket.socket
+
+
 def run_bulk_process(
     plan: Plan,
     master: str,
-    configuration: str,
-    recorder_port: socket.socket,
-    *,
+    ports: BulkPorts,
+    configuration: bytes,
+    beat: SharedBeat,
     link: LinkOptions | None = None,
 ) -> None:
     """Serve the command process at a ROS 1 master or in a ROS 2 domain, until stopped.
 
-    `configuration` is the digest of the guard's; `recorder_port` the side of the port that
-    connects. SourceError if it has a bulk process already.
+    `configuration` is the digest of the guard's; the supervisor ends one that has no `beat`.
     """
     lower_priority(_NICE)
     raise_file_limit()
@@ -70,8 +78,8 @@ def run_bulk_process(
     observations = _observations(plan)
     streams = build_streams(bulk_part(plan))
     coordinator = Coordinator(transport, streams, observations, node=BULK_NODE)
-    writer = BoardWriter(observations, loop)
-    connection = CommandConnection(loop, configuration, writer, coordinator.alarms)
+    writer = BoardWriter(observations, loop, beat)
+    connection = CommandConnection(loop, ports.commands, configuration, writer, coordinator.alarms)
     coordinator.on_observed = writer.refresh
     coordinator.other_statuses = connection.statuses
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
@@ -84,7 +92,8 @@ def run_bulk_process(
         parts.append(service_link)
     if plan.incidents.keep:
         state = link.state if link else state_folder(plan.app)
-        recorder = RecorderLink(plan, state / INCIDENTS, recorder_port, coordinator, loop, settings)
+        port, folder = ports.recorder, state / INCIDENTS
+        recorder = RecorderLink(plan, folder, port, coordinator, loop, settings)
         _connect(recorder, coordinator, connection)
         if service_link:
             recorder.on_saved = service_link.report_incident

@@ -10,7 +10,7 @@ from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.report_messages import ERROR, Status
 from rtron.guard.lanes.bulk.board_writer import BoardWriter
-from rtron.guard.lanes.exchange.bulk_socket import GREETING, BulkSocket
+from rtron.guard.lanes.exchange.board import GREETING
 from rtron.guard.lanes.exchange.lane_state import LaneState
 from rtron.guard.lanes.exchange.message_channel import MessageChannel
 from rtron.guard.lanes.exchange.messages import (
@@ -24,7 +24,7 @@ from rtron.guard.lanes.exchange.messages import (
     StatusReport,
 )
 from rtron.guard.link.event_recorder import RecordEvent
-from rtron.guard.system.unix_socket import peer_credentials
+from rtron.guard.system.process_port import accept
 from rtron.vocabulary import Settings
 
 log = logging.getLogger(__name__)
@@ -36,9 +36,14 @@ class CommandConnection:
     """Serves the command process that has connected last; without one, nothing moves the robot."""
 
     def __init__(
-        self, loop: EventLoop, configuration: str, writer: BoardWriter, alarms: Alarms
+        self,
+        loop: EventLoop,
+        port: socket.socket,
+        configuration: bytes,
+        writer: BoardWriter,
+        alarms: Alarms,
     ) -> None:
-        """SourceError if the guard with this configuration has another bulk process."""
+        """`port` is the accepting side: command processes with this configuration are served."""
         self.state = LaneState()
         self.message_listeners: list[Callable[[object], None]] = []
         """Each takes every message of the command process that is not for the connection itself."""
@@ -55,8 +60,7 @@ class CommandConnection:
         self._record: RecordEvent | None = None
         self._on_change: Callable[[], None] = lambda: None
         self._channel: MessageChannel | None = None
-        self._place = BulkSocket(configuration)
-        self._server = self._place.listen()
+        self._port, self._configuration = port, configuration
 
     @property
     def is_connected(self) -> bool:
@@ -67,12 +71,11 @@ class CommandConnection:
         """Let the command process connect from now on."""
         self._writer.on_event_change = lambda: self.send(BoardChanged())
         pause = self._loop.suspend
-        self._loop.watch(self._server, self._accept, lambda _: pause(self._server, _PAUSE_S))
+        self._loop.watch(self._port, self._accept, lambda _: pause(self._port, _PAUSE_S))
 
     def close(self) -> None:
         """Let go of it."""
-        self._loop.forget(self._server)
-        self._place.close()
+        self._loop.forget(self._port)
         if self._channel:
             self._channel.close()
 
@@ -103,15 +106,17 @@ class CommandConnection:
             self._channel.send(message)
 
     def _accept(self) -> None:
-        sock, _ = self._server.accept()
-        _, uid = peer_credentials(sock)
-        if uid != os.getuid():
+        accepted = accept(self._port)
+        if accepted is None:
+            return
+        sock, configuration = accepted
+        if configuration != self._configuration:
             sock.close()
             return
         if self._channel:
             self._channel.close()
         with suppress(OSError):  # it has ended at once, which the channel sees
-            socket.send_fds(sock, [GREETING], [self._writer.board.descriptor])
+            socket.send_fds(sock, [GREETING.pack(os.getpid())], [self._writer.board.descriptor])
         self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)
         if self._settings:
             self.send(ApplySettings(self._settings))
