@@ -9,7 +9,7 @@ from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, PlannedListener
 from rtron.guard.audit.ros1.intruder_links import IntruderLinks
 from rtron.guard.cell.access import WATCH
 from rtron.guard.lanes.bulk.joined_nodes import JoinedNodes
-from rtron.guard.lanes.exchange.messages import NodesReport
+from rtron.guard.lanes.exchange.audit_exchange import NodesReport
 from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transport
 from rtron.vocabulary import Mode, build_streams, normalise_type
 

@@ -10,6 +10,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.report_messages import OK, WARN, Status
 from rtron.guard.incidents.entries import (
     AlarmSwitched,
+    Entry,
     EntryBuffer,
     LearnedType,
     NotedEntries,
@@ -91,12 +92,11 @@ class RecorderLink:
         if self._channel:
             self._channel.close()
 
-    def receive(self, message: object) -> None:
+    def receive(self, entries: tuple[Entry, ...]) -> None:
         """Take what the command process has noted."""
-        if isinstance(message, NotedEntries):
-            for entry in message.entries:
-                size = len(entry.message) if isinstance(entry, Received | Sent) else 0
-                self._others.add(entry, size)
+        for entry in entries:
+            size = len(entry.message) if isinstance(entry, Received | Sent) else 0
+            self._others.add(entry, size)
 
     def statuses(self) -> list[Status]:
         """Return why incidents are not recorded, or which was saved last, if there is any."""

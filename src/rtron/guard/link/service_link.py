@@ -103,10 +103,9 @@ class ServiceLink:
         self._recorder.record(EventKind.GUARD, reason="the guard ends")
         self._client.close()
 
-    def receive(self, message: object) -> None:
+    def receive(self, response: CommandResponse) -> None:
         """Pass on the response to what a person has asked of a lease."""
-        if isinstance(message, CommandResponse):
-            self._client.send(message)
+        self._client.send(response)
 
     def report_incident(self, name: str) -> None:
         """Tell that an incident was saved on this machine, in a file of this name."""

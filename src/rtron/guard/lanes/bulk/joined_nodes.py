@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.lanes.bulk.command_nodes import CommandNodes
-from rtron.guard.lanes.exchange.messages import RegisterNode
 
 
 class JoinedNodes:
@@ -57,7 +56,7 @@ class JoinedNodes:
     def register_node(self, name: str) -> None:
         """Register a node again: the master gives a name to the last one that registers it."""
         if name in self._commands.report.uris:
-            self._commands.send(RegisterNode(name))
+            self._commands.register_node(name)
         else:
             self._own.register_node(name)
 

@@ -7,27 +7,16 @@ worst, and the streams go on under what is in force.
 import logging
 import socket
 from collections import deque
-from typing import TYPE_CHECKING
 
 from rtron.errors import WireError
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.command.board_observations import BoardObservations
 from rtron.guard.lanes.exchange.board import GREETING, REFRESH_PERIOD, Board
-from rtron.guard.lanes.exchange.message_channel import MessageChannel
-from rtron.guard.lanes.exchange.messages import (
-    ApplySettings,
-    BoardChanged,
-    BulkParticipant,
-)
+from rtron.guard.lanes.exchange.process_connection import ProcessConnection
 from rtron.guard.system.process_port import connect
 from rtron.guard.transport.ros2.participants import MAX_LEASE
 from rtron.vocabulary import SECOND
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from rtron.vocabulary import Settings
 
 log = logging.getLogger(__name__)
 
@@ -35,7 +24,7 @@ _RETRY_S = 0.1
 _MAX_FORMER = 8
 
 
-class BulkConnection:
+class BulkConnection(ProcessConnection):
     """Connects again whenever the bulk process goes."""
 
     def __init__(
@@ -47,31 +36,16 @@ class BulkConnection:
         host: Coordinator,
     ) -> None:
         """`port` is the connecting side; a bulk process with this configuration accepts."""
-        self.message_listeners: list[Callable[[object], None]] = []
-        """Each takes every message of the bulk process that is not for the connection itself."""
-        self.on_settings: Callable[[Settings], None] = lambda settings: None
-        self.connect_listeners: list[Callable[[], None]] = []
-        self.loss_listeners: list[Callable[[], None]] = []
-        self._loop = loop
+        super().__init__(loop)
         self._port, self._configuration = port, configuration
         self._board = board
         self._host = host
-        self._channel: MessageChannel | None = None
         self._ungreeted: socket.socket | None = None
         self._connected_at = 0
         self._participant = b""
         self._former_participants: deque[tuple[bytes, int]] = deque(maxlen=_MAX_FORMER)
         self._is_closed = False
-
-    @property
-    def is_connected(self) -> bool:
-        """Whether a bulk process is there."""
-        return self._channel is not None
-
-    @property
-    def is_ready(self) -> bool:
-        """Whether a bulk process is there and has read what it was told."""
-        return self._channel is not None and not self._channel.has_pending
+        self.on(board_changed=self._update, participant=self._take_participant)
 
     def former_participants(self) -> frozenset[bytes]:
         """Return the participants of the bulk processes before this one (ROS 2).
@@ -85,11 +59,6 @@ class BulkConnection:
         """Connect, now or as soon as a bulk process listens, and look at its board."""
         self._connect()
         self._look()
-
-    def send(self, message: object) -> None:
-        """Tell something; without a connection it is lost."""
-        if self._channel:
-            self._channel.send(message)
 
     def close(self) -> None:
         """Connect no more."""
@@ -119,7 +88,7 @@ class BulkConnection:
         self._ungreeted, self._connected_at = None, self._loop.now()
         log.info("the bulk process is there, process %d", *GREETING.unpack(greeting))
         self._loop.unwatch(sock)
-        self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)
+        self._open_channel(sock)
         observations = self._board.observations
         size = (len(observations.rates.monitors), len(observations.mission.bits.by_name))
         self._use(Board(descriptors[0], *size))
@@ -131,11 +100,9 @@ class BulkConnection:
         self._loop.call_later(_RETRY_S, self._connect)
 
     def _on_lost(self) -> None:
-        self._channel = None
         if self._participant:
             self._former_participants.append((self._participant, self._loop.now()))
-        for listener in self.loss_listeners:
-            listener()
+        super()._on_lost()
         if not self._is_closed:
             what = "frame rates and events are not known, and nobody looks for intruders"
             log.error("the bulk process is gone: %s", what)
@@ -154,17 +121,8 @@ class BulkConnection:
         self._host.recheck()
         self._host.schedule_deadline()
 
-    def _on_message(self, message: object) -> None:
-        match message:
-            case BoardChanged():
-                self._update()
-            case BulkParticipant(participant):
-                self._participant = participant
-            case ApplySettings(settings):
-                self.on_settings(settings)
-            case _:
-                for listener in self.message_listeners:
-                    listener(message)
+    def _take_participant(self, participant: bytes) -> None:
+        self._participant = participant
 
     def _look(self) -> None:
         """Look at the board now and then: what stands there may be stale."""

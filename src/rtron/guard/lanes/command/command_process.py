@@ -24,8 +24,7 @@ from rtron.guard.lanes.command.bulk_connection import BulkConnection
 from rtron.guard.lanes.command.diagnostics_reports import DiagnosticsReports
 from rtron.guard.lanes.command.node_reports import NodeReports
 from rtron.guard.lanes.command.remote_audit import RemoteAudit, RemoteBrake
-from rtron.guard.lanes.exchange.messages import RegisterNode
-from rtron.guard.middleware import Middleware, open_middleware
+from rtron.guard.middleware import open_middleware
 from rtron.guard.rehearsal import Rehearsal
 from rtron.guard.runner import (
     GraphPart,
@@ -78,7 +77,7 @@ def run_command_process(
         loop, supervisor.bulk_port, supervisor.configuration, board, coordinator
     )
     response = _alarm_response(plan, coordinator, transport, connection)
-    _follow_audit(connection, response, middleware, loop)
+    RemoteAudit(connection, response, loop)
     topics = len(streams) + len(build_streams(bulk_part(plan)))
     parts: list[Part] = [
         connection,
@@ -120,19 +119,6 @@ def _create_authority(
     buttons = StopButtons(plan.stop_sources.buttons, stops, transport)
     handler = create_request_handler(coordinator, transport, leases, stops)
     return [LeaseTopics(leases, transport), buttons], handler, leases
-
-
-def _follow_audit(
-    connection: BulkConnection, response: AlarmResponse, middleware: Middleware, loop: EventLoop
-) -> None:
-    """Do what the audit in the bulk process asks for."""
-    RemoteAudit(connection, response, loop)
-
-    def register(message: object) -> None:
-        if isinstance(message, RegisterNode):
-            middleware.register_node(message.name)
-
-    connection.message_listeners.append(register)
 
 
 def _set_handlers(
