@@ -8,7 +8,14 @@ from functools import partial
 from typing import Protocol
 
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.transport.common.protocol import MessageHandler, Output, Peer, Transport, TypeInfo
+from rtron.guard.transport.common.protocol import (
+    MessageHandler,
+    Output,
+    OutputOptions,
+    Peer,
+    Transport,
+    TypeInfo,
+)
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import (
     ROS1_SERVER_TOPICS,
@@ -119,8 +126,8 @@ class ActionTopics:
         )
 
     def _advertise(self, topic: str, type: str) -> Output:
-        size = self._stream.queue_size
-        output = self._transport.advertise(self._node, topic, type, queue_size=size)
+        options = OutputOptions(queue_size=self._stream.queue_size)
+        output = self._transport.advertise(self._node, topic, type, options)
         info = standard_info(type, Encoding.ROS1) if type else None
         if info:
             output.learn_type(info)

@@ -13,40 +13,26 @@ from rtron.guard.cell.ros2.messages import (
     MatchSubscribers,
     Offer,
 )
+from rtron.guard.transport.common.protocol import DEFAULT_OUTPUT
 from rtron.vocabulary import QoS, normalise_type
 
 if TYPE_CHECKING:
     from rtron.guard.cell.ros2.carried_side import CarriedSide
     from rtron.guard.cell.ros2.messages import ToCarrier
-    from rtron.guard.transport.common.protocol import Greeting, TypeInfo
+    from rtron.guard.transport.common.protocol import Greeting, OutputOptions, TypeInfo
 
 
 class CarriedOutput:
     """See `Output`."""
 
     def __init__(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> None:
         self.nodes: frozenset[str] = frozenset()
         """Who of the successors subscribes."""
         self.lost = 0
         """How many messages the carrier was too slow for; it does not tell of the node's end."""
-        self._request = Advertise(
-            id=0,
-            node=node,
-            topic=topic,
-            type=type,
-            queue_size=queue_size,
-            keep_all=keep_all,
-            successors=successors,
-        )
+        self._request = Advertise(0, node, topic, type, options)
         self._id = 0
         self._side: CarriedSide | None = None
         self._info: TypeInfo | None = None

@@ -174,14 +174,9 @@ class Carrier:
                 self._beats.send(packet)
 
     def _advertise(self, request: Advertise) -> None:
-        self._successors[request.id] = request.successors
+        self._successors[request.id] = request.options.successors
         self._outputs[request.id] = self._transport.advertise(
-            request.node,
-            request.topic,
-            request.type,
-            queue_size=request.queue_size,
-            keep_all=request.keep_all,
-            successors=request.successors,
+            request.node, request.topic, request.type, request.options
         )
 
     def _request_greeting(self, id: int) -> None:

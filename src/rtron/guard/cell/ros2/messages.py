@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, Union
 from pydantic import Field, TypeAdapter, ValidationError
 
 from rtron.errors import WireError
-from rtron.guard.transport.common.protocol import Peer, TypeInfo
+from rtron.guard.transport.common.protocol import OutputOptions, Peer, TypeInfo
 from rtron.vocabulary import QoS
 
 
@@ -29,7 +29,7 @@ class Beat:
     kind: Literal["beat"] = "beat"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Advertise:
     """Publish a topic inside; see `Transport.advertise`."""
 
@@ -37,9 +37,7 @@ class Advertise:
     node: str
     topic: str
     type: str
-    queue_size: int
-    keep_all: bool
-    successors: tuple[str, ...]
+    options: OutputOptions
     kind: Literal["advertise"] = "advertise"
 
 

@@ -9,10 +9,12 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
+    DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
     LostHandler,
     Output,
+    OutputOptions,
     SubscriberProgress,
     TypeInfo,
     ignore_lost,
@@ -72,20 +74,10 @@ class Ros1Transport:
         self.call_at = loop.call_at
 
     def advertise(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`. In ROS 1 nobody is reliable but TCP."""
-        del keep_all
-        publication = TypedPublication(
-            node, topic, type, self.now, queue_size=queue_size, successors=successors
-        )
+        publication = TypedPublication(node, topic, type, self.now, options)
         publication.on_subscriber_lost = lambda name: self.on_subscriber_lost(topic, name)
         self.add_publication(publication)
         return publication

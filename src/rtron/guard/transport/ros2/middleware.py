@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import logging
 from collections import defaultdict
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.transport.common.memory import Stage
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
+    DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
     LostHandler,
     Output,
+    OutputOptions,
     SubscriberProgress,
     ignore_lost,
 )
-from rtron.guard.transport.common.stage import Stage
 from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
 from rtron.guard.transport.ros2.context import TransportContext
@@ -136,18 +139,11 @@ class Ros2Transport:
         return Stage(self.encoding, self.now)
 
     def advertise(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`."""
-        keep_all = keep_all and publishes_without_waiting(rmw_identifier())
-        return self._publication(node, topic, type, queue_size, successors, keep_all=keep_all)
+        keep_all = options.keep_all and publishes_without_waiting(rmw_identifier())
+        return self._publication(node, topic, type, replace(options, keep_all=keep_all))
 
     def subscribe(
         self,
@@ -261,24 +257,10 @@ class Ros2Transport:
         self.session.close()
 
     def _publication(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        queue_size: int = 100,
-        successors: tuple[str, ...] = (),
-        *,
-        keep_all: bool = False,
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Publication:
-        publication = Publication(
-            self.session.node(node),
-            topic,
-            type,
-            self._context,
-            queue_size=queue_size,
-            keep_all=keep_all,
-            successors=successors,
-        )
+        ros_node = self.session.node(node)
+        publication = Publication(ros_node, topic, type, self._context, options)
         self._publications.append(publication)
         return publication
 
