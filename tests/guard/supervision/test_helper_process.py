@@ -17,7 +17,7 @@ from rtron.guard.supervision.helper_process import (
     HelperProcess,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, HANG_TIMEOUT, LONGEST_HANG, START_TIMEOUT
-from rtron.guard.system.shared_beat import SharedBeat
+from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.vocabulary import SECOND
 
 

@@ -4,8 +4,7 @@ import signal
 import socket
 from contextlib import suppress
 
-from rtron.guard.supervision.fork_server import ForkServer
-from rtron.guard.supervision.forked_process import ForkedProcess
+from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
 from rtron.guard.supervision.programs import GUARD
 from rtron.guard.supervision.shared_memory import BEGIN, GuardMemory
 

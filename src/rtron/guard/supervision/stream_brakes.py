@@ -6,8 +6,8 @@ from collections.abc import Callable
 from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.core.stop_controller import StopController
 from rtron.guard.intrusion_latch import intrusions_in
-from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.shared_memory import (
+    DoubleBuffer,
     GuardMemory,
     StatusWord,
     decode_last_message,

@@ -11,8 +11,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
-from rtron.guard.supervision.fork_server import ForkServer
-from rtron.guard.supervision.forked_process import START_FAILED, UNKNOWN_END
+from rtron.guard.supervision.fork_server import START_FAILED, UNKNOWN_END, ForkServer
 from rtron.guard.supervision.guard_config import GuardConfig, longest_ramp, stopped_streams
 from rtron.guard.supervision.guard_name import (
     SUPERVISOR,

@@ -30,7 +30,7 @@ from rtron.guard.lanes.exchange.audit_exchange import MAX_ALARMS, NodesReport
 from rtron.guard.lanes.exchange.message_channel import MAX_MESSAGE_BYTES
 from rtron.guard.settings.intrusion_clearing import ClearCommands
 from rtron.guard.system.process_port import ProcessPort
-from rtron.guard.system.shared_beat import SharedBeat
+from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign, build_streams
 

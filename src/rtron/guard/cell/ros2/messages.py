@@ -4,7 +4,7 @@ Who has taken over a process in the cell gets no further by it: what comes out o
 unpickled, and only the kinds of `FromCarrier` are read.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, Union
 
 from pydantic import Field, TypeAdapter, ValidationError
@@ -29,44 +29,20 @@ class Beat:
     kind: Literal["beat"] = "beat"
 
 
-@dataclass(frozen=True, slots=True)
-class Advertise:
-    """Publish a topic inside; see `Transport.advertise`."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Publish:
+    """Publish a topic inside, as is known of it by now; see `Output` for what each field is."""
 
     id: int
     node: str
     topic: str
     type: str
     options: OutputOptions
-    kind: Literal["advertise"] = "advertise"
-
-
-@dataclass(frozen=True, slots=True)
-class LearnType:
-    """Take the type of an output."""
-
-    id: int
-    info: TypeInfo
-    kind: Literal["type"] = "type"
-
-
-@dataclass(frozen=True, slots=True)
-class Offer:
-    """Offer the QoS of a flow's publisher."""
-
-    id: int
-    flow: str
-    qos: QoS
-    kind: Literal["offer"] = "offer"
-
-
-@dataclass(frozen=True, slots=True)
-class MatchSubscribers:
-    """Offer these nodes the QoS that they request."""
-
-    id: int
-    successors: tuple[str, ...]
-    kind: Literal["match"] = "match"
+    info: TypeInfo | None = None
+    matched: tuple[str, ...] = ()
+    offers: dict[str, QoS] = field(default_factory=dict)
+    is_greeting: bool = False
+    kind: Literal["publish"] = "publish"
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,14 +51,6 @@ class ClearLatched:
 
     id: int
     kind: Literal["clear"] = "clear"
-
-
-@dataclass(frozen=True, slots=True)
-class Greet:
-    """Tell when there is a new subscriber."""
-
-    id: int
-    kind: Literal["greet"] = "greet"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -196,18 +164,7 @@ class Seen:
 
 
 ToCarrier = (
-    Introduce
-    | Beat
-    | Advertise
-    | LearnType
-    | Offer
-    | MatchSubscribers
-    | ClearLatched
-    | Greet
-    | Subscribe
-    | OfferService
-    | CallService
-    | Look
+    Introduce | Beat | Publish | ClearLatched | Subscribe | OfferService | CallService | Look
 )
 FromCarrier = (
     Beat | NewSubscriber | Subscribers | PublisherFound | PublisherLost | ServiceState | Seen

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import Observations
 from rtron.guard.lanes.exchange.board import REFRESH_PERIOD, Board, EventRecord, RateRecord
-from rtron.guard.system.shared_beat import SharedBeat
+from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.policies.mission.event_bits import EventBit, EventState
 from rtron.vocabulary import SECOND
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from rtron.guard.core.observations import Observations
     from rtron.guard.link.options import LinkOptions
     from rtron.guard.link.service_link import ServiceLink
-    from rtron.guard.system.shared_beat import SharedBeat
+    from rtron.guard.system.sealed_memory import SharedBeat
     from rtron.guard.transport.common.protocol import LiveTransport
 
 _NICE = 5

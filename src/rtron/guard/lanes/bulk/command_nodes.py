@@ -5,8 +5,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.bulk.command_connection import CommandConnection
 from rtron.guard.lanes.exchange.audit_exchange import NodesReport
+from rtron.guard.lanes.exchange.process_connection import ProcessConnection
 from rtron.guard.transport.ros2.participants import MAX_LEASE
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ class CommandNodes:
     """What the command process tells of its nodes, and what is left of the one before."""
 
     def __init__(
-        self, connection: CommandConnection, loop: EventLoop, streams: frozenset[str]
+        self, connection: ProcessConnection, loop: EventLoop, streams: frozenset[str]
     ) -> None:
         """`streams` are the public names of those that the command process carries."""
         self.report = NodesReport()

@@ -1,17 +1,13 @@
 """The response to what the audit finds, as the bulk process sees it: messages to the brakes."""
 
 import logging
-from typing import TYPE_CHECKING
 
-from rtron.guard.audit.common.audit_response import ListenRequest, ListenToPublisher
+from rtron.guard.audit.common.audit_response import AuditResponse, ListenRequest, ListenToPublisher
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.lanes.bulk.command_connection import CommandConnection
 from rtron.guard.lanes.exchange.audit_exchange import MAX_ALARMS, StoppedTopics
 from rtron.vocabulary import Alarm
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
 
 log = logging.getLogger(__name__)
 
@@ -20,8 +16,8 @@ CHECK_S = 0.5
 _MAX_REQUESTS = 32
 
 
-class RemoteResponse:
-    """Tells the command process what the audit finds, on change; an `AuditResponse`.
+class RemoteResponse(AuditResponse):
+    """Tells the command process what the audit finds, on change.
 
     A command process that connects is told all that is there. It is called complete when the audit
     has looked at everything since then: an intruder that is not found yet is not gone.
@@ -30,15 +26,8 @@ class RemoteResponse:
     def __init__(
         self, connection: CommandConnection, loop: EventLoop, *, stops_streams: bool
     ) -> None:
+        super().__init__()
         self.stops_streams = stops_streams
-        self.dismiss: Callable[[str, bool], str] = lambda topic, is_audible: ""
-        """See `AuditResponse`."""
-        self.on_return: Callable[[bytes], None] = lambda gid: None
-        """See `AuditResponse`."""
-        self.find_missing: Callable[[], str] = lambda: "it has not begun"
-        """See `AuditResponse`."""
-        self.find_unseen: Callable[[int], Mapping[str, str]] = lambda since: {}
-        """See `AuditResponse`."""
         self._call = connection.call
         self._round_at = loop.now()
         self._loop = loop

@@ -10,7 +10,7 @@ import os
 import struct
 from dataclasses import dataclass
 
-from rtron.guard.supervision.double_buffer import DoubleBuffer
+from rtron.guard.supervision.shared_memory import DoubleBuffer
 from rtron.guard.system.sealed_memory import create_sealed_memory
 from rtron.policies.mission.event_bits import EventState
 from rtron.vocabulary import SECOND

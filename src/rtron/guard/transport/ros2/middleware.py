@@ -23,8 +23,7 @@ from rtron.guard.transport.common.protocol import (
 from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
 from rtron.guard.transport.ros2.context import TransportContext
-from rtron.guard.transport.ros2.data_reader import DataListener, DataReader
-from rtron.guard.transport.ros2.feedback_reader import FeedbackReader
+from rtron.guard.transport.ros2.data_reader import DataListener, DataReader, FeedbackReader
 from rtron.guard.transport.ros2.graph import RosGraph
 from rtron.guard.transport.ros2.participants import MAX_LEASE, NameOwners, ParticipantLiveness
 from rtron.guard.transport.ros2.process_table import ProcessTable
@@ -43,7 +42,7 @@ from rtron.wire.ros2.session import rmw_identifier
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from rtron.guard.action.ros2.endpoints import ActionListener
+    from rtron.guard.action.ros2.stream import Ros2ActionStream
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.process_table import Process
     from rtron.vocabulary import Stream
@@ -199,14 +198,16 @@ class Ros2Transport:
         self._services.append(client)
         return client
 
-    def action_endpoints(self, stream: Stream, node: str, listener: ActionListener) -> ActionRelay:
-        """Return the services and topics of an action; see `ActionTransport`."""
+    def action_endpoints(
+        self, stream: Stream, node: str, listener: Ros2ActionStream
+    ) -> ActionRelay:
+        """Return the services and topics of an action; see `ActionRelay`."""
         endpoints = ActionRelay(stream, self.session.node(node), listener, self._context)
         self._actions.append(endpoints)
         return endpoints
 
     def goal_canceller(self, node: str, action: str) -> GoalCanceller:
-        """Return a canceller of goals of an unguarded action; see `CancelTransport`."""
+        """Return a canceller of goals of an unguarded action."""
         return GoalCanceller(self.session.node(node), action, self._sender_ids)
 
     def remove_publication(self, node: str, topic: str) -> None:
