@@ -5,9 +5,11 @@ The supervisor makes the port and hands each of the two its side: nobody else ca
 
 import select
 import socket
-from contextlib import suppress
+from array import array
 
 _MOST_BYTES = 64
+_FILE_BYTES = socket.CMSG_LEN(array("i").itemsize)
+"""What a file needs beside them: `recv_fds` and `send_fds` of Python 3.11 take no flags."""
 
 
 class ProcessPort:
@@ -32,7 +34,8 @@ def connect(connecting_side: socket.socket, subject: bytes = b"-") -> socket.soc
     """
     own, other = socket.socketpair()
     try:
-        socket.send_fds(connecting_side, [subject], [other.fileno()], socket.MSG_DONTWAIT)
+        rights = (socket.SOL_SOCKET, socket.SCM_RIGHTS, array("i", [other.fileno()]))
+        connecting_side.sendmsg([subject], [rights], socket.MSG_DONTWAIT)
     except BaseException:
         own.close()
         raise
@@ -43,9 +46,9 @@ def connect(connecting_side: socket.socket, subject: bytes = b"-") -> socket.soc
 
 def accept(accepting_side: socket.socket) -> tuple[socket.socket, bytes] | None:
     """Return the connection that waits and what it is about, if there is one."""
-    subject, files = b"", list[int]()
-    with suppress(BlockingIOError):
-        subject, files, _, _ = socket.recv_fds(
-            accepting_side, _MOST_BYTES, 1, socket.MSG_DONTWAIT | socket.MSG_CMSG_CLOEXEC
-        )
-    return (socket.socket(fileno=files[0]), subject) if files else None
+    flags = socket.MSG_DONTWAIT | socket.MSG_CMSG_CLOEXEC
+    try:
+        subject, rights, _, _ = accepting_side.recvmsg(_MOST_BYTES, _FILE_BYTES, flags)
+    except BlockingIOError:
+        return None
+    return (socket.socket(fileno=array("i", rights[0][2])[0]), subject) if rights else None
