@@ -1087,6 +1087,12 @@ def test_services_of_what_only_sees_or_shows_move_nothing(node):
     assert inventory(f"{node} own own\n", services=services) == ()
 
 
+def test_who_calls_a_service_of_his_own_leaves_it_open():
+    sides = {"node": "/base", "name": "/set_motor_power", "type": "std_srvs/srv/SetBool"}
+    (mover,) = inventory(BASE, services=(Service(**sides),), clients=(ServiceClient(**sides),))[1:]
+    assert names(mover.open_commands) == ["/set_motor_power"]
+
+
 def test_a_vague_service_of_who_commands_or_was_not_read_moves_something():
     services = (set_bool("/teleop", "/toggle_trajectory"),)
     found = inventory(TWO_DRIVERS + BASE, services=services)

@@ -113,7 +113,11 @@ def test_who_tells_a_sender_without_an_arbiter():
         means=Means.TOPIC, name="/joy", receivers=("/teleop",), senders=("/joy_node",), hops=1
     )
     found = rows(thing=Thing.BASE, commands=(command, joy), drivers=("/b",))
-    assert found == ["/b obeys /cmd_vel", "sent by /teleop, told by /joy_node"]
+    assert found == [
+        "/b obeys /cmd_vel",
+        "sent by /teleop, told by /joy_node",
+        "behind it: /joy; any node can send there, too",
+    ]
 
 
 def test_who_goes_past_an_arbiter_is_said_apart():
@@ -162,8 +166,9 @@ def test_who_tells_those_that_call_is_said():
 
 
 def test_many_names_are_counted_and_names_known_in_part_are_not_open():
-    found = tuple(service(f"/s{number}") for number in range(6))
-    assert rows(thing=Thing.MODE, commands=found)[0].startswith("services /s0, /s1, /s2 and 3 more")
+    found = tuple(service(f"/s{number}") for number in range(9))
+    row, *_ = rows(thing=Thing.MODE, commands=found)
+    assert row.startswith("services /s0, /s1, /s2, /s3, /s4, /s5, /s6 and 2 more of")
     part = Command(means=Means.TOPIC, name="/{robot}/cmd_vel")
     assert not any("open" in row for row in rows(thing=Thing.BASE, commands=(part,)))
 

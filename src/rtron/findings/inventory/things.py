@@ -41,7 +41,7 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet vibration"),
     (Thing.HORN, "horn buzzer siren beep"),
     (Thing.GRIPPER, "gripper grippers claw finger fingers hands grasp"),
-    (Thing.HEAD, "head pan pano tilt ptz gimbal neck mast camera_control camera_cmd"),
+    (Thing.HEAD, "head pan pano tilt ptz gimbal neck mast camera_control camera_cmd mount_control"),
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
     (Thing.CONTROLLERS, "switch_controller"),
@@ -72,6 +72,11 @@ _CONTROLS = re.compile(r"_(?:control|cmd|command)$")
 COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
 """What in a name says that it is a command."""
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
+_NEAR_ACTUATORS = re.compile(
+    r"actuator|motor|(?:^|/)rc(?:[/_]|$)|manual_control|thrust|attitude|rates?(?:[/_]|$)"
+    r"|(?:^|[/_])raw(?:[/_]|$)|vel(?:[/_]|ocity|$)|effort|torque|pwm|rpm|throttle"
+)
+"""Words of what is set nearer to the actuators than a position or a goal is."""
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _ASKING = "get|list|query|is|has|check|read"
@@ -119,7 +124,8 @@ _HARMLESS_TYPES = re.compile(
     rf"(?:{_HARMLESS_PACKAGES})(?:_msgs)?/|sensor_msgs/(?!(?:JointState|Joy)$)"
     r"|geometry_msgs/\w+WithCovariance"
     r"|mavros_msgs/(?:RCIn$|\w*State$|Param(?!Set)|File|RTCM|StreamRate$|MessageInterval$"
-    r"|VehicleInfo|Waypoint(?:Pull|Clear)|Log)"
+    r"|VehicleInfo|Waypoint(?:Pull|Clear)|Log|ADSBVehicle|CommandAck|CommandTrigger|DebugValue"
+    r"|PlayTune|SetMavFrame|StatusText|Tunnel)"
     r"|moveit_msgs/(?:Apply|Change|Set|Save|Load|Rename|Delete|Display"
     r"|\w*(?:PlanningScene|CollisionObj))|nav2_msgs/(?:Clear|Get|Is|Load|Save|Dump|Reload)"
 )
@@ -161,11 +167,16 @@ def _is_control(last: str, type: str, means: Means) -> bool:
 
 
 def vagueness(name: str, type: str, means: Means) -> int:
-    """Return how little a name and a type say that something moves: 0 for a topic of commands."""
-    is_topic = means is Means.TOPIC
-    if is_topic and (COMMAND_NAMES.search(name) or _by_type(_plain_type(type), _USUAL_TYPES)):
-        return 0
-    return 1 + (_by_words(name) in _VAGUE)
+    """Return how little a name and a type say that something moves: 0 for what sets actuators.
+
+    A head that turns is less than what it sits on.
+    """
+    named, type = _by_words(name), _plain_type(type)
+    if named is Thing.HEAD:
+        return 5
+    if means is Means.TOPIC and (COMMAND_NAMES.search(name) or _by_type(type, _USUAL_TYPES)):
+        return int(not _NEAR_ACTUATORS.search(snake_case(name)))
+    return 3 + (named in _VAGUE and _by_words(_last_part(type)) in _VAGUE)
 
 
 def thing_of_node(name: str) -> Thing | None:
