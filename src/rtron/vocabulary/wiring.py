@@ -77,6 +77,9 @@ class WiringFactKind(StringEnum):
     """A node with a subscription at the first place; the value is a `LastMessageFate`, others are
     the seconds after which, and the second place where; of what is repeated, the further places
     are those of the publishers, if they are known."""
+    MESSAGE_FLOW = "message_flow"
+    """A node with a subscription at the first place, whose messages lead to the publishers at the
+    further places, and to others, its services and actions; without both they are not used."""
 
 
 class LastMessageFate(StringEnum):

@@ -1355,3 +1355,69 @@ def test_a_pose_on_a_path_is_what_its_follower_is_told():
     poses = "    sub /path_pose geometry_msgs/Pose\n    sub /robot_pose geometry_msgs/Pose\n"
     mover = the_mover(f"/go own own\n{poses}    pub /cmd_vel {TWIST}\n" + BASE)
     assert names(mover.commands) == ["/cmd_vel", "/path_pose"]
+
+
+KEYED = f"""
+/gate gate own
+    sub /nav_vel {TWIST}
+    sub /state_json std_msgs/msg/String
+    pub /cmd_vel {TWIST}
+/mission mission own
+    pub /state_json std_msgs/msg/String
+"""
+
+
+def flowing(text, *flows):
+    """Return the only thing that moves, where each topic leads to others by its node's source."""
+    graph = small_graph(text)
+    places = {each: Evidence(file="n.py", line=n) for n, each in enumerate(graph.endpoints)}
+    at = {(e.topic, e.direction.value): place for e, place in places.items()}
+    facts = tuple(
+        replace(
+            fact("message_flow", "/n", ""),
+            evidence=(at[topic, "subscribe"], *(at[each, "publish"] for each in led)),
+        )
+        for topic, *led in flows
+    )
+    ends = tuple(replace(each, evidence=(place,)) for each, place in places.items())
+    return take_inventory(app_facts(replace(graph, endpoints=ends, wiring=facts)))
+
+
+def test_what_makes_a_node_send_commands_is_behind_them():
+    (mover,) = flowing(KEYED + BASE, ("/state_json", "/cmd_vel"))
+    assert names(mover.commands) == ["/cmd_vel", "/nav_vel", "/state_json"]
+    assert mover.commands[2].senders == ("/mission",)
+    (mover,) = flowing(KEYED + BASE)
+    assert names(mover.commands) == ["/cmd_vel", "/nav_vel"]
+
+
+def test_what_a_driver_answers_is_behind_no_command():
+    answer = KEYED.replace("/mission mission", "/base base").replace(
+        "    pub /state_json", f"    sub /cmd_vel {TWIST}\n    pub /state_json"
+    )
+    (mover,) = flowing(answer, ("/state_json", "/cmd_vel"))
+    assert names(mover.commands) == ["/cmd_vel", "/nav_vel"]
+
+
+def test_what_is_not_used_is_no_way_in():
+    (mover,) = flowing(KEYED + BASE, ("/nav_vel",))
+    assert names(mover.commands) == ["/cmd_vel"]
+    second = BASE.replace("/base base", "/idle idle")
+    (mover,) = flowing(KEYED + second, ("/cmd_vel",))
+    assert mover.drivers == ()
+
+
+def test_what_makes_a_node_call_a_service_is_behind_it():
+    text = "/gate gate own\n    sub /order_json std_msgs/msg/String\n"
+    sides = {"name": "/set_blade", "type": "x/srv/SetBlade"}
+    graph = small_graph(
+        text,
+        services=(Service(node="/base", **sides),),
+        clients=(ServiceClient(node="/gate", **sides),),
+    )
+    ends = tuple(replace(each, evidence=PLACE) for each in graph.endpoints)
+    flow = replace(fact("message_flow", "/gate", ""), others=("/set_blade",))
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=(flow,))))
+    assert names(mover.commands) == ["/set_blade", "/order_json"]
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends)))
+    assert names(mover.commands) == ["/set_blade"]

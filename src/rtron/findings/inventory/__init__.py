@@ -196,9 +196,10 @@ def _distinct(commands: Iterable[Command]) -> tuple[Command, ...]:
 def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
     """Return commands in the order of harm, since reports tell the first of many only.
 
-    What is nearer to the hardware goes first, and of requests those that lead to most others, then
+    What is next to the hardware goes first, and of requests those that lead to most others, then
     to most topics; of topics those that somebody sends. Then comes what says more clearly that it
-    moves something. Mere signals come last, those that stop after those that start.
+    moves something, which comes first of what is behind. Mere signals come last, those that stop
+    after those that start.
     """
     sent: dict[str, list[Command]] = defaultdict(list)
     for each in commands:
@@ -212,10 +213,11 @@ def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
         is_topic = command.means is Means.TOPIC
         led = [] if is_topic else _led(command, sent)
         requests = sum(each.means is not Means.TOPIC for each in led)
-        first = (is_signal, is_signal and is_end, command.hops, order.index(command.means))
-        is_open = is_topic and not command.senders
         vague = vagueness(command.name, command.type, command.means)
-        return *first, -requests, -len(led), is_open, vague
+        first = (is_signal, is_signal and is_end, bool(command.hops), vague * bool(command.hops))
+        is_open = is_topic and not command.senders
+        last = (-requests, -len(led), is_open, vague)
+        return *first, command.hops, order.index(command.means), *last
 
     return tuple(sorted(commands, key=harm))
 

@@ -8,9 +8,11 @@ from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.derived_commands import DerivedCommands
+from rtron.findings.inventory.message_flows import MessageFlows
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import (
     COMMAND_NAMES,
+    ORDERS,
     may_be_command,
     thing_of,
     thing_of_node,
@@ -24,7 +26,6 @@ from rtron.vocabulary.names import snake_case
 
 _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
-_ORDERS = SIGNALS | {"std_msgs/String"}
 _RELEASES = re.compile(
     r"^(?:control_)?(?:en|dis)able$|^(?:stop|cancel|abort)_|heart_?beat|keep_?alive|dead_?man"
 )
@@ -50,12 +51,12 @@ class CommandTopics:
 
     def command(self, topic: str, hops: int = 0) -> Command:
         """Return the command that a topic is."""
-        facts = self.app.facts.topic(topic)
+        facts, readers = self.app.facts.topic(topic), self._deriving.receivers(topic)
         return Command(
             means=Means.TOPIC,
             name=topic,
             type=facts.type,
-            receivers=self._deriving.receivers(topic),
+            receivers=tuple(n for n in readers if not self.flows.is_unused(n, topic)),
             senders=facts.publishers,
             hops=hops,
         )
@@ -96,6 +97,11 @@ class CommandTopics:
         return is_controlled and not any(map(_OF_BASE.search, programs))
 
     @cached_property
+    def flows(self) -> MessageFlows:
+        """What the messages lead to that nodes get."""
+        return MessageFlows(self.app)
+
+    @cached_property
     def ranks(self) -> dict[str, dict[str, str]]:
         """The priorities of the inputs of each arbiter."""
         return {node: priorities(self.app, node) for node in arbiters(self.app)}
@@ -105,7 +111,8 @@ class CommandTopics:
         """What each node that commands motion is itself commanded by."""
         found: dict[str, set[str]] = defaultdict(set)
         for end in self.app.graph.endpoints:
-            if end.direction is Direction.SUBSCRIBE and self._is_input(end):
+            is_unused = self.flows.is_unused(end.node, end.topic)
+            if end.direction is Direction.SUBSCRIBE and self._is_input(end) and not is_unused:
                 found[end.node].add(end.topic)
         return {node: tuple(sorted(topics)) for node, topics in found.items()}
 
@@ -176,7 +183,7 @@ class CommandTopics:
 
     def _switches(self, topic: str) -> bool:
         """Return whether a topic that somebody obeys stops, arms or ends the robot."""
-        is_signal = self.app.facts.topic(topic).type in _ORDERS
+        is_signal = self.app.facts.topic(topic).type in ORDERS
         is_switch = self._things[topic] in (_SURE_SWITCHES if not is_signal else _SIGNAL_SWITCHES)
         is_state = self.app.facts.classify(topic).domain is Domain.PERCEPTION
         readers = self.app.readers(topic)

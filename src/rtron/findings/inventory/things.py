@@ -71,6 +71,8 @@ _CONTROLS = re.compile(r"_(?:control|cmd|command)$")
 """How the names of commands end: what stands before it tells who commands, as in `manual_cmd`."""
 COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
 """What in a name says that it is a command."""
+ORDERS = SIGNALS | {"std_msgs/String"}
+"""Types that may order anything."""
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
 _NEAR_ACTUATORS = re.compile(
     r"actuator|motor|(?:^|/)rc(?:[/_]|$)|manual_control|thrust|attitude|rates?(?:[/_]|$)"

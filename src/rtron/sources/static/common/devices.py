@@ -124,6 +124,17 @@ def last_messages(part: NodePart) -> Iterator[WiringFact]:
         )
 
 
+def message_flows(part: NodePart) -> Iterator[WiringFact]:
+    """Yield a fact for what each subscription of a part leads to."""
+    for flow in part.interface.message_flows:
+        yield WiringFact(
+            kind=WiringFactKind.MESSAGE_FLOW,
+            subject=part.owner,
+            others=flow.requests,
+            evidence=flow.evidence,
+        )
+
+
 def _places_of(node: Node, workspace: Workspace, files: dict[Path, _Places]) -> _Places:
     """Return the first place in the source of a node's program of what is looked for."""
     places: _Places = {}

@@ -1,0 +1,171 @@
+"""What a node sends, calls or asks for because of a message, as far as the code tells.
+
+A callback sends it itself, or keeps something that decides later what others send.
+"""
+
+import re
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import chain, islice
+
+from rtron.sources.code.function_steps import (
+    FunctionSteps,
+    is_log,
+    is_logger,
+    last_name,
+    mentioned_names,
+)
+from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.ir import Assign, Attr, Break, Call, Continue, Function, Index, New, Return
+from rtron.sources.code.ir.references import called_names, ir_nodes
+from rtron.sources.code.repeated_message import dependent_nodes, made_of
+from rtron.sources.declaration import Declaration, DeclarationKind, MessageFlow
+
+_MEASURED = re.compile(
+    r"sensor_msgs/(?:msg/)?(?!Joy)|nav_msgs/(?:msg/)?(?!Path)|tf2?_msgs/|visualization_msgs/"
+    r"|diagnostic_msgs/|rosgraph_msgs/|rcl_interfaces/|map_msgs/"
+)
+"""Types of what is measured or shown: a robot senses it, nobody commands by it."""
+_SENDING = (
+    DeclarationKind.PUBLISH,
+    DeclarationKind.SERVICE_CLIENT,
+    DeclarationKind.ACTION_CLIENT,
+)
+_MAX_FUNCTIONS = 600
+_MAX_ROUNDS = 6
+_MAX_ALIKE = 3
+"""Of more functions with one name it is not known which is called."""
+
+
+def message_flows(machine: AbstractMachine) -> Iterator[MessageFlow]:
+    """Yield what each subscription of commands or orders leads to, or that it leads to nothing."""
+    program = _Program(machine)
+    for declared in machine.recorder.declared(DeclarationKind.SUBSCRIBE):
+        given = (f for at in declared.evidence for f in machine.callbacks_at.get(at, ()))
+        callbacks = list({each.key: each for each in given}.values())
+        if callbacks and not (declared.implicit or _MEASURED.match(declared.type)):
+            led = list(_Flow(program).of(callbacks))
+            topics = (each for each in led if each.kind is DeclarationKind.PUBLISH)
+            requests = (each.name for each in led if each.kind is not DeclarationKind.PUBLISH)
+            if led or program.do_nothing(callbacks):
+                places = (each.evidence[0] for each in (declared, *topics))
+                yield MessageFlow(evidence=tuple(places), requests=tuple(dict.fromkeys(requests)))
+
+
+@dataclass
+class _Program:
+    """The functions of a program, and what they send by."""
+
+    machine: AbstractMachine
+    _known: dict[int, FunctionSteps] = field(default_factory=dict)
+
+    @cached_property
+    def functions(self) -> list[Function]:
+        """The functions that have a body, each once."""
+        given = chain.from_iterable(self.machine.callbacks_at.values())
+        own = (f for _, f in self.machine.runtime.program_functions())
+        found = {f.key: f for f in (*own, *given, *self.machine.module_loops) if f.body}
+        return list(islice(found.values(), _MAX_FUNCTIONS))
+
+    @cached_property
+    def _senders(self) -> dict[str, list[tuple[str, Declaration]]]:
+        """The publishers and clients by the names that hold them, with the scopes of these."""
+        declared = chain.from_iterable(map(self.machine.recorder.declared, _SENDING))
+        made = {(at.file, at.line): each for each in declared for at in each.evidence}
+        files = {file for file, _ in made}
+        found = defaultdict[str, list[tuple[str, Declaration]]](list)
+        for code in (self.steps(f) for f in self.functions if f.file in files):
+            for name, value in (*code.members, *code.locals, *code.function.initialisers):
+                lines = sorted({n.line for n in ir_nodes(value) if isinstance(n, (Call, New))})
+                senders = (made.get((code.function.file, line)) for line in lines)
+                found[name] += ((_scope(code.function), each) for each in senders if each)
+        return found
+
+    def sent(self, call: Call, scope: str) -> Iterator[Declaration]:
+        """Yield what a call sends by, or hands on; of several with one name those made nearby."""
+        for name in mentioned_names(call) & self._senders.keys():
+            senders = self._senders[name]
+            near = [each for made_in, each in senders if made_in == scope]
+            yield from near or (each for _, each in senders if len(senders) == 1)
+
+    def called(self, names: Iterable[str], scope: str) -> Iterator[Function]:
+        """Yield the functions that are called, as far as their names tell."""
+        for name in sorted(names):
+            alike = self.machine.runtime.functions_named(name)
+            near = [each for each in alike if _scope(each) == scope]
+            yield from near or (alike if len(alike) <= _MAX_ALIKE else ())
+
+    def do_nothing(self, callbacks: Collection[Function]) -> bool:
+        """Return whether callbacks call nothing but logs, and set nothing but own variables."""
+        codes = [self.steps(each) for each in callbacks]
+        is_quiet = all(is_log(c) or is_logger(c) for code in codes for c in code.calls)
+        nodes = chain.from_iterable(ir_nodes(each.body) for each in callbacks)
+        targets = (t for n in nodes if isinstance(n, Assign) for t in n.targets)
+        is_inside = not any(isinstance(each, (Attr, Index)) for each in targets)
+        return is_quiet and is_inside and not any(code.members for code in codes)
+
+    def steps(self, function: Function) -> FunctionSteps:
+        """Return what a function does."""
+        if id(function) not in self._known:
+            is_cpp = self.machine.runtime.passes_by_reference
+            self._known[id(function)] = FunctionSteps(function, is_cpp=is_cpp)
+        return self._known[id(function)]
+
+
+@dataclass
+class _Flow:
+    """Follows a message: `_led` is what sends because of it, `_kept` are names by their scope."""
+
+    program: _Program
+    _led: dict[Declaration, None] = field(default_factory=dict)
+    _kept: defaultdict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
+    _done: set[int] = field(default_factory=set)
+
+    def of(self, callbacks: Iterable[Function]) -> Iterable[Declaration]:
+        """Return what sends or calls because callbacks run, or because of what they keep."""
+        self._run(callbacks)
+        size = -1
+        for _ in range(_MAX_ROUNDS):
+            if size == (size := sum(map(len, self._kept.values()))):
+                break
+            for function in self.program.functions:
+                names = self._kept.get(_scope(function), set())
+                if id(function) not in self._done and names & mentioned_names(function.body):
+                    self._follow(self.program.steps(function), names)
+        return self._led
+
+    def _run(self, functions: Iterable[Function]) -> None:
+        """Follow all that functions do, and those that they call."""
+        pending = list(functions)
+        while pending:
+            function = pending.pop()
+            if id(function) not in self._done:
+                self._done.add(id(function))
+                code, scope = self.program.steps(function), _scope(function)
+                self._kept[scope] |= {name for name, _ in code.members}
+                for call in code.calls:
+                    self._led |= dict.fromkeys(self.program.sent(call, scope))
+                pending += self.program.called(called_names(function), scope)
+
+    def _follow(self, code: FunctionSteps, names: set[str]) -> None:
+        """Follow what a function does with names, or only because of them."""
+        made, scope = made_of(code, names), _scope(code.function)
+        chosen = dependent_nodes(code, made)
+        if any(isinstance(node, (Return, Break, Continue)) for node in chosen):
+            chosen = list(ir_nodes(code.function.body))
+        ids = set(map(id, chosen))
+        self._kept[scope] |= made & {name for name, _ in code.members}
+        if any(mentioned_names(value) & made for value in code.returned):
+            self._kept[scope].add(code.function.name.rpartition("::")[2])
+        for call in code.calls:
+            if id(call) in ids or mentioned_names((call.args, call.keywords)) & made:
+                self._led |= dict.fromkeys(self.program.sent(call, scope))
+                self._run(self.program.called({last_name(call.function)}, scope))
+
+
+def _scope(function: Function) -> str:
+    """Return the class of a method of C++, else the file of a function."""
+    owner = function.name.rpartition("::")[0]
+    return owner.rpartition("::")[2] or function.file
