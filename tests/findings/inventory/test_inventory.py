@@ -10,6 +10,8 @@ from rtron.findings import app_facts, take_inventory
 from rtron.findings.inventory.stopping import stopping
 from rtron.findings.motion import command_timeout
 from rtron.vocabulary import (
+    Action,
+    ActionRole,
     Evidence,
     NodeParameter,
     Service,
@@ -461,15 +463,6 @@ def test_what_somebody_sends_goes_before_what_nobody_sends():
     assert names(the_mover(text).commands) == ["/motor/rpm", "/motor/cmd", "/motor/brake"]
 
 
-def test_what_nodes_of_several_parts_obey_is_called_after_none_of_them():
-    text = "/mission own own\n    pub /units/command own/Command\n"
-    lift = "/lift_unit own own\n    sub /units/command own/Command\n"
-    facts = tuple(fact("device", node, "CAN") for node in ("/lift_unit", "/wheel_unit"))
-    assert the_mover(text + lift, wiring=facts[:1]).thing is Thing.TOOL
-    both = text + lift + lift.replace("lift", "wheel")
-    assert the_mover(both, wiring=facts).thing is Thing.DEVICE
-
-
 def test_a_stop_is_asked_for_where_nobody_here_obeys_what_is_made_of_it():
     text = "/safety p own\n    sub /estop_request std_msgs/Bool\n    pub /estop std_msgs/Bool\n"
     mover = the_mover(text)
@@ -765,11 +758,12 @@ def test_of_two_that_hear_velocities_the_one_with_odometry_drives():
 
 
 def test_what_a_driver_tells_is_no_command_behind_another():
-    text = f"/watch watch own\n    sub /base/drive_events x/Drive\n    pub /other_vel {TWIST}\n"
+    wrench = "    pub /wrench geometry_msgs/msg/Wrench\n"
+    text = f"/watch watch own\n    sub /base/drive_events x/Drive\n{wrench}"
     base = BASE + "    pub /base/drive_events x/Drive\n    sub /commands/drive x/Drive\n"
     movers = inventory(text + base, wiring=(fact("device", "/base", "CAN"),))
-    other = next(each for each in movers if "/other_vel" in names(each.commands))
-    assert names(other.commands) == ["/other_vel"]
+    other = next(each for each in movers if "/wrench" in names(each.commands))
+    assert names(other.commands) == ["/wrench"]
 
 
 def test_a_launch_file_that_was_not_read_may_start_who_obeys():
@@ -1421,3 +1415,45 @@ def test_what_makes_a_node_call_a_service_is_behind_it():
     assert names(mover.commands) == ["/set_blade", "/order_json"]
     (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends)))
     assert names(mover.commands) == ["/set_blade"]
+
+
+DEAD_END = f"""
+/behaviors behaviors third_party
+    pub /cmd_vel_blocked {TWIST}
+/nav nav own
+    pub /cmd_vel {TWIST}
+"""
+
+
+def test_a_velocity_that_nobody_obeys_beside_a_driver_is_a_dead_end():
+    spin = Action(
+        node="/behaviors", name="/spin", type="nav2_msgs/action/Spin", role=ActionRole.SERVER
+    )
+    mover = the_mover(DEAD_END + BASE, actions=(spin,), wiring=(DRIVER,))
+    assert names(mover.commands) == ["/cmd_vel"]
+    both = inventory(DEAD_END + BASE, actions=(spin,))  # the base may be elsewhere
+    assert {"/cmd_vel_blocked", "/spin"} <= {c.name for each in both for c in each.commands}
+
+
+def test_one_order_for_the_parts_of_a_robot_is_a_line_for_each():
+    text = "/mission own own\n    pub /units/command own/Command\n"
+    lift = "/lift_unit own own\n    sub /units/command own/Command\n"
+    facts = tuple(fact("device", node, "CAN") for node in ("/lift_unit", "/wheel_unit"))
+    assert the_mover(text + lift, wiring=facts[:1]).thing is Thing.TOOL
+    both = text + lift + lift.replace("lift", "wheel")
+    found = {each.thing: each.drivers for each in inventory(both, wiring=facts)}
+    assert found == {Thing.DEVICE: ("/wheel_unit",), Thing.TOOL: ("/lift_unit",)}
+
+
+@pytest.mark.parametrize(
+    ("topics", "thing"),
+    [
+        ("", Thing.DEVICE),
+        ("    sub /arm_control x/msg/Arm\n", Thing.ARM),
+        ("    sub /arm_control x/msg/Arm\n    sub /drive_train x/msg/DriveTrain\n", Thing.BASE),
+    ],
+)
+def test_what_servos_move_is_what_stands_behind_them(topics, thing):
+    text = f"/mixer mixer own\n    pub /servo_commands x/msg/ServoCommand\n{topics}"
+    text += "/servos servos own\n    sub /servo_commands x/msg/ServoCommand\n"
+    assert the_mover(text, wiring=(fact("device", "/servos", "I2C"),)).thing is thing

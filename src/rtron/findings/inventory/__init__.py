@@ -16,7 +16,7 @@ from rtron.findings.inventory.node_roles import (
     may_drive_unread,
 )
 from rtron.findings.inventory.stopping import Stopping, stopping
-from rtron.findings.inventory.things import vagueness
+from rtron.findings.inventory.things import part_of_name, vagueness
 from rtron.findings.measurement_names import moves_nothing
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
@@ -38,6 +38,8 @@ MOST_MOVERS = 12
 """With more lines, those of one thing are one."""
 _HOLDING = SWITCHES | {Thing.HEAD, Thing.GRIPPER, Thing.HORN}
 """What is told once, or holds what it was told: whether it stops when commands end says nothing."""
+_PLAIN = {Thing.BASE: Thing.DEVICE}
+"""What is more than nothing says."""
 _APART = SWITCHES | {Thing.DEVICE}
 
 
@@ -162,7 +164,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     senders = _nodes(each.senders for each in everything)
     endpoints = [end for each in topics for end in app.graph.subscribers(each.name)]
     return Mover(
-        thing=thing,
+        thing=_named(thing, topics, everything),
         commands=everything,
         drivers=drivers,
         hardware=tuple(dict.fromkeys(fact.value for fact in opened)),
@@ -176,6 +178,16 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         stop=_why_it_stops(end, is_seen=is_seen) if end else "",
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),
     )
+
+
+def _named(thing: Thing, last: list[Command], commands: Iterable[Command]) -> Thing:
+    """Return what is moved: where the last topics do not say it, what stands behind them does."""
+    if thing in NO_MOTION or not last or any(part_of_name(c.name, c.type) for c in last):
+        return thing
+    behind = [part_of_name(c.name, c.type) for c in commands if c.hops and c.means is Means.TOPIC]
+    behind += [part_of_name(node, "") for each in last for node in each.senders]
+    named = set(filter(None, behind))
+    return next((each for each in Thing if each in named), _PLAIN.get(thing, thing))
 
 
 def _why_it_stops(end: Stopping, *, is_seen: bool) -> str:

@@ -36,7 +36,7 @@ _OF_BASE = re.compile(
     "drive|steer|wheel|base|chassis|omni|mecanum|ackermann|tricycle|bicycle", re.IGNORECASE
 )
 """Words in the classes of controllers that move a base: beside an arm, others move that."""
-_TWIST = "geometry_msgs/Twist"
+TWIST = "geometry_msgs/Twist"
 _JOY = "sensor_msgs/Joy"
 _HANDS = frozenset({"visualization_msgs/InteractiveMarkerFeedback"})
 """What a person does: with a joystick, and with a marker in a viewer."""
@@ -132,7 +132,7 @@ class CommandTopics:
         """Return what a topic moves: a velocity that a driver obeys is no measurement."""
         type = self.app.facts.topic(topic).type
         is_obeyed = any(map(self.roles.may_obey, self.app.readers(topic)))
-        if normalise_type(type).startswith(_TWIST) and not is_obeyed and may_be_measured(topic):
+        if normalise_type(type).startswith(TWIST) and not is_obeyed and may_be_measured(topic):
             return None
         return thing_of(topic, type, Means.TOPIC)
 

@@ -60,11 +60,12 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.DEVICE, "actuator actuators execute exec"),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
-_PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
+PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
 _GENERIC = frozenset(
     ("goal", "go", "goto", "move", "path", "speed", "motor", "motors", "servo", "servos", "pwm")
 )
 """What any part of a robot may have: in `/arm/goal` the part before it is what moves."""
+_ANY_PART = re.compile(r"servos?(?![a-z])|pwm")
 _VAGUE = (None, Thing.DEVICE, Thing.MODE)
 """What a name may say that a type says better."""
 _CONTROLS = re.compile(r"_(?:control|cmd|command)$")
@@ -154,6 +155,13 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
     return usual or named or (Thing.DEVICE if is_command else None)
 
 
+def part_of_name(name: str, type: str) -> Thing | None:
+    """Return which part of a robot a topic says to move; a servo may be of any."""
+    found = thing_of(_ANY_PART.sub("", name), type, Means.TOPIC)
+    is_vague = found in _VAGUE or found in NO_MOTION
+    return part_of_states(name, type) if is_vague else found
+
+
 def is_order(name: str, type: str) -> bool:
     """Return whether a topic carries orders in words, which its name says."""
     last = _last_part(name)
@@ -184,7 +192,7 @@ def vagueness(name: str, type: str, means: Means) -> int:
 def thing_of_node(name: str) -> Thing | None:
     """Return what a node moves, as far as its name tells more than that it moves something."""
     found = _by_words(name.rpartition("/")[2])
-    return found if found in _PARTS else None
+    return found if found in PARTS else None
 
 
 def part_of_states(name: str, type: str) -> Thing | None:
@@ -253,7 +261,7 @@ def _by_words(name: str) -> Thing | None:
         if EMERGENCY_STOP.search(part):
             return Thing.STOP
         thing = next((t for t, known in _WORDS if not words.isdisjoint(known.split())), None)
-        if thing not in {None, Thing.DEVICE} and (found is not Thing.BASE or thing in _PARTS):
+        if thing not in {None, Thing.DEVICE} and (found is not Thing.BASE or thing in PARTS):
             found = thing
             if words.isdisjoint(_GENERIC):
                 break

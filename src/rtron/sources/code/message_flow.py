@@ -116,11 +116,11 @@ class _Program:
 
 @dataclass
 class _Flow:
-    """Follows a message: `_led` is what sends because of it, `_kept` are names by their scope."""
+    """Follows a message: `_led` is what sends because of it, `_members` keep it, by scope."""
 
     program: _Program
     _led: dict[Declaration, None] = field(default_factory=dict)
-    _kept: defaultdict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
+    _members: defaultdict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
     _done: set[int] = field(default_factory=set)
 
     def of(self, callbacks: Iterable[Function]) -> Iterable[Declaration]:
@@ -128,10 +128,10 @@ class _Flow:
         self._run(callbacks)
         size = -1
         for _ in range(_MAX_ROUNDS):
-            if size == (size := sum(map(len, self._kept.values()))):
+            if size == (size := sum(map(len, self._members.values()))):
                 break
             for function in self.program.functions:
-                names = self._kept.get(_scope(function), set())
+                names = self._members.get(_scope(function), set())
                 if id(function) not in self._done and names & mentioned_names(function.body):
                     self._follow(self.program.steps(function), names)
         return self._led
@@ -144,7 +144,7 @@ class _Flow:
             if id(function) not in self._done:
                 self._done.add(id(function))
                 code, scope = self.program.steps(function), _scope(function)
-                self._kept[scope] |= {name for name, _ in code.members}
+                self._members[scope] |= {name for name, _ in code.members}
                 for call in code.calls:
                     self._led |= dict.fromkeys(self.program.sent(call, scope))
                 pending += self.program.called(called_names(function), scope)
@@ -156,9 +156,9 @@ class _Flow:
         if any(isinstance(node, (Return, Break, Continue)) for node in chosen):
             chosen = list(ir_nodes(code.function.body))
         ids = set(map(id, chosen))
-        self._kept[scope] |= made & {name for name, _ in code.members}
+        self._members[scope] |= made & {name for name, _ in code.members}
         if any(mentioned_names(value) & made for value in code.returned):
-            self._kept[scope].add(code.function.name.rpartition("::")[2])
+            self._members[scope].add(code.function.name.rpartition("::")[2])
         for call in code.calls:
             if id(call) in ids or mentioned_names((call.args, call.keywords)) & made:
                 self._led |= dict.fromkeys(self.program.sent(call, scope))
