@@ -71,6 +71,8 @@ class WiringFactKind(StringEnum):
     """A node whose source opens hardware; the value says what: a serial port, CAN."""
     SOCKET = "socket"
     """A node whose source joins a network beside ROS; the value says how: MQTT, a web server."""
+    OPERATOR = "operator"
+    """A node whose source reads what a person does; the value says how: a joystick, a keyboard."""
     COMMAND_AGE = "command_age"
     """A node whose source has a name that tells of how old a command is."""
     LAST_MESSAGE = "last_message"

@@ -1457,3 +1457,11 @@ def test_what_servos_move_is_what_stands_behind_them(topics, thing):
     text = f"/mixer mixer own\n    pub /servo_commands x/msg/ServoCommand\n{topics}"
     text += "/servos servos own\n    sub /servo_commands x/msg/ServoCommand\n"
     assert the_mover(text, wiring=(fact("device", "/servos", "I2C"),)).thing is thing
+
+
+def test_who_is_commanded_by_a_person_is_said():
+    facts = (fact("operator", "/teleop", "joystick"), fact("operator", "/other", "window"))
+    mover = the_mover(TWO_DRIVERS + BASE + "/other other own\n", wiring=facts)
+    assert mover.operators == ("/teleop (joystick)",)
+    pilot = (fact("device", "/pilot", "vehicle link"), fact("operator", "/pilot", "keyboard"))
+    assert the_mover("/pilot pilot own\n", wiring=pilot).operators == ("/pilot (keyboard)",)

@@ -29,6 +29,7 @@ BASE = Mover(
     hardware=("serial port",),
     arbiters=("/mux",),
     doors=("/bridge (any client)",),
+    operators=("/nav (joystick)",),
     stops=Stops.NO,
     stop="nothing in it looks",
     evidence=(Evidence(file="base.py", line=3),),
@@ -40,6 +41,7 @@ What can move this robot
                   sent by /nav through /mux; the first of /joy_vel (20),
                   /nav_vel (1) wins
                   open: nobody in this launch sends /joy_vel; any node can
+                  a person commands it by /nav (joystick)
                   reached from a network through /bridge (any client)
                   stops when commands end: no; nothing in it looks
 """
@@ -81,6 +83,9 @@ def test_what_was_not_read():
     pilot = {"commands": (), "drivers": ("/pilot",), "hardware": ("vehicle link",)}
     (row,) = rows(thing=Thing.VEHICLE, **pilot)
     assert row.startswith("/pilot (vehicle link) moves it by itself, or obeys a device or link of")
+    row, by = rows(thing=Thing.VEHICLE, operators=("/pilot (joystick)",), **pilot)
+    assert row == "/pilot (vehicle link) moves it as its operator says: no topic commands it"
+    assert by == "a person commands it by /pilot (joystick)"
 
 
 def test_a_topic_that_nobody_here_obeys_or_sends():
@@ -191,6 +196,7 @@ def test_as_json():
         "commands": [],
         "arbiters": ["/mux"],
         "doors": ["/bridge (any client)"],
+        "operators": ["/nav (joystick)"],
         "unread": [],
         "stops": "no",
         "why": "nothing in it looks",

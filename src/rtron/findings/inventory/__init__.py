@@ -7,7 +7,7 @@ from dataclasses import replace
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.command_topics import STOPPING
 from rtron.findings.inventory.commands import AppCommands
-from rtron.findings.inventory.doors import doors
+from rtron.findings.inventory.doors import doors, operators
 from rtron.findings.inventory.limits import limits
 from rtron.findings.inventory.node_roles import (
     FIRMWARE_PACKAGES,
@@ -101,7 +101,14 @@ def _uncommanded_hardware(app: AppFacts, roles: NodeRoles, movers: list[Mover]) 
         ):
             thing = Thing.VEHICLE if roles.is_autopilot(node) else Thing.DEVICE
             links = doors(app, (node,))
-            yield Mover(thing=thing, commands=(), drivers=(node,), hardware=hardware, doors=links)
+            yield Mover(
+                thing=thing,
+                commands=(),
+                drivers=(node,),
+                hardware=hardware,
+                doors=links,
+                operators=operators(app, {node}),
+            )
 
 
 def _merged(
@@ -172,6 +179,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
             dict.fromkeys(node for node, _ in behind if commands.forwarding.decides(node))
         ),
         doors=doors(app, drivers, senders),
+        operators=operators(app, {*drivers, *senders}),
         unread=unread,
         is_whole=not set(app.unread_nodes).difference(bridges(app)),
         stops=end.stops if end else Stops.UNKNOWN,

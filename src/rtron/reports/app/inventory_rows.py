@@ -31,6 +31,7 @@ class MoverRow(NamedTuple):
 
 _UNREAD = "may obey any topic: what is behind it was not read"
 _UNCOMMANDED = "moves it by itself, or obeys a device or link of its own: no topic commands it"
+_OPERATED = "moves it as its operator says: no topic commands it"
 _STOP_TONE = {Stops.YES: Tone.GOOD, Stops.NO: Tone.WARNING, Stops.UNKNOWN: Tone.UNCERTAIN}
 
 
@@ -38,7 +39,8 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
     """Yield what drives a thing, who commands it, what else can, and whether it stops."""
     last = mover.last_commands
     if not last:
-        how = _UNCOMMANDED if mover.hardware else _UNREAD
+        by_itself = _OPERATED if mover.operators else _UNCOMMANDED
+        how = by_itself if mover.hardware else _UNREAD
         yield MoverRow(f"{_some(mover.drivers)}{_hardware(mover)} {how}", Tone.UNCERTAIN)
     for means in Means:
         commands = [each for each in last if each.means is means]
@@ -50,6 +52,8 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
             nobody = "nobody in this launch" if mover.is_whole else "nobody that was read"
             text = f"open: {nobody} {verb} {_names(spare)}; any node can"
             yield MoverRow(text, Tone.WARNING)
+    if mover.operators:
+        yield MoverRow(f"a person commands it by {_all(mover.operators)}")
     if mover.doors:
         yield MoverRow(f"reached from a network through {join_names(mover.doors)}", Tone.WARNING)
     if mover.stop:
@@ -206,6 +210,7 @@ def inventory_to_json(movers: Sequence[Mover]) -> list[dict[str, Any]]:
             "commands": [_command(each) for each in mover.commands],
             "arbiters": list(mover.arbiters),
             "doors": list(mover.doors),
+            "operators": list(mover.operators),
             "unread": list(mover.unread),
             "stops": mover.stops.value,
             "why": mover.stop,

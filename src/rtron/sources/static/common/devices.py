@@ -31,6 +31,7 @@ _LIBRARIES = {
     r"|\b(?:(?:easygo|go)pigo3?|brickpi3|picarx|robot_hat|ev3dev2?|pyfirmata2?)\b",
     "Modbus": r"\bpymodbus|minimalmodbus|\bmodbus(?:/modbus)?\.h",
     "TCP link": r"\bcreate_connection\(|\.connect\(\s*\(|\bconnect\([^;\n]{0,60}sockaddr",
+    "Bluetooth": r"\bbleak\b|bluetooth/(?:rfcomm|bluetooth)\.h|\bbluepy\b|\bpygatt\b",
     "LCM": r"\blcm/lcm|^[ \t]*(?:import|from) lcm\b",
     "vehicle link": r"pymavlink|mavsdk|dronekit|mavlink/v2\.0|djitellopy|olympe|dji_vehicle\.hpp",
     "vendor SDK": r"unitree_(?:legged_)?sdk|bosdyn|xarm\.wrapper|ugv_sdk|franka/robot|ur_rtde"
@@ -52,6 +53,14 @@ _SOCKETS = {
     "MAVLink link": r"[\"'](?:udpin|tcpin):/{0,2}(?!127\.|localhost)|[\"']udp://:14\d{3}\b",
     "gRPC server": r"grpc\.(?:aio\.)?server\(|grpc::ServerBuilder",
 }
+_OPERATORS = {
+    "joystick": r"pygame\.joystick|from pygame import joystick|\binputs import get_gamepad"
+    r"|\bevdev\b|/dev/input/|linux/joystick\.h|SDL_Joystick|SDL_GameController|\bhidapi\b",
+    "keyboard": r"\bpynput\b|\btty\.set(?:raw|cbreak)|termios\.tcsetattr"
+    r"|tcsetattr\(\s*(?:0|STDIN|kfd)|\bcurses\.|ncurses\.h|pygame\.K_\w|^import keyboard\b",
+    "window": r"\btkinter\b|\bTkinter\b|\bPy(?:Qt|Side)\d\b|python_qt_binding|\bQApplication\b",
+}
+"""Where a person commands a node beside ROS."""
 _COMMAND = r"(?<![a-z])(?:cmd_?vel|cmd|command|vel|velocity|twist|joy|setpoint|teleop|drive)"
 _AGE = (
     r"watch_?dog|dead_?man|fail_?safe"
@@ -85,6 +94,7 @@ _KINDS = {
         word: rf"(?:{names})(?!\w{{0,40}}_msgs)" for word, names in _LIBRARIES.items()
     },
     WiringFactKind.SOCKET: _SOCKETS,
+    WiringFactKind.OPERATOR: _OPERATORS,
     WiringFactKind.COMMAND_AGE: {"age of a command": f"(?i:{_AGE})"},
 }
 _IMPORTS = re.compile(
