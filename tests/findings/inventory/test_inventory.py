@@ -996,10 +996,11 @@ def test_a_controller_of_no_base_moves_the_arm_beside_it(package, thing):
     arm = "/arm a own\n    sub /arm/joint_trajectory trajectory_msgs/msg/JointTrajectory\n"
     graph = with_program(small_graph(text + arm), "/twist", package, f"{package}/Controller")
     graph = with_program(graph, "/arm", *JOINTS)
-    movers = {each.drivers: each.thing for each in take_inventory(app_facts(graph))}
-    assert movers == {("/twist",): thing, ("/arm",): Thing.ARM}
+    movers = [(each.drivers, each.thing) for each in take_inventory(app_facts(graph))]
+    assert {(("/twist",), thing), (("/arm",), Thing.ARM)} <= {*movers}
     graph = with_program(small_graph(TWO_DRIVERS + arm), "/arm", *JOINTS)
-    assert [each.thing for each in take_inventory(app_facts(graph))] == [Thing.BASE, Thing.ARM]
+    things = [each.thing for each in take_inventory(app_facts(graph))]
+    assert things == [Thing.BASE, Thing.ARM, Thing.LIMITS]
 
 
 @pytest.mark.parametrize(
@@ -1465,3 +1466,24 @@ def test_who_is_commanded_by_a_person_is_said():
     assert mover.operators == ("/teleop (joystick)",)
     pilot = (fact("device", "/pilot", "vehicle link"), fact("operator", "/pilot", "keyboard"))
     assert the_mover("/pilot pilot own\n", wiring=pilot).operators == ("/pilot (keyboard)",)
+
+
+@pytest.mark.parametrize(
+    ("signal", "found"),
+    [("/state", True), ("/imu/override", True), ("/led", False), ("/record", False)],
+)
+def test_a_signal_to_a_driver_from_who_commands_it_is_a_command(signal, found):
+    text = f"/pad pad own\n    pub /cmd_vel {TWIST}\n    pub {signal} std_msgs/msg/Bool\n"
+    sub = f"    sub {signal} std_msgs/msg/Bool\n"
+    mover = the_mover(text + BASE + sub, wiring=(DRIVER,))
+    assert (signal in names(mover.last_commands)) is found
+    stranger = text.replace("    pub /state", "/other other own\n    pub /state")
+    if signal == "/state":
+        assert names(the_mover(stranger + BASE + sub, wiring=(DRIVER,)).commands) == ["/cmd_vel"]
+
+
+def test_a_controller_of_trajectories_takes_its_gains_while_it_runs():
+    topic = "/arm/joint_trajectory trajectory_msgs/msg/JointTrajectory"
+    text = f"/arm joint_trajectory_controller third_party\n    sub {topic}\n"
+    limits = inventory(text)[-1]
+    assert (limits.thing, names(limits.commands)) == (Thing.LIMITS, ["/arm/set_parameters"])

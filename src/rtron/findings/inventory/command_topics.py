@@ -14,6 +14,7 @@ from rtron.findings.inventory.things import (
     COMMAND_NAMES,
     ORDERS,
     may_be_command,
+    may_switch,
     thing_of,
     thing_of_node,
 )
@@ -150,7 +151,25 @@ class CommandTopics:
         found |= set(filter(self.unheard.leaves, self._things))
         for node in filter(self.roles.obeys, filter(self.roles.is_called_driver, self.app.nodes)):
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
-        return frozenset(found | self.releases | set(filter(self._switches, self._things)))
+        found |= set(filter(self._switches, self._things)) | self._pressed
+        return frozenset(found | self.releases)
+
+    @cached_property
+    def _pressed(self) -> set[str]:
+        """The signals that a driver gets from who commands its motion, whatever they are called."""
+        motion = filter(self._moves, self.app.motion_topics)
+        sides = (
+            (s, r) for t in motion for s in self.app.publishers(t) for r in self.app.readers(t)
+        )
+        commanding = {(sender, reader) for sender, reader in sides if self.roles.drives(reader)}
+        return {
+            topic
+            for topic in self.app.explicit_topics
+            if self.app.facts.topic(topic).type in SIGNALS and may_switch(topic)
+            for reader in self.app.readers(topic)
+            if not self.flows.is_unused(reader, topic)
+            and any((sender, reader) in commanding for sender in self.app.publishers(topic))
+        }
 
     @cached_property
     def releases(self) -> frozenset[str]:

@@ -225,6 +225,11 @@ def may_be_command(name: str, type: str) -> bool:
     return not (is_other or is_harmless(name, type) or _is_of_nav2(_plain_type(type)))
 
 
+def may_switch(name: str) -> bool:
+    """Return whether a signal may switch more than what shows or sounds."""
+    return not (_ON_REQUEST.search(_last_part(name)) or _SHOWS.search(name.lower()))
+
+
 def may_be_derived(name: str, type: str) -> bool:
     """Return whether what is made of a command may be one: states may be those that wheels get."""
     stem = _STATES.sub("", name.rstrip("/")) or name

@@ -113,6 +113,7 @@ def test_what_is_no_device(facts, text):
         "/*\n#include <linux/can.h>\n*/\n",
         "#include <vesc_msgs/State.h>\n",
         "#include <termios.h>\n",
+        "#include <mqtt/async_client.h>\n",
         "int main() { tcsetattr(port, TCSANOW, &options); }\n",
     ],
 )

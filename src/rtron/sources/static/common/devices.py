@@ -43,7 +43,8 @@ that connects to one.
 A terminal has termios too, and no speed that a program sets.
 """
 _SOCKETS = {
-    "MQTT": r"paho\.mqtt|<mosquitto|mqtt/async_client|MQTTClient|asyncio_mqtt|aiomqtt",
+    "MQTT": r"paho\.mqtt|\bmosquitto_new\b|mosqpp::|mqtt::(?:async_)?client\b|MQTTClient|aio_?mqtt"
+    r"|asyncio_mqtt",
     "WebSocket server": r"websockets\.serve|WebSocketServer|websocketpp/server|import tornado"
     r"|from autobahn|socketio\.(?:Async)?Server|uWS::",
     "web server": r"from flask|import flask|http\.server|from aiohttp import web|FastAPI\("
