@@ -62,6 +62,7 @@ from rtron.sources.code.library_models.rclpy.registry import rclpy_library
 from rtron.sources.code.library_models.roscpp.plugins import start_nodelet
 from rtron.sources.code.library_models.roscpp.registry import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
 from rtron.sources.code.library_models.rospy.registry import ROSPY
+from rtron.sources.code.message_flow import message_flows
 from rtron.sources.code.parameter_reads import mark_parameters_read_once
 from rtron.sources.code.reachability import (
     joins_nodes,
@@ -279,9 +280,10 @@ def _run_to_fixpoint(
     note_unreached(machine, own)
     interface = machine.recorder.result()
     interface = mark_parameters_read_once(machine, interface) if of_node else interface
-    last = tuple(last_messages(machine))
+    last, flows = tuple(last_messages(machine)), tuple(message_flows(machine))
     run_frame_users(machine)
-    return replace(interface, frame_uses=machine.recorder.result().frame_uses, last_messages=last)
+    frame_uses = machine.recorder.result().frame_uses
+    return replace(interface, frame_uses=frame_uses, last_messages=last, message_flows=flows)
 
 
 def _create_cpp_machine(
