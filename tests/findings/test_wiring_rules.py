@@ -760,6 +760,13 @@ def test_an_argument_of_a_file_before(kind, before, said, level):
     assert f"topic is front/scan since {said}, and not rear/scan" in finding.cause
 
 
+def test_an_argument_that_a_file_does_not_know():
+    graph = with_fact("undeclared_argument", "file", "map_file", "/l/map.xml")
+    finding = the_finding("undeclared_argument", graph)
+    assert (finding.subject, finding.level) == ("map.xml:file", FindingLevel.REGULAR)
+    assert finding.cause == "launch drops it, and map_file of map.xml keeps its default"
+
+
 def test_a_loop_of_frames_is_one_finding_with_all_of_them():
     kind = WiringFactKind.FRAME_LOOP
     facts = tuple(

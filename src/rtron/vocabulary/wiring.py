@@ -34,6 +34,8 @@ class WiringFactKind(StringEnum):
     value it is, and its own default."""
     POSSIBLE_LEAKED_ARGUMENT = "possible_leaked_argument"
     """The same, where it may be meant: a switch, or what another file was given."""
+    UNDECLARED_ARGUMENT = "undeclared_argument"
+    """An argument that others, a file, are given and do not know; the value is a near one."""
     BRIDGE_MISMATCH = "bridge_mismatch"
     """A topic of Gazebo that others, bridges, carry where they should carry the value, or in the
     wrong direction if it is the same."""

@@ -157,8 +157,7 @@ def generate_launch_description():
 
 def leaks(app):
     """Return the arguments that come from a file before: how sure, the name, and the values."""
-    facts = ((fact.kind, fact.subject, fact.value, fact.others[2]) for fact in app.wiring)
-    return [(str(kind), *values) for kind, *values in facts]
+    return [(str(f.kind), f.subject, f.value, *f.others[2:]) for f in app.wiring]
 
 
 @pytest.fixture
@@ -284,3 +283,34 @@ def test_a_switch_is_likely_meant_for_all(included):
 )
 def test_what_is_known_only_at_run_time_is_no_leak(included, text, front):
     assert included(text, front=front, rear=REAR) == []
+
+
+NEAR = '<arg name="map_file" default="y"/>'
+UNKNOWN = '<front><arg name="file" value="x"/></front>'
+
+
+@pytest.mark.parametrize("name", ["map_file", "file_path", "files"])
+def test_an_argument_that_a_file_does_not_know_and_that_is_near_one(included, name):
+    front = f'<arg name="{name}" default="y"/>'
+    assert included(UNKNOWN, front=front) == [("undeclared_argument", "file", name)]
+
+
+@pytest.mark.parametrize(
+    "front",
+    [
+        '<arg name="profile" default="y"/>',
+        f'{NEAR}<let name="a" value="$(var file)"/>',
+        f'{NEAR}<arg name="file" default="z" if="false"/>',
+        f'{NEAR}<include file="$(find-pkg-share gone)/a.xml"/>',
+        f'{NEAR}<include file="/gone.xml"/>',
+        f'{NEAR}<include file="$(find-pkg-share pkg)/launch/inner.xml"/>',
+    ],
+)
+def test_an_argument_that_may_be_known_or_is_near_none(included, front):
+    inner = '<arg name="file" default="z"/>'
+    assert included(UNKNOWN, front=front, inner=inner) == []
+
+
+def test_an_argument_that_is_near_one_that_is_given_too(included):
+    text = UNKNOWN.replace("</front>", '<arg name="map_file" value="z"/></front>')
+    assert included(text, front=NEAR) == []

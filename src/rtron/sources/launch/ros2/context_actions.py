@@ -1,11 +1,12 @@
 """The actions of ROS 2's launch files that start nothing: what they change for all after them."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
 
 from rtron.sources.launch.common.errors import MissingArgumentError
 from rtron.sources.launch.ros2.conditions import FALSE, TRUE
-from rtron.sources.launch.ros2.element_site import ElementSite
+from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator, Setting
 from rtron.sources.launch.ros2.launch_context import NAMESPACE, ArgumentOrigin, LaunchVariable
 from rtron.sources.launch.ros2.parameters.file import read_text_file
@@ -47,6 +48,7 @@ IGNORED_TAGS = frozenset(
     }
 )
 """What neither starts a node nor changes a name."""
+_NEAR_RATIO = 0.8
 _USE = r"(?:LaunchConfiguration\w*\(|launch_configurations(?:\[|\.get\()|\$\(var)"
 """What stands before the name of an argument where a launch file uses it."""
 
@@ -191,6 +193,26 @@ class ContextActions:
             raise MissingArgumentError(variable.name)
         self.evaluator.note_missing(site, variable.name)
         site.context.set_value(variable, placeholder(variable.name), {variable})
+
+
+def note_undeclared(evaluator: LaunchEvaluator, site: ElementSite, file: FileInclusion) -> None:
+    """Note what an inclusion gives and no file behind it knows, if a near argument is not given."""
+    declared = evaluator.choices.declared
+    places = {each.plain_text("name"): each.location for each in site.children("arg", "let")}
+    unused = [] if UNKNOWN_NAME in declared else sorted(places.keys() - declared)
+    for name in unused:
+        near = [each for each in sorted(declared - places.keys()) if _is_near(name, each)]
+        if near and not any(_names_use(path, name) for path in file.paths()):
+            kind = WiringFactKind.UNDECLARED_ARGUMENT
+            fact = WiringFact(kind=kind, subject=name, value=near[0], others=(file.path,))
+            evaluator.wiring.append(replace(fact, evidence=(places[name],)))
+
+
+def _is_near(name: str, other: str) -> bool:
+    """Return whether one name has all words of the other at one end, or is spelled alike."""
+    shorter, longer = sorted((name, other), key=len)
+    is_end = longer.startswith(f"{shorter}_") or longer.endswith(f"_{shorter}")
+    return is_end or bool(get_close_matches(name, [other], 1, _NEAR_RATIO))
 
 
 def _is_equal(value: str, other: str) -> bool:

@@ -18,7 +18,12 @@ from rtron.sources.launch.ros2.bundled_files import GAZEBO_ACTIONS, as_include, 
 from rtron.sources.launch.ros2.choices import LaunchChoices
 from rtron.sources.launch.ros2.collector import LaunchCollector
 from rtron.sources.launch.ros2.conditions import evaluate_condition, note_unknown_condition
-from rtron.sources.launch.ros2.context_actions import CONTEXT_TAGS, IGNORED_TAGS, ContextActions
+from rtron.sources.launch.ros2.context_actions import (
+    CONTEXT_TAGS,
+    IGNORED_TAGS,
+    ContextActions,
+    note_undeclared,
+)
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
@@ -267,11 +272,14 @@ class LaunchReader:
             self._collector.note_not_included(site, path)
             return
         source = self._evaluator.files.locate_source(absolute_path(path))
-        level = self._evaluator.limits.level
+        level, choices = self._evaluator.limits.level, self._evaluator.choices
+        included, outer, choices.declared = None, choices.declared, set[str]()
         with self._evaluator.collect_errors(site):
             included = self._file(source, site.context, site.file.depth + 1)
             site.file.includes.append((site.element, path, included))
             site.context.leave_file(source, before)
+            note_undeclared(self._evaluator, site, included)
+        choices.declared |= outer if included else {*outer, UNKNOWN_NAME}
         self._evaluator.limits.level = level
 
 
