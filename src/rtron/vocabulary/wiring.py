@@ -39,6 +39,8 @@ class WiringFactKind(StringEnum):
     BRIDGE_MISMATCH = "bridge_mismatch"
     """A topic of Gazebo that others, bridges, carry where they should carry the value, or in the
     wrong direction if it is the same."""
+    OTHER_MODEL = "other_model"
+    """A topic of Gazebo that others, bridges, carry, and that is of no model which is spawned."""
     TOPIC_PARAMETER = "topic_parameter"
     """A parameter whose value is a topic that nobody uses; others are near topics in use."""
     MISSPELT_PARAMETER = "misspelt_parameter"
