@@ -193,6 +193,7 @@ def test_a_default_stays_set_for_the_file_after_it(included):
         '<arg name="topic" default="both/scan"/><front/><rear/>',
         '<front><arg name="topic" value="rear/scan"/></front><rear/>',
         "<front/><group><reset/><rear/></group>",
+        "<push_vars/><front/><pop_vars/><rear/>",
     ],
 )
 def test_what_is_meant_for_a_file_does_not_leak(included, text):

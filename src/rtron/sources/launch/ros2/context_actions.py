@@ -20,8 +20,8 @@ CONTEXT_TAGS = NAMESPACE_TAGS | {
     "arg",
     "let",
     "unset",
-    "push_configurations",
-    "pop_configurations",
+    "push_vars",
+    "pop_vars",
     "set_remap",
     "reset",
     "set_env",
@@ -70,7 +70,7 @@ class ContextActions:
             self._push_namespace(site)
         elif site.tag == "set_remap":
             context.add_remaps(self.evaluator.remap_rules([site]))
-        elif site.tag in {"reset", "push_configurations", "pop_configurations"}:
+        elif site.tag in {"reset", "push_vars", "pop_vars"}:
             self._all_configurations(site)
         elif site.tag == "unset":
             context.configurations.pop(self.evaluator.text(site, "name") or "", None)
@@ -102,9 +102,9 @@ class ContextActions:
 
     def _all_configurations(self, site: ElementSite) -> None:
         context = site.context
-        if site.tag == "push_configurations":
+        if site.tag == "push_vars":
             context.push_configurations()
-        elif site.tag == "pop_configurations":
+        elif site.tag == "pop_vars":
             context.pop_configurations()
         else:
             preserved = self.preserved_configurations(site)
