@@ -665,6 +665,35 @@ class TestMissingManagedNode:
         )
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
 
+    SLAM = small_graph(
+        MANAGER + "/laser laser own\n/slam slam_toolbox third_party\n",
+        clients=(ServiceClient(node="/manager", name="/laser/change_state"),),
+        services=(
+            Service(node="/laser", name="/laser/change_state"),
+            Service(node="/slam", name="/slam/change_state"),
+        ),
+    )
+
+    def test_a_lifecycle_node_that_no_manager_lists(self):
+        finding = the_finding("missing_managed_node", self.SLAM)
+        assert finding.summary == "nobody configures and activates /slam"
+        assert finding.cause == "the node_names of /manager are /laser"
+        assert finding.level is FindingLevel.REGULAR
+
+    @pytest.mark.parametrize(
+        "more",
+        [
+            {"clients": (ServiceClient(node="/slam", name="/slam/change_state"),)},
+            {"wiring": (WiringFact(kind=WiringFactKind.TRANSITION, subject="a.launch.py"),)},
+            {"unresolved": (UnresolvedItem(what="include x", why="?", hides=HiddenPart.NODES),)},
+            {"services": (Service(node="/laser", name="/map/change_state"),)},
+        ],
+    )
+    def test_a_lifecycle_node_that_something_else_may_activate(self, more):
+        added = {key: (*getattr(self.SLAM, key), *values) for key, values in more.items()}
+        added |= {"services": more["services"]} if "services" in more else {}
+        assert not found("missing_managed_node", replace(self.SLAM, **added))
+
     def test_nodes_that_are_there_and_names_known_in_part_are_none(self):
         calls = (ServiceClient(node="/manager", name="/{?}/change_state"), *self.CALLS)
         text = MANAGER + self.AMCL + "/recoveries nav own\n"

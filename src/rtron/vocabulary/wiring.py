@@ -69,6 +69,8 @@ class WiringFactKind(StringEnum):
     """A latched topic that the value, a node, publishes once or on change, not ever again."""
     SENT_ONCE = "sent_once"
     """A node that is a `topic pub` of the launch and sends its message once, not ever again."""
+    TRANSITION = "transition"
+    """A launch file that changes states of lifecycle nodes itself, or has an event for it."""
     DISTRIBUTION = "distribution"
     """The ROS distribution that the user gave for the scan; what is only guessed is no fact."""
     DEVICE = "device"

@@ -44,7 +44,6 @@ IGNORED_TAGS = frozenset(
         "set_parameters_from_file",
         "set_ros_log_dir",
         "set_use_sim_time",
-        "lifecycle_transition",
     }
 )
 """What neither starts a node nor changes a name."""

@@ -40,7 +40,7 @@ from rtron.sources.launch.ros2.substitutions.loops import (
 from rtron.sources.launch.ros2.substitutions.template import has_placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.sources.launch.ros2.xml_yaml.parser import parse_elements
-from rtron.vocabulary import LaunchTree
+from rtron.vocabulary import LaunchTree, WiringFact, WiringFactKind
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
 _NODE_TAGS = frozenset({"node", "lifecycle_node", "node_container"})
@@ -203,10 +203,18 @@ class LaunchReader:
             "executable": self._collector.add_executable,
             "group": self._group,
             "include": self._include,
+            "lifecycle_transition": self._note_transition,
         }
+
+    def _note_transition(self, site: ElementSite) -> None:
+        kind = WiringFactKind.TRANSITION
+        fact = WiringFact(kind=kind, subject=site.file.path, evidence=(site.location,))
+        self._evaluator.wiring.append(fact)
 
     def _node(self, site: ElementSite) -> None:
         name = self._collector.add_node(site)
+        if site.has("autostart"):
+            self._note_transition(site)
         if site.tag == "node_container":
             self._components(site, name)
 

@@ -125,8 +125,6 @@ def _reset(actions: ActionTranslator, fields: Fields) -> Element:
 
 
 _IGNORED_ACTIONS = (
-    "EmitEvent",
-    "LifecycleTransition",
     "Log",
     "LogDebug",
     "LogError",
@@ -142,6 +140,7 @@ _APPEND_FIELDS = {"name": "name", "value": "value", "prepend": "prepend", "separ
 _COMPOSITION_FIELDS = ("container_name", "create_own_container", "use_composition")
 BUILDERS: Mapping[str, Build] = {
     **dict.fromkeys(_IGNORED_ACTIONS, _empty_element("log")),
+    **dict.fromkeys(("EmitEvent", "LifecycleTransition"), _empty_element("lifecycle_transition")),
     "AppendEnvironmentVariable": _text_element("append_env", **_APPEND_FIELDS),
     "ComposableNodeContainer": partial(node_element, tag="node_container"),
     "DeclareBooleanLaunchArgument": _argument,

@@ -33,7 +33,12 @@ def node_element(actions: ActionTranslator, fields: Fields, tag: str) -> Element
     """Return the element of a node, with the components that are to be loaded into it."""
     fields = _renamed(fields)
     attributes = actions.attributes_of(
-        fields, pkg="package", exec="executable", name="name", namespace="namespace"
+        fields,
+        pkg="package",
+        exec="executable",
+        name="name",
+        namespace="namespace",
+        autostart="autostart",
     )
     children = (
         *actions.word_elements("args", fields.get("arguments")),
