@@ -200,6 +200,20 @@ def test_what_is_meant_for_a_file_does_not_leak(included, text):
     assert included(text, front=FRONT, rear=REAR) == []
 
 
+PUSH = '<arg name="robot"/><push_ros_namespace namespace="$(var robot)"/>'
+
+
+def test_a_namespace_that_is_pushed_outside_of_a_group_stays_for_the_file_after_it(included):
+    one, two = (f'<front><arg name="robot" value="{name}"/></front>' for name in ("a", "b"))
+    leak = ("ros_namespace", "/a", "/")
+    assert included(one + two, front=PUSH) == [("leaked_argument", *leak)]
+    other = one + two.replace("front", "rear")
+    assert included(other, front=PUSH, rear=PUSH) == [("possible_leaked_argument", *leak)]
+    assert included(f"<group>{one}</group>{two}", front=PUSH) == []
+    assert included(one + two.replace('"b"', '"/b"'), front=PUSH) == []
+    assert included(one + two, front=f"<group>{PUSH}</group>") == []
+
+
 def test_a_default_of_a_file_within_leaks_too_but_not_into_its_own(included):
     inner = '<include file="$(find-pkg-share pkg)/launch/inner.xml"/>'
     files = {"front": FRONT + inner, "inner": FRONT.replace("front", "inner"), "rear": REAR}

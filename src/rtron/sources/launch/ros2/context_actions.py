@@ -112,11 +112,16 @@ class ContextActions:
                 context.set_value(*setting)
 
     def _push_namespace(self, site: ElementSite) -> None:
-        pushed = self.evaluator.text(site, "namespace")
-        namespace = site.context.node_namespace(UNKNOWN_NAME if pushed is None else pushed)
-        variable = LaunchVariable(NAMESPACE)
+        pushed, context = self.evaluator.text(site, "namespace"), site.context
+        namespace = context.node_namespace(UNKNOWN_NAME if pushed is None else pushed)
+        variable, origin = LaunchVariable(NAMESPACE), context.origins.get(NAMESPACE)
         value = None if namespace == UNKNOWN_NAME else namespace
-        site.context.set_value(variable, value, site.context.dependencies_of(variable))
+        if origin and origin.file and not f"{pushed}".startswith("/"):
+            is_of_one = origin.file == site.file.path
+            self._add_leak(site, NAMESPACE, context.namespace or "", "/", is_likely=is_of_one)
+        context.set_value(variable, value, context.dependencies_of(variable))
+        if not context.is_uncertain:
+            context.origins[NAMESPACE] = ArgumentOrigin(site.location, is_default=False)
 
     def _replace_environment(self, site: ElementSite) -> None:
         variables = list(self.evaluator.configurations(site.children("env")))
@@ -176,9 +181,16 @@ class ContextActions:
         if is_switch and not origin.is_default:
             return
         is_of_one = not is_switch and (origin.is_default or origin.file == site.file.path)
+        is_likely = is_of_one and _names_use(site.location.file, name)
+        self._add_leak(site, name, value, default, is_likely=is_likely)
+
+    def _add_leak(
+        self, site: ElementSite, name: str, value: str, default: str, *, is_likely: bool
+    ) -> None:
+        origin = site.context.origins[name]
         kinds = WiringFactKind.POSSIBLE_LEAKED_ARGUMENT, WiringFactKind.LEAKED_ARGUMENT
         fact = WiringFact(
-            kind=kinds[is_of_one and _names_use(site.location.file, name)],
+            kind=kinds[is_likely],
             subject=name,
             value=value,
             others=(site.file.path, origin.file, default),
