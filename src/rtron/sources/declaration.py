@@ -13,6 +13,7 @@ from rtron.vocabulary import (
     QoS,
     Resolution,
     StringEnum,
+    UnresolvedCause,
     UnresolvedItem,
 )
 from rtron.vocabulary.enums import HiddenPart
@@ -178,11 +179,11 @@ class RuntimeStart:
     args: tuple[str, ...] = ()
     evidence: tuple[Evidence, ...] = ()
 
-    def unread(self, owner: str, why: str) -> UnresolvedItem:
+    def unread(self, owner: str, why: str, cause: UnresolvedCause | None = None) -> UnresolvedItem:
         """Return the note that a launch file is not read which a node starts, its owner."""
         package, slash, _ = self.path.partition("/")
         what = f"launch {self.path} that {owner} starts"
-        note = UnresolvedItem(what=what, why=why, package=package if slash else "")
+        note = UnresolvedItem(what=what, why=why, package=package if slash else "", cause=cause)
         return replace(note, hides=HiddenPart.NODES, evidence=self.evidence)
 
 

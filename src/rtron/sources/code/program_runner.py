@@ -73,7 +73,7 @@ from rtron.sources.code.reachability import (
     run_transitions,
 )
 from rtron.sources.declaration import NodeInterface, NodeSite
-from rtron.vocabulary import Evidence
+from rtron.vocabulary import Evidence, UnresolvedCause
 
 _UNREADABLE_PIECE = "cannot be read: "
 _MISSING_CLASS_REASON = "its class is not in the sources"
@@ -222,7 +222,7 @@ def _run_cpp_program(
         found = start(runtime)
         if found is None:
             location = Evidence(file=str(sources[0]) if sources else "")
-            machine.recorder.add_unresolved(*missing, location)
+            machine.recorder.add_unresolved(*missing, location, cause=UnresolvedCause.MISSING_CODE)
             _note_problems(machine, runtime.symbols, lambda each: not _is_relevant_problem(each))
         else:
             _run_part(machine, Path(found[0]), runtime.initialise_globals)
@@ -381,4 +381,4 @@ def _run_part(machine: AbstractMachine, path: Path, run: Callable[[], object]) -
 def _note_incomplete(
     machine: AbstractMachine, path: Path, why: str, place: Evidence | None = None
 ) -> None:
-    machine.recorder.add_unresolved(path.name, why, place or Evidence(file=str(path)))
+    machine.recorder.add_partly_read(path.name, why, place or Evidence(file=str(path)))
