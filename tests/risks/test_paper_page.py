@@ -1,4 +1,4 @@
-"""Every figure of ours in docs/paper.md is what the code gives, and the paper's examples are found."""
+"""Every figure of ours in docs/paper.md is what the code gives, and its examples are found."""
 
 from pathlib import Path
 
