@@ -1,25 +1,21 @@
 """Where a running app is, and which ROS it speaks."""
 
 import os
+from collections.abc import Collection
 from dataclasses import dataclass
 from enum import Enum
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtron.errors import InputError, RTronError, SourceError
+from rtron.errors import InputError, RTronError, SourceError, suggestion
+from rtron.vocabulary import Mode, Plan, build_streams, matches_node
 from rtron.wire.ros2.domain_id import domain_address
 
 if TYPE_CHECKING:
     from rtron.sources.source import GraphSource
-from collections.abc import Collection
-from pathlib import Path
-from typing import TYPE_CHECKING
-
-from rtron.errors import suggestion
-from rtron.vocabulary import Mode, Plan, build_streams, matches_node
-
-if TYPE_CHECKING:
     from rtron.vocabulary.verification import Verification
+
 
 ANSWER_TIMEOUT_S = 5.0
 DISCOVERY_TIMEOUT_S = 15.0

@@ -1,6 +1,13 @@
 """`rtron demo`."""
 
+import os
+import sys
+import threading
+import webbrowser
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from enum import Enum
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
@@ -9,31 +16,18 @@ import typer
 
 from rtron.cli.support.options import TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json, print_part
-from rtron.errors import InputError
-from rtron.workflows.live_app import RosGeneration
-
-if TYPE_CHECKING:
-    from rtron.demos.experiment.demonstration import DemoRequest
-    from rtron.demos.experiment.study import Study
-    from rtron.demos.runtime.service import DemoService
-import os
-import sys
-import threading
-import webbrowser
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from importlib.util import find_spec
-from typing import TYPE_CHECKING
-
 from rtron.cli.support.service_database import require_service_packages
-from rtron.errors import SourceError
+from rtron.errors import InputError, SourceError
+from rtron.workflows.live_app import RosGeneration
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from rtron.demos.experiment.study import ProgressListener
+    from rtron.demos.experiment.demonstration import DemoRequest
+    from rtron.demos.experiment.study import ProgressListener, Study
     from rtron.demos.metrics.case_run import CaseRun
     from rtron.demos.runtime.service import DemoService
+
 
 _SPEEDS = {"min": 0.25, "max": 8.0}
 

@@ -1,8 +1,12 @@
 """`rtron plan`, and `rtron check` for a plan that somebody has edited."""
 
+import json
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+from xml.sax.saxutils import quoteattr
 
 import typer
 
@@ -22,11 +26,7 @@ from rtron.errors import InputError
 
 if TYPE_CHECKING:
     from rtron.workflows.app_selection import AppSelection
-import json
-from collections.abc import Iterator, Mapping, Sequence
-from types import MappingProxyType
-from typing import NamedTuple
-from xml.sax.saxutils import quoteattr
+
 
 PLAN_FILE, TUNED_FILE = "rtron.yaml", "tuned.yaml"
 

@@ -1,28 +1,34 @@
 """What the guard decided about whose messages, over time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtron.demos.metrics.case_run import DECISIONS, SECOND, CaseRun, SecondCounts, decision_counts
-from rtron.demos.plots.style import FAINT, MUTED, Style, figure_file, legend_below, shade_attack
-from rtron.vocabulary import UNAPPROVED
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-from collections.abc import Callable
-from typing import TYPE_CHECKING
-
-from rtron.demos.metrics.case_run import RunsByVariant, Variant
+from rtron.demos.metrics.case_run import (
+    DECISIONS,
+    SECOND,
+    CaseRun,
+    RunsByVariant,
+    SecondCounts,
+    Variant,
+    decision_counts,
+)
 from rtron.demos.metrics.table import COLUMN_TITLES
 from rtron.demos.plots.style import (
     COLOURS,
+    FAINT,
     INK,
     LIMIT,
+    MUTED,
+    Style,
+    figure_file,
+    legend_below,
+    shade_attack,
 )
 from rtron.demos.world.ground_truth import GroundTruth
 from rtron.demos.world.scenes.scene import OVERSPEED
+from rtron.vocabulary import UNAPPROVED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

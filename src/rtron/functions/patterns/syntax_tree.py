@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
-
-if TYPE_CHECKING:
-    import re
-    from collections.abc import Iterator
-
-    from rtron.functions.text.tokens import Tokens
 from functools import lru_cache
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from rtron.errors import InputError
 from rtron.functions.text.tokens import Tokens, stem
 
 if TYPE_CHECKING:
+    import re
     from collections.abc import Iterable, Iterator
+
+    from rtron.functions.text.tokens import Tokens
 
 
 class PatternNode(Protocol):

@@ -9,6 +9,7 @@ topics (ROS 2 design: Topic and Service name mapping to DDS), so its ends have G
 
 from __future__ import annotations
 
+import re
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,24 +18,16 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, ReliabilityPolicy
 
 from rtron.vocabulary import Direction, Durability, Liveliness, QoS, Reliability
 from rtron.wire.ros2.c_structures import GID_SIZE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from rclpy.duration import Duration
-    from rclpy.node import Node
-    from rclpy.qos import QoSProfile
-    from rclpy.topic_endpoint_info import TopicEndpointInfo
-import re
-from typing import TYPE_CHECKING
-
 from rtron.wire.ros2.service_names import reply_topic, request_topic
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from rclpy.duration import Duration
     from rclpy.node import Node
+    from rclpy.qos import QoSProfile
     from rclpy.topic_endpoint_info import TopicEndpointInfo
+
 
 PARTICIPANT_SIZE = 12
 """How many bytes of a GID name the participant."""

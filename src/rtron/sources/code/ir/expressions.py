@@ -1,5 +1,6 @@
 """The expressions of the intermediate representation: what has a value."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
 from rtron.sources.code.record import record
@@ -7,7 +8,6 @@ from rtron.sources.code.record import record
 if TYPE_CHECKING:
     from rtron.sources.code.ir.declarations import Function
     from rtron.sources.code.ir.statements import Declare
-from collections.abc import Mapping
 
 
 @record(frozen=True, slots=True)
