@@ -8,7 +8,7 @@ import pytest
 
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.plan_folder import PlanFolder
-from rtron.guard.supervision.forked_process import START_FAILED
+from rtron.guard.supervision.fork_server import START_FAILED
 from rtron.guard.supervision.guard_config import GuardConfig, write_memory_file
 from rtron.guard.supervision.plan_trial import (
     PLAN_TRIAL,

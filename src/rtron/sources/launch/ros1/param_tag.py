@@ -62,7 +62,7 @@ def _value(tag: Tag, source: str, state: LoadState) -> ParameterValue:
     try:
         text = anonymous_to_wildcard(tag.optional(source) or "")
     except UnresolvableError as error:
-        state.unresolved.add(tag, str(error))
+        state.unresolved.add(tag, str(error), package=error.package)
         return UnknownValue(str(error))
     try:
         return _read(tag, source, text, state)

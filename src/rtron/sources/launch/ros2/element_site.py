@@ -19,6 +19,12 @@ class FileInclusion:
     nodes: list[LaunchNode] = field(default_factory=list)
     includes: list[tuple[Element, str, "FileInclusion"]] = field(default_factory=list)
 
+    def paths(self) -> Iterator[str]:
+        """Yield the paths of the file and of all that it includes."""
+        yield self.path
+        for _, _, file in self.includes:
+            yield from file.paths()
+
     def launch_file(self) -> LaunchFile:
         """Return the file with all that was found."""
         return LaunchFile(

@@ -1,6 +1,37 @@
 """What an expression of a model may ask: parameters, arguments, plugin values, files.
 
-docs/models.md lists them; a function answers with a Hole where the answer is not known.
+A function answers with a Hole where the answer is not known.
+
+param(name, default)        a parameter; is_set(name): whether the launch gives it
+search(name, default)       a parameter, searched upwards
+children(prefix)            the names below `prefix.`
+numbered(name)              the numbers of `name0`, `name1`, …; counted(name): their values
+value(name, default)        an element of a Gazebo plugin
+robot_namespace()           of a Gazebo sensor plugin; plugin_namespace(): of a model plugin
+model()                     the name of a Gazebo model
+argument(index, default, valued), positional(valued), words()
+                            arguments; `valued` names options that take a value
+option(names, default)      the value of an option; has_option(names): whether it is given
+resolved(name)              the full name before remapping; remapped(name): after it
+since(distribution, unset)  whether `$ROS_DISTRO` is that distribution or a later one
+unknown(name)               a value that is unknown before the app runs
+truth(value)                a boolean; chosen(condition, yes, no): one of two values
+get(tree, key, default), items(list), keys(dict), split(text), range(first, last)
+                            parts of a value
+prefixed(prefix, frame), basename(name), parent(name)
+                            parts of names
+matches(name, patterns)     whether a shell pattern fits
+fixed_joints(name), moving_joints(name)
+                            joints of the robot description in a parameter
+yaml_file(path)             a YAML file
+lua_setting(folder, name, key, default)
+                            what a Lua file assigns last
+tree_nodes(path, usual_file, usual)
+                            the nodes of a behaviour tree
+rviz_subscriptions(path), rviz_publications(path), rviz_move_groups(path)
+                            from a configuration of rviz
+rviz2_subscriptions(path), rviz2_publications(path), rviz2_markers(path), rviz2_panels(path)
+                            from a configuration of rviz2
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

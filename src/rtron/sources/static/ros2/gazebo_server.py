@@ -22,7 +22,7 @@ from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.ros2.gazebo_plugins import PACKAGE, USE_SIM_TIME, GazeboPluginNodes
 from rtron.sources.workspace.package_files import is_regular
-from rtron.vocabulary import Evidence
+from rtron.vocabulary import Evidence, UnresolvedCause
 
 _HOOK_KINDS = frozenset({"prepend-non-duplicate", "prepend-non-duplicate-if-exists"})
 _SUFFIXES = (".dsv", ".dsv.in")
@@ -124,7 +124,8 @@ class GazeboServers:
             yield NodePart(node=server, owner=server.name, model=model, interface=interface)
 
     def _unmodelled(self, filename: str, location: Evidence) -> None:
-        self.unresolved.add(f"Gazebo plugin {filename}", "no model of it", location)
+        what, cause = f"Gazebo plugin {filename}", UnresolvedCause.MISSING_CODE
+        self.unresolved.add(what, "no model of it", location, cause=cause)
 
     def _world(self, server: AppNode) -> GazeboWorld:
         world_arguments = [word for word in positional(server.site.args, _VALUED) if word.strip()]

@@ -302,6 +302,10 @@ NODE = av.LibraryClass("rclpy.node.Node", make_node, dict(_METHODS))
 LIFECYCLE_NODE = av.LibraryClass(
     "rclpy.lifecycle.LifecycleNode",
     _make_lifecycle_node,
-    {**_METHODS, "__init__": partial(initialise_node, lifecycle=True)},
+    {
+        **_METHODS,
+        "__init__": partial(initialise_node, lifecycle=True),
+        **dict.fromkeys(("trigger_configure", "trigger_activate"), endpoints.change_own_state),
+    },
     virtual_callbacks=("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown"),
 )

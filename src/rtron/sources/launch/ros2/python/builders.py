@@ -31,7 +31,12 @@ def node_element(actions: ActionTranslator, fields: Fields, tag: str) -> Element
     """Return the element of a node, with the components that are to be loaded into it."""
     fields = _renamed(fields)
     attributes = actions.attributes_of(
-        fields, pkg="package", exec="executable", name="name", namespace="namespace"
+        fields,
+        pkg="package",
+        exec="executable",
+        name="name",
+        namespace="namespace",
+        autostart="autostart",
     )
     children = (
         *actions.word_elements("args", fields.get("arguments")),
@@ -214,8 +219,6 @@ def _reset(actions: ActionTranslator, fields: Fields) -> Element:
 
 
 _IGNORED_ACTIONS = (
-    "EmitEvent",
-    "LifecycleTransition",
     "Log",
     "LogDebug",
     "LogError",
@@ -231,6 +234,7 @@ _APPEND_FIELDS = {"name": "name", "value": "value", "prepend": "prepend", "separ
 _COMPOSITION_FIELDS = ("container_name", "create_own_container", "use_composition")
 BUILDERS: Mapping[str, Build] = {
     **dict.fromkeys(_IGNORED_ACTIONS, _empty_element("log")),
+    **dict.fromkeys(("EmitEvent", "LifecycleTransition"), _empty_element("lifecycle_transition")),
     "AppendEnvironmentVariable": _text_element("append_env", **_APPEND_FIELDS),
     "ComposableNodeContainer": partial(node_element, tag="node_container"),
     "DeclareBooleanLaunchArgument": _argument,
@@ -250,8 +254,8 @@ BUILDERS: Mapping[str, Build] = {
     "Node": partial(node_element, tag="node"),
     "OpaqueCoroutine": _opaque_function,
     "OpaqueFunction": _opaque_function,
-    "PopLaunchConfigurations": _empty_element("pop_configurations"),
-    "PushLaunchConfigurations": _empty_element("push_configurations"),
+    "PopLaunchConfigurations": _empty_element("pop_vars"),
+    "PushLaunchConfigurations": _empty_element("push_vars"),
     "PushROSNamespace": _text_element("push_ros_namespace", namespace="namespace"),
     "PushRosNamespace": _text_element("push_ros_namespace", namespace="namespace"),
     "RegisterEventHandler": _event_handler,

@@ -54,7 +54,7 @@ from rtron.sources.launch.ros2.python.substitutions import SubstitutionTranslato
 from rtron.sources.launch.ros2.python.xacro_module import XacroModule
 from rtron.sources.launch.ros2.substitutions.template import display_text
 from rtron.sources.launch.ros2.xml_yaml.element import Element
-from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary import Evidence, UnresolvedCause, UnresolvedItem
 
 GLOBAL_PARAMETERS_KEY, REMAPS_KEY = "global_params", "ros_remaps"
 """The names under which launch_ros keeps what SetParameter and SetRemap set."""
@@ -224,10 +224,11 @@ class _PythonLaunchFile:
             )
 
     def _note(self, why: str) -> None:
-        location = Evidence(file=self.path)
-        self.front_end.unresolved.append(
-            UnresolvedItem(what=Path(self.path).name, why=why, evidence=(location,))
+        what, evidence = Path(self.path).name, (Evidence(file=self.path),)
+        note = UnresolvedItem(
+            what=what, why=why, cause=UnresolvedCause.PARTLY_READ, evidence=evidence
         )
+        self.front_end.unresolved.append(note)
 
 
 def _without_test_context(value: Value) -> Value:

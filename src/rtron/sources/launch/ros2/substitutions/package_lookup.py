@@ -50,7 +50,7 @@ class PackageLookup:
                 return str(share)
         if self.symbolic and has_bundled_launch_files(name):
             return placeholder(f"find-pkg-share {name}")
-        raise UnresolvableError(f"package '{name}' is not here")
+        raise UnresolvableError(f"package '{name}' is not here", name)
 
     def _install_prefix(self, arguments: list[str]) -> str:
         if self.symbolic and "".join(arguments[:1]) in self.packages:
