@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from rtron.guard.core.event_loop import EventLoop
     from rtron.vocabulary import Plan
 
-
 _LOOPBACK = "localhost"
 _MAX_PARAMETERS = 8
 

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from rtron.demos.metrics.case_run import CaseRun
     from rtron.demos.runtime.service import DemoService
 
-
 _SPEEDS = {"min": 0.25, "max": 8.0}
 
 

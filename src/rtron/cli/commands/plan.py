@@ -27,7 +27,6 @@ from rtron.errors import InputError
 if TYPE_CHECKING:
     from rtron.workflows.app_selection import AppSelection
 
-
 PLAN_FILE, TUNED_FILE = "rtron.yaml", "tuned.yaml"
 
 Output = Annotated[

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-
 PARTICIPANT_SIZE = 12
 """How many bytes of a GID name the participant."""
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"

@@ -121,7 +121,7 @@ class Carrier:
                 assert_never(message)
 
     def _change_output(self, publication: Publish) -> None:
-        """Publish a topic, and do what it asks now and was not before."""
+        """Publish a topic, and do what it asks for now, and did not before."""
         before = self._publications.get(publication.id)
         if before is None:
             self._outputs[publication.id] = self._transport.advertise(
