@@ -40,9 +40,7 @@ lint-rest:
 	$(BIN)/ruff format --check $(CODE)
 	$(PYTHON) scripts/lint_structure.py
 	$(BIN)/lint-imports
-	$(PYTHON) scripts/docs_rules.py --check
-	$(PYTHON) scripts/docs_policies.py --check
-	$(PYTHON) scripts/docs_schemas.py --check
+	$(PYTHON) scripts/docs_files.py --check
 
 check: setup ## Run lint and the tests beside what differs from main, without ROS and network (2 minutes)
 	$(PYTHON) scripts/run_tests.py --changed main
@@ -98,9 +96,7 @@ study: setup ## Survey the apps in RTRON_APPS and write docs/study.html (7 minut
 	$(BIN)/rtron survey "$(RTRON_APPS)" -o docs/study.html
 
 docs: setup ## Write the pages and schemas that are made from the code (10 seconds)
-	$(PYTHON) scripts/docs_rules.py
-	$(PYTHON) scripts/docs_policies.py
-	$(PYTHON) scripts/docs_schemas.py
+	$(PYTHON) scripts/docs_files.py
 
 lock: setup ## Pin and hash every dependency in requirements.lock (1 minute)
 	$(BIN)/uv pip compile pyproject.toml --extra dev --universal --python-version 3.10 \

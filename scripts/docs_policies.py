@@ -1,10 +1,5 @@
-"""Write docs/policies/<Name>.md from each policy's docstring and table, and their index.
+"""The text of docs/policies/<Name>.md from each policy's docstring and table, and their index."""
 
-With --check, write nothing, name the pages that are stale and exit 1 if there are any.
-"""
-
-import argparse
-import sys
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
@@ -94,30 +89,7 @@ def _merged(
             yield state.name, after.name, effect
 
 
-def stale(pages: Path) -> dict[Path, str]:
-    """Return what should stand in each page that does not."""
-    wanted = {pages / f"{name}.md": policy_page(name, made) for name, made in POLICIES.items()}
-    wanted[pages / "README.md"] = index()
-    return {
-        path: page
-        for path, page in wanted.items()
-        if not path.exists() or path.read_text(encoding="utf-8") != page
-    }
-
-
-def main() -> int:
-    """Write the stale pages, or name them."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="write nothing, exit 1 if stale")
-    check = parser.parse_args().check
-    found = stale(PAGES)
-    for path, page in found.items():
-        if check:
-            print(f"{path} is stale: run scripts/docs_policies.py", file=sys.stderr)
-        else:
-            path.write_text(page, encoding="utf-8")
-    return 1 if check and found else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def documents(pages: Path = PAGES) -> dict[Path, str]:
+    """Return what stands in each page."""
+    found = {pages / f"{name}.md": policy_page(name, made) for name, made in POLICIES.items()}
+    return {**found, pages / "README.md": index()}

@@ -1,10 +1,5 @@
-"""Write docs/rules/<name>.md and their index from the rules' docstrings.
+"""The text of docs/rules/<name>.md and their index from the rules' docstrings."""
 
-With --check, write nothing, name the pages that are stale and exit 1 if there are any.
-"""
-
-import argparse
-import sys
 from pathlib import Path
 
 from rtron.findings import FINDING_RULES, FindingRule, finding_page
@@ -71,31 +66,8 @@ def _finding_row(rule: FindingRule) -> str:
     return f"| [{rule.name}]({rule.name}.md) | {rule.title} |"
 
 
-def stale(pages: Path) -> dict[Path, str]:
-    """Return what should stand in each page that does not."""
-    wanted = {pages / f"{rule.name}.md": rule_page(rule.name) for rule in RULES}
-    wanted |= {pages / f"{rule.name}.md": finding_page(rule) for rule in FINDING_RULES}
-    wanted[pages / "README.md"] = index()
-    return {
-        path: page
-        for path, page in wanted.items()
-        if not path.exists() or path.read_text(encoding="utf-8") != page
-    }
-
-
-def main() -> int:
-    """Write the stale pages, or name them."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="write nothing, exit 1 if stale")
-    check = parser.parse_args().check
-    found = stale(PAGES)
-    for path, page in found.items():
-        if check:
-            print(f"{path} is stale: run scripts/docs_rules.py", file=sys.stderr)
-        else:
-            path.write_text(page, encoding="utf-8")
-    return 1 if check and found else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def documents(pages: Path = PAGES) -> dict[Path, str]:
+    """Return what stands in each page."""
+    found = {pages / f"{rule.name}.md": rule_page(rule.name) for rule in RULES}
+    found |= {pages / f"{rule.name}.md": finding_page(rule) for rule in FINDING_RULES}
+    return {**found, pages / "README.md": index()}

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from rtron.demos.cases import GR, RSR, RunConditions
-from rtron.demos.cases.rsr import CRUISE, threshold
+from rtron.demos.cases.paper_cases import CRUISE, threshold
 from rtron.demos.experiment.session import AppSession, StartedRun
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.runtime.app_launch import launch_app

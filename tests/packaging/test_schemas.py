@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 from demo_runs import ROOM
-from docs_schemas import SCHEMAS, stale
+from docs_files import stale
+from docs_schemas import documents
 from jsonschema import Draft202012Validator
 
 from rtron.demos.cases import CASES, RunConditions
@@ -61,7 +62,7 @@ def test_a_schema_is_one(schema):
 
 
 def test_the_schemas_in_the_repository_are_fresh_and_where_plans_say():
-    assert stale(SCHEMAS) == {}
+    assert stale(documents()) == {}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     raw = project["urls"]["Source"].replace("github.com", "raw.githubusercontent.com")
     path = PLAN_SCHEMA_URL.removeprefix(f"{raw}/main/")
@@ -70,7 +71,7 @@ def test_the_schemas_in_the_repository_are_fresh_and_where_plans_say():
 
 
 def test_a_stale_schema_is_named(tmp_path):
-    assert {path.name for path in stale(tmp_path)} == {
+    assert {path.name for path in stale(documents(tmp_path))} == {
         "rtron.bridge.json",
         "rtron.graph.json",
         "rtron.plan.json",

@@ -6,7 +6,8 @@ from importlib import import_module
 from itertools import product
 
 import pytest
-from docs_policies import PAGES, stale
+from docs_files import stale
+from docs_policies import PAGES, documents
 from policy_runs import LIMITS, settings
 
 from rtron.errors import PlanError
@@ -68,12 +69,12 @@ def test_the_examples_are_true(policy):
 
 
 def test_the_pages_are_current():
-    assert not stale(PAGES)
+    assert not stale(documents())
     assert {page.stem for page in PAGES.glob("*.md")} == {*map(str, POLICIES), "README"}
 
 
 def test_a_stale_page_is_found(tmp_path):
-    assert {page.stem for page in stale(tmp_path)} == {*map(str, POLICIES), "README"}
+    assert {page.stem for page in stale(documents(tmp_path))} == {*map(str, POLICIES), "README"}
 
 
 @pytest.mark.parametrize(

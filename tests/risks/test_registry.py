@@ -4,6 +4,7 @@ from pathlib import Path
 
 import docs_rules
 import pytest
+from docs_files import stale
 from notation import graph_of
 from rule_pairs import PAIRS
 
@@ -52,9 +53,9 @@ class TestEachRule:
 
 
 def test_the_pages_in_docs_are_fresh(tmp_path):
-    assert docs_rules.stale(docs_rules.PAGES) == {}
+    assert stale(docs_rules.documents()) == {}
     number = len(RULES) + len(FINDING_RULES) + 1
-    assert len(docs_rules.stale(tmp_path)) == number
+    assert len(stale(docs_rules.documents(tmp_path))) == number
     assert len(list(docs_rules.PAGES.iterdir())) == number
 
 

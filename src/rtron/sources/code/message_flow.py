@@ -10,25 +10,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain, islice
 
+from rtron.sources.code import ir
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.ir import (
-    Assign,
-    Attr,
-    Break,
-    Call,
-    Conditional,
-    Continue,
-    Declare,
-    Expr,
-    Function,
-    Global,
-    If,
-    Index,
-    Name,
-    New,
-    Return,
-    While,
-)
 from rtron.sources.code.ir.references import cache_by_identity, called_names, callee_names, ir_nodes
 from rtron.sources.declaration import Declaration, DeclarationKind, MessageFlow
 
@@ -72,15 +55,15 @@ def message_flows(machine: AbstractMachine) -> Iterator[MessageFlow]:
 class _Steps:
     """What a function calls, assigns and returns; its `members` outlive its call."""
 
-    def __init__(self, function: Function, *, is_cpp: bool) -> None:
+    def __init__(self, function: ir.Function, *, is_cpp: bool) -> None:
         self.function = function
         nodes = list(ir_nodes(function.body))
         own = {each.name for each in function.params}
-        own |= {node.name for node in nodes if isinstance(node, Declare)}
-        outer = {name for node in nodes if isinstance(node, Global) for name in node.names}
-        self.calls = [node for node in nodes if isinstance(node, Call)]
-        self.returned = [node.value for node in nodes if isinstance(node, Return) and node.value]
-        self.assigned: list[tuple[str, Expr]] = []
+        own |= {node.name for node in nodes if isinstance(node, ir.Declare)}
+        outer = {name for node in nodes if isinstance(node, ir.Global) for name in node.names}
+        self.calls = [node for node in nodes if isinstance(node, ir.Call)]
+        self.returned = [node.value for node in nodes if isinstance(node, ir.Return) and node.value]
+        self.assigned: list[tuple[str, ir.Expr]] = []
         self.members = set[str]()
         for target, value in chain.from_iterable(map(_assignments, nodes)):
             name, is_below = _root(target)
@@ -99,41 +82,45 @@ class _Steps:
 
     def dependent_nodes(self, names: set[str]) -> list[object]:
         """Return what the function does only where a test of names says so."""
-        tests = (n for n in ir_nodes(self.function.body) if isinstance(n, (If, While, Conditional)))
+        tests = (
+            n
+            for n in ir_nodes(self.function.body)
+            if isinstance(n, (ir.If, ir.While, ir.Conditional))
+        )
         return [
             part for n in tests if _mentioned(n.test) & names for part in ir_nodes(_branches(n))
         ]
 
 
-def _branches(test: If | While | Conditional) -> tuple[object, ...]:
-    return (test.body,) if isinstance(test, While) else (test.body, test.orelse)
+def _branches(test: ir.If | ir.While | ir.Conditional) -> tuple[object, ...]:
+    return (test.body,) if isinstance(test, ir.While) else (test.body, test.orelse)
 
 
-def _assignments(node: object) -> Iterator[tuple[Expr, Expr]]:
+def _assignments(node: object) -> Iterator[tuple[ir.Expr, ir.Expr]]:
     """Yield what a step writes to, or puts something into, and the values."""
-    if isinstance(node, Assign):
+    if isinstance(node, ir.Assign):
         yield from ((target, node.value) for target in node.targets)
-    elif isinstance(node, Declare) and node.value is not None:
-        yield Name(node.name), node.value
-    elif isinstance(node, Call) and isinstance(node.function, Attr):
+    elif isinstance(node, ir.Declare) and node.value is not None:
+        yield ir.Name(node.name), node.value
+    elif isinstance(node, ir.Call) and isinstance(node.function, ir.Attr):
         yield from ((node.function.owner, v) for v in node.args if node.function.name in _ADDING)
 
 
-def _root(target: Expr) -> tuple[str, bool]:
+def _root(target: ir.Expr) -> tuple[str, bool]:
     """Return the variable that something is written to or below, and whether it is a member."""
     name, is_member = _last_name(target), False
-    while isinstance(target, (Attr, Index)):
-        is_own = isinstance(target.owner, Name) and target.owner.id in {"self", "this"}
-        is_member |= is_own and isinstance(target, Attr)
+    while isinstance(target, (ir.Attr, ir.Index)):
+        is_own = isinstance(target.owner, ir.Name) and target.owner.id in {"self", "this"}
+        is_member |= is_own and isinstance(target, ir.Attr)
         target = target.owner
         if not is_member:
             name = _last_name(target)
     return name, is_member
 
 
-def _last_name(part: Expr) -> str:
+def _last_name(part: ir.Expr) -> str:
     """Return the last name of what is called or written to."""
-    while isinstance(part, Index):
+    while isinstance(part, ir.Index):
         part = part.owner
     return next(callee_names(part), "")
 
@@ -141,7 +128,7 @@ def _last_name(part: Expr) -> str:
 @cache_by_identity
 def _mentioned(part: object) -> frozenset[str]:
     """Return the last names of all variables, members and functions in a part."""
-    return frozenset(_last_name(n) for n in ir_nodes(part) if isinstance(n, (Attr, Name)))
+    return frozenset(_last_name(n) for n in ir_nodes(part) if isinstance(n, (ir.Attr, ir.Name)))
 
 
 @dataclass
@@ -152,7 +139,7 @@ class _Program:
     _known: dict[int, _Steps] = field(default_factory=dict)
 
     @cached_property
-    def functions(self) -> list[Function]:
+    def functions(self) -> list[ir.Function]:
         """The functions that have a body, each once."""
         given = chain.from_iterable(self.machine.callbacks_at.values())
         own = (f for _, f in self.machine.runtime.program_functions())
@@ -168,36 +155,38 @@ class _Program:
         found = defaultdict[str, list[tuple[str, Declaration]]](list)
         for code in (self.steps(f) for f in self.functions if f.file in files):
             for name, value in (*code.assigned, *code.function.initialisers):
-                lines = sorted({n.line for n in ir_nodes(value) if isinstance(n, (Call, New))})
+                lines = sorted(
+                    {n.line for n in ir_nodes(value) if isinstance(n, (ir.Call, ir.New))}
+                )
                 senders = (made.get((code.function.file, line)) for line in lines)
                 found[name] += ((_scope(code.function), each) for each in senders if each)
         return found
 
-    def sent(self, call: Call, scope: str) -> Iterator[Declaration]:
+    def sent(self, call: ir.Call, scope: str) -> Iterator[Declaration]:
         """Yield what a call sends by, or hands on; of several with one name those made nearby."""
         for name in _mentioned(call) & self._senders.keys():
             senders = self._senders[name]
             near = [each for made_in, each in senders if made_in == scope]
             yield from near or (each for _, each in senders if len(senders) == 1)
 
-    def called(self, names: Iterable[str], scope: str) -> Iterator[Function]:
+    def called(self, names: Iterable[str], scope: str) -> Iterator[ir.Function]:
         """Yield the functions that are called, as far as their names tell."""
         for name in sorted(names):
             alike = self.machine.runtime.functions_named(name)
             near = [each for each in alike if _scope(each) == scope]
             yield from near or (alike if len(alike) <= _MAX_ALIKE else ())
 
-    def do_nothing(self, callbacks: Collection[Function]) -> bool:
+    def do_nothing(self, callbacks: Collection[ir.Function]) -> bool:
         """Return whether callbacks call nothing but logs, and set nothing but own variables."""
         codes = [self.steps(each) for each in callbacks]
         calls = chain.from_iterable(each.calls for each in codes)
         is_quiet = all(_LOGGING.fullmatch(_last_name(each.function)) for each in calls)
         nodes = chain.from_iterable(ir_nodes(each.body) for each in callbacks)
-        targets = (t for n in nodes if isinstance(n, Assign) for t in n.targets)
-        is_inside = not any(isinstance(each, (Attr, Index)) for each in targets)
+        targets = (t for n in nodes if isinstance(n, ir.Assign) for t in n.targets)
+        is_inside = not any(isinstance(each, (ir.Attr, ir.Index)) for each in targets)
         return is_quiet and is_inside and not any(code.members for code in codes)
 
-    def steps(self, function: Function) -> _Steps:
+    def steps(self, function: ir.Function) -> _Steps:
         """Return what a function does."""
         if id(function) not in self._known:
             is_cpp = self.machine.runtime.passes_by_reference
@@ -214,7 +203,7 @@ class _Flow:
     _members: defaultdict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
     _done: set[int] = field(default_factory=set)
 
-    def of(self, callbacks: Iterable[Function]) -> Iterable[Declaration]:
+    def of(self, callbacks: Iterable[ir.Function]) -> Iterable[Declaration]:
         """Return what sends or calls because callbacks run, or because of what they keep."""
         self._run(callbacks)
         size = -1
@@ -227,7 +216,7 @@ class _Flow:
                     self._follow(self.program.steps(function), names)
         return self._led
 
-    def _run(self, functions: Iterable[Function]) -> None:
+    def _run(self, functions: Iterable[ir.Function]) -> None:
         """Follow all that functions do, and those that they call."""
         pending = list(functions)
         while pending:
@@ -244,7 +233,7 @@ class _Flow:
         """Follow what a function does with names, or only because of them."""
         made, scope = code.made_of(names), _scope(code.function)
         chosen = code.dependent_nodes(made)
-        if any(isinstance(node, (Return, Break, Continue)) for node in chosen):
+        if any(isinstance(node, (ir.Return, ir.Break, ir.Continue)) for node in chosen):
             chosen = list(ir_nodes(code.function.body))
         ids = set(map(id, chosen))
         self._members[scope] |= made & code.members
@@ -256,7 +245,7 @@ class _Flow:
                 self._run(self.program.called({_last_name(call.function)}, scope))
 
 
-def _scope(function: Function) -> str:
+def _scope(function: ir.Function) -> str:
     """Return the class of a method of C++, else the file of a function."""
     owner = function.name.rpartition("::")[0]
     return owner.rpartition("::")[2] or function.file

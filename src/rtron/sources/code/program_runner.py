@@ -6,15 +6,9 @@ from functools import partial
 from pathlib import Path
 from typing import TypeAlias
 
+from rtron.sources.code import ir
 from rtron.sources.code.endpoint_calls import ENDPOINT_CALLS
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    ClassValue,
-    FunctionValue,
-    ListValue,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.cpp.runtime import CppRuntime
 from rtron.sources.code.interpreter.cpp.symbol_table import MAX_FILES, SymbolTable
 from rtron.sources.code.interpreter.execution.abstract_machine import (
@@ -33,7 +27,6 @@ from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.interpreter.execution.statements import EXECUTORS
 from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
-from rtron.sources.code.ir import Function, SourceProblem
 from rtron.sources.code.last_message import last_messages
 from rtron.sources.code.library_models.common.message_types import (
     OTHER_CPP_CLASSES,
@@ -106,7 +99,7 @@ def _run_script(runtime: PythonRuntime, script: Path, function: str) -> None:
         runtime.run_module(script, "__main__")
         return
     module = runtime.run_module(script, script.stem)
-    called = module.fields.get(function) or Unknown(function)
+    called = module.fields.get(function) or av.Unknown(function)
     dispatch(runtime.machine, called, Arguments(frame=StackFrame(file=str(script))))
 
 
@@ -121,7 +114,7 @@ def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) ->
         words = command_line_value(site)
         values = (_argument_count(words), words)
         arguments = Arguments(values=values, line=main.line, frame=StackFrame(file=main.file))
-        return main.file, partial(runtime.machine.call, FunctionValue(main), arguments)
+        return main.file, partial(runtime.machine.call, av.FunctionValue(main), arguments)
 
     missing = ("main", "the sources have no main function")
     return _run_cpp_program(sources, site, files, start, missing, of_node=True)
@@ -139,10 +132,10 @@ def run_sketch(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider)
     return _run_cpp_program(sources, site, files, start, ("setup", "the sketch has none"))
 
 
-def _call_each(machine: AbstractMachine, functions: Sequence[Function]) -> None:
+def _call_each(machine: AbstractMachine, functions: Sequence[ir.Function]) -> None:
     for function in functions:
         at = Arguments(line=function.line, frame=StackFrame(file=function.file))
-        machine.call(FunctionValue(function), at)
+        machine.call(av.FunctionValue(function), at)
 
 
 def run_nodelet(
@@ -196,7 +189,7 @@ def run_plugin(
 
 
 def _class_start(
-    cls: str, run: Callable[[CppRuntime, ClassValue], object]
+    cls: str, run: Callable[[CppRuntime, av.ClassValue], object]
 ) -> Callable[[CppRuntime], _Start | None]:
     def start(runtime: CppRuntime) -> _Start | None:
         found = runtime.class_named(cls)
@@ -232,31 +225,31 @@ def _run_cpp_program(
     return _run_to_fixpoint(run, other_components, of_node=of_node)
 
 
-def _make_component(site: NodeSite, runtime: CppRuntime, cls: ClassValue) -> None:
+def _make_component(site: NodeSite, runtime: CppRuntime, cls: av.ClassValue) -> None:
     frame, line = StackFrame(file=cls.definition.file), cls.definition.line
     given = Arguments(values=(component_options(site),), line=line, frame=frame)
     runtime.instantiate(cls, given)
 
 
-def _argument_count(words: ListValue) -> Value:
-    return Unknown("argc") if words.open else Scalar(len(words.items))
+def _argument_count(words: av.ListValue) -> av.Value:
+    return av.Unknown("argc") if words.open else av.Scalar(len(words.items))
 
 
-def _load_nodelet(runtime: CppRuntime, cls: ClassValue) -> None:
+def _load_nodelet(runtime: CppRuntime, cls: av.ClassValue) -> None:
     at = Arguments(frame=StackFrame(file=cls.definition.file))
     start_nodelet(runtime.machine, runtime.instantiate(cls, at), at)
 
 
-def _load_hardware(site: NodeSite, runtime: CppRuntime, cls: ClassValue) -> None:
+def _load_hardware(site: NodeSite, runtime: CppRuntime, cls: av.ClassValue) -> None:
     frame = StackFrame(file=cls.definition.file)
     made = runtime.instantiate(cls, Arguments(frame=frame))
     for callback in HARDWARE_CALLBACKS:
         method = runtime.attribute(made, callback, ())
         given = Arguments(values=(hardware_info(site),), frame=frame)
-        dispatch(runtime.machine, method or Unknown(callback), given)
+        dispatch(runtime.machine, method or av.Unknown(callback), given)
 
 
-def _load_plugin(runtime: CppRuntime, cls: ClassValue) -> None:
+def _load_plugin(runtime: CppRuntime, cls: av.ClassValue) -> None:
     at = Arguments(line=cls.definition.line, frame=StackFrame(file=cls.definition.file))
     start_plugin(runtime.machine, runtime.instantiate(cls, at), at)
 
@@ -316,7 +309,7 @@ def _create_cpp_machine(
 
 
 def _note_problems(
-    machine: AbstractMachine, symbols: SymbolTable, is_noted: Callable[[SourceProblem], bool]
+    machine: AbstractMachine, symbols: SymbolTable, is_noted: Callable[[ir.SourceProblem], bool]
 ) -> None:
     for path, unit in symbols.units.items():
         for problem in unit.problems if symbols.is_program_file(str(path)) else ():
@@ -328,13 +321,13 @@ def _note_unread(machine: AbstractMachine, symbols: SymbolTable) -> None:
     """Note the files that are too many, and macros of headers that are not expanded."""
     for path in symbols.unread[:1]:
         why = f"not read: the program has more than {MAX_FILES} files"
-        machine.recorder.add_problem(path, SourceProblem(0, why))
+        machine.recorder.add_problem(path, ir.SourceProblem(0, why))
     for path, line, name, header in symbols.unexpanded_macros():
         why = f"{name} makes endpoints by a macro of {header.name}, which is not expanded here"
-        machine.recorder.add_problem(path, SourceProblem(line, why))
+        machine.recorder.add_problem(path, ir.SourceProblem(line, why))
 
 
-def _is_relevant_problem(problem: SourceProblem) -> bool:
+def _is_relevant_problem(problem: ir.SourceProblem) -> bool:
     """Tell whether a problem is of a whole file, or of a piece that may join nodes."""
     return _UNREADABLE_PIECE not in problem.why or any(
         word in problem.why for word in ENDPOINT_CALLS

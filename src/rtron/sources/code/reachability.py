@@ -6,15 +6,7 @@ from contextlib import suppress
 from itertools import islice
 
 from rtron.sources.code.endpoint_calls import ENDPOINT_CALLS
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    ClassValue,
-    ExternalSymbol,
-    FunctionValue,
-    Instance,
-    LibraryClass,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import (
     TOO_LARGE,
     AbstractMachine,
@@ -118,7 +110,7 @@ def run_frame_users(machine: AbstractMachine) -> None:
 
     Those that joined nodes ran before. What these declare comes too late to count.
     """
-    instances = [each for each in machine.instances if isinstance(each, Instance)]
+    instances = [each for each in machine.instances if isinstance(each, av.Instance)]
     called = [*machine.pending_callbacks, *machine.passed_functions]
     called += [method for each in instances for method in methods(machine, each)]
     found = {each.function.key: each for each in called}
@@ -148,7 +140,7 @@ def _run_deferred(machine: AbstractMachine) -> None:
         machine.recorder.add_partly_read(what, "not all of it is run", place)
 
 
-def _run_callback(machine: AbstractMachine, waiting: FunctionValue) -> None:
+def _run_callback(machine: AbstractMachine, waiting: av.FunctionValue) -> None:
     function = waiting.function
     machine.recorder.in_parameter_callback = any(
         function is setter for setter in machine.parameter_callbacks
@@ -164,7 +156,7 @@ def _run_callback(machine: AbstractMachine, waiting: FunctionValue) -> None:
         machine.recorder.add_partly_read(function.name, why, error.place or location)
 
 
-def _runnable_callbacks(machine: AbstractMachine) -> Iterator[FunctionValue]:
+def _runnable_callbacks(machine: AbstractMachine) -> Iterator[av.FunctionValue]:
     while machine.next_callback < len(machine.pending_callbacks):
         callback = machine.pending_callbacks[machine.next_callback]
         machine.next_callback += 1
@@ -177,13 +169,15 @@ def _runnable_callbacks(machine: AbstractMachine) -> Iterator[FunctionValue]:
             yield handed
     yield from _library_callbacks(machine)
     for instance in list(machine.instances):
-        if isinstance(instance, Instance):
+        if isinstance(instance, av.Instance):
             yield from _instance_methods(machine, instance)
     if machine.recorder.site.ros > 1:
         yield from _unknown_receiver_methods(machine)
 
 
-def _instance_methods(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
+def _instance_methods(
+    machine: AbstractMachine, instance: av.Instance
+) -> Iterator[av.FunctionValue]:
     """Yield an object's destructor, and the methods that an unknown base class may call."""
     yield from _destructor(machine, instance)
     if has_unknown_base(machine, instance):
@@ -192,56 +186,56 @@ def _instance_methods(machine: AbstractMachine, instance: Instance) -> Iterator[
                 yield method
 
 
-def _unknown_receiver_methods(machine: AbstractMachine) -> Iterator[FunctionValue]:
+def _unknown_receiver_methods(machine: AbstractMachine) -> Iterator[av.FunctionValue]:
     """Yield methods of a program's objects that are called of an object which is not known."""
     for instance in list(machine.instances):
         for name in sorted(_method_names(machine, instance) & machine.unknown_method_names):
             found = machine.runtime.attribute(instance, name, ())
-            if isinstance(found, FunctionValue) and _is_unexecuted(machine, found.function):
+            if isinstance(found, av.FunctionValue) and _is_unexecuted(machine, found.function):
                 yield found
 
 
-def _method_names(machine: AbstractMachine, instance: Value) -> set[str]:
-    lineage = machine.runtime.lineage(instance.type) if isinstance(instance, Instance) else ()
-    classes = [cls.definition for cls in lineage if isinstance(cls, ClassValue)]
+def _method_names(machine: AbstractMachine, instance: av.Value) -> set[str]:
+    lineage = machine.runtime.lineage(instance.type) if isinstance(instance, av.Instance) else ()
+    classes = [cls.definition for cls in lineage if isinstance(cls, av.ClassValue)]
     return {name for cls in classes for name in machine.runtime.method_names(cls)}
 
 
-def _library_callbacks(machine: AbstractMachine) -> Iterator[FunctionValue]:
+def _library_callbacks(machine: AbstractMachine) -> Iterator[av.FunctionValue]:
     """Yield the virtual methods that a library calls of objects, each once for each object.
 
     One that joins no nodes counts if one behind it does, which may read what it has set.
     """
     for instance in list(machine.instances):
-        waiting: list[FunctionValue] = []
+        waiting: list[av.FunctionValue] = []
         for name in _virtual_callbacks(machine, instance):
             if (id(instance), name) in machine.started_callbacks:
                 continue
             machine.started_callbacks.add((id(instance), name))
             found = machine.runtime.attribute(instance, name, ())
-            waiting += [found] if isinstance(found, FunctionValue) else []
+            waiting += [found] if isinstance(found, av.FunctionValue) else []
             if waiting and joins_nodes(machine, waiting[-1].function):
                 yield from waiting
                 waiting = []
 
 
-def _virtual_callbacks(machine: AbstractMachine, instance: Value) -> tuple[str, ...]:
-    lineage = machine.runtime.lineage(instance.type) if isinstance(instance, Instance) else ()
+def _virtual_callbacks(machine: AbstractMachine, instance: av.Value) -> tuple[str, ...]:
+    lineage = machine.runtime.lineage(instance.type) if isinstance(instance, av.Instance) else ()
     return next(
         (
             cls.virtual_callbacks
             for cls in lineage
-            if isinstance(cls, LibraryClass) and cls.virtual_callbacks
+            if isinstance(cls, av.LibraryClass) and cls.virtual_callbacks
         ),
         (),
     )
 
 
-def _destructor(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
+def _destructor(machine: AbstractMachine, instance: av.Instance) -> Iterator[av.FunctionValue]:
     plain = instance.type.name.rpartition("::")[2]
     name = f"~{plain}" if machine.runtime.passes_by_reference else "__del__"
     found = machine.runtime.attribute(instance, name, ())
-    if isinstance(found, FunctionValue) and _is_unexecuted(machine, found.function):
+    if isinstance(found, av.FunctionValue) and _is_unexecuted(machine, found.function):
         yield found
 
 
@@ -317,25 +311,25 @@ def _call_operators(machine: AbstractMachine, words: frozenset[str]) -> Iterator
             yield function
 
 
-def has_unknown_base(machine: AbstractMachine, instance: Instance) -> bool:
+def has_unknown_base(machine: AbstractMachine, instance: av.Instance) -> bool:
     """Tell whether a class of an object is not here, which may call its methods."""
     return not {"object"}.issuperset(unknown_bases(machine, instance))
 
 
-def unknown_bases(machine: AbstractMachine, instance: Instance) -> list[str]:
+def unknown_bases(machine: AbstractMachine, instance: av.Instance) -> list[str]:
     """Return the names of an object's classes that are not here; that of C++ may be empty."""
     lineage = machine.runtime.lineage(instance.type)
-    unknown = (cls for cls in lineage if isinstance(cls, (ExternalSymbol, Unknown)))
-    return [cls.name if isinstance(cls, ExternalSymbol) else "" for cls in unknown]
+    unknown = (cls for cls in lineage if isinstance(cls, (av.ExternalSymbol, av.Unknown)))
+    return [cls.name if isinstance(cls, av.ExternalSymbol) else "" for cls in unknown]
 
 
-def methods(machine: AbstractMachine, instance: Instance) -> Iterator[FunctionValue]:
+def methods(machine: AbstractMachine, instance: av.Instance) -> Iterator[av.FunctionValue]:
     """Yield the methods of an object, as far as its classes are here."""
     for cls in machine.runtime.lineage(instance.type):
-        if isinstance(cls, ClassValue):
+        if isinstance(cls, av.ClassValue):
             for name in machine.runtime.method_names(cls.definition):
                 found = machine.runtime.attribute(instance, name, ())
-                if isinstance(found, FunctionValue):
+                if isinstance(found, av.FunctionValue):
                     yield found
 
 

@@ -11,10 +11,10 @@ from roslaunch_oracle import package, write_files
 from rtron.errors import InputError
 from rtron.planning.instrument import RuntimeLaunchTree, instrument_ros1, write_guarded_launch
 from rtron.planning.instrument.common.guarded_launch import GuardFiles
-from rtron.planning.instrument.ros1.runtime_launch import starter_script
+from rtron.planning.instrument.ros1.runtime_launch import find_scripts, starter_script
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
-from rtron.vocabulary import Evidence
+from rtron.vocabulary import Evidence, LaunchNode
 
 T = "/cmd_vel"
 PLAN = plan_of(grcn(T, ["/a", "/b"], ["/c"]))
@@ -337,3 +337,14 @@ def test_a_pipe_that_is_named_like_the_program_is_left_alone(app):
     os.mkfifo(app.folder / "ws/core/nodes/start")
     app.start("ws/nav/launch/a.launch", program="ws/core/package.xml").written()
     assert targets(app, "nav/launch/a.launch") == {"/a": [(T, "/rtron/cmd_vel/flow1")]}
+
+
+def test_a_deep_folder_in_a_package_hides_no_other(tmp_path, deep_folder):
+    deep_folder(tmp_path)
+    script = tmp_path / "scripts/run"
+    script.parent.mkdir()
+    script.write_text("#!/bin/sh\n")
+    (tmp_path / "package.xml").write_text("<package><name>p</name></package>")
+    node = LaunchNode(name="/n", package="p", type="run", element_index=1)
+    (found,) = find_scripts([node], {"p": tmp_path})
+    assert found.path == script

@@ -5,15 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    PartialText,
-    Scalar,
-    Unknown,
-    Value,
-    is_tainted,
-    options,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.ir import SourceProblem
 from rtron.sources.declaration import (
     CreatedNode,
@@ -80,7 +72,7 @@ class DeclarationRecorder:
     def declare(
         self,
         kind: DeclarationKind,
-        name: Value,
+        name: av.Value,
         type: str,
         *evidence: Evidence,
         implicit: bool = False,
@@ -94,7 +86,7 @@ class DeclarationRecorder:
         ):
             declared = Declaration(
                 kind=kind,
-                name=resolve_name(text_with_holes(option), self.site.name),
+                name=resolve_name(av.text_with_holes(option), self.site.name),
                 type=type,
                 node=node,
                 qos=qos,
@@ -109,19 +101,19 @@ class DeclarationRecorder:
     def _without_callback_names(
         self,
         endpoint: tuple[DeclarationKind, str, str],
-        found: tuple[Value, ...],
+        found: tuple[av.Value, ...],
         evidence: tuple[Evidence, ...],
-    ) -> tuple[Value, ...]:
+    ) -> tuple[av.Value, ...]:
         """Leave out the names that callbacks may give later to what a node has; this is noted.
 
         A callback makes something again if it may have the name that the node has it by, or if a
         change of parameters calls it and the node has something of its kind and type.
         """
-        later = [option for option in found if not isinstance(option, Scalar)]
+        later = [option for option in found if not isinstance(option, av.Scalar)]
         if not (later and (self.is_spinning or self.in_parameter_callback)):
             return found
         remaining = tuple(option for option in found if option not in later)
-        names = {resolve_name(text_with_holes(option), self.site.name) for option in remaining}
+        names = {resolve_name(av.text_with_holes(option), self.site.name) for option in remaining}
         existing = [
             name for kind, name, type, node in self._declarations if endpoint == (kind, type, node)
         ]
@@ -193,10 +185,10 @@ class DeclarationRecorder:
         if is_certain and not self.muted and len(self._mistyped) < MAX_DECLARATIONS:
             self._mistyped[parameter] = None
 
-    def reported_options(self, name: Value) -> tuple[Value, ...]:
+    def reported_options(self, name: av.Value) -> tuple[av.Value, ...]:
         """Return what to report of a name: where no launch is known, a default is the answer."""
-        found = options(name)
-        known = tuple(option for option in found if isinstance(option, Scalar))
+        found = av.options(name)
+        known = tuple(option for option in found if isinstance(option, av.Scalar))
         return known if known and not self.site.parameters_complete else found
 
     def add_start(self, path: str, args: tuple[str, ...], evidence: Evidence) -> None:
@@ -268,9 +260,11 @@ class DeclarationRecorder:
             self._declarations[key] = replace(known, evidence=tuple(locations))
 
 
-def _resolution(name: Value) -> Resolution:
-    if not isinstance(name, Scalar):
+def _resolution(name: av.Value) -> Resolution:
+    if not isinstance(name, av.Scalar):
         return (
-            Resolution.SYMBOLIC if isinstance(name, (Unknown, PartialText)) else Resolution.LITERAL
+            Resolution.SYMBOLIC
+            if isinstance(name, (av.Unknown, av.PartialText))
+            else Resolution.LITERAL
         )
-    return Resolution.PARAMETER if is_tainted(name) else Resolution.LITERAL
+    return Resolution.PARAMETER if av.is_tainted(name) else Resolution.LITERAL

@@ -2,14 +2,7 @@
 
 from collections.abc import Callable
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    ExternalSymbol,
-    MessageType,
-    Unknown,
-    Value,
-    is_text,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import callee_name
@@ -47,7 +40,7 @@ _PYPI_MODULES = frozenset(
 
 def note_unknown_call(
     machine: AbstractMachine,
-    called: Value,
+    called: av.Value,
     arguments: Arguments,
     is_known: Callable[[str], bool],
     is_foreign_package: Callable[[str], bool],
@@ -55,9 +48,9 @@ def note_unknown_call(
     """Note a call of what is not known, if it makes an endpoint by its name or by what it gets."""
     name = callee_name(called)
     makes = name.rpartition(".")[2] in _MAKERS and len(arguments.all_values) >= _MIN_ARGUMENTS
-    if makes and isinstance(called, (Unknown, ExternalSymbol)):
-        first = next((v for v in arguments.all_values if is_text(v)), Unknown())
-        what = f"{name}({text_with_holes(first)})"
+    if makes and isinstance(called, (av.Unknown, av.ExternalSymbol)):
+        first = next((v for v in arguments.all_values if av.is_text(v)), av.Unknown())
+        what = f"{name}({av.text_with_holes(first)})"
         machine.recorder.add_unresolved(
             what, "what it is called on is not known", arguments.evidence
         )
@@ -69,7 +62,7 @@ def note_unknown_call(
             f"{name}()", why, arguments.evidence, cause=UnresolvedCause.MISSING_CODE
         )
     top = name.partition(".")[0]
-    if isinstance(called, ExternalSymbol) and is_foreign_package(top):
+    if isinstance(called, av.ExternalSymbol) and is_foreign_package(top):
         is_here = machine.runtime.files.package_path(top) is not None
         why = _NOT_MADE if is_here else "is a ROS package that is not in the source"
         why += ": what it joins is not known"
@@ -77,8 +70,8 @@ def note_unknown_call(
         machine.recorder.add_unresolved(f"package {top}", why, arguments.evidence, cause=cause)
 
 
-def _is_foreign(called: Value, is_known: Callable[[str], bool]) -> bool:
-    return isinstance(called, ExternalSymbol) and not is_known(called.name)
+def _is_foreign(called: av.Value, is_known: Callable[[str], bool]) -> bool:
+    return isinstance(called, av.ExternalSymbol) and not is_known(called.name)
 
 
 def is_computing_package(name: str) -> bool:
@@ -90,10 +83,10 @@ def is_computing_package(name: str) -> bool:
 
 def _gives_name_and_type(arguments: Arguments) -> bool:
     given = arguments.all_values
-    return any(map(is_text, given)) and any(map(_is_interface, given))
+    return any(map(av.is_text, given)) and any(map(_is_interface, given))
 
 
-def _is_interface(value: Value) -> bool:
-    if isinstance(value, ExternalSymbol):
+def _is_interface(value: av.Value) -> bool:
+    if isinstance(value, av.ExternalSymbol):
         return not _INTERFACE_FOLDERS.isdisjoint(value.name.split(".")[1:-1])
-    return isinstance(value, MessageType)
+    return isinstance(value, av.MessageType)

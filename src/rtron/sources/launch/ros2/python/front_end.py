@@ -6,19 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
-from rtron.sources.code.interpreter.abstract_values.items import list_of
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    Instance,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    ModuleValue,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import (
     AbstractMachine,
     StepsExceededError,
@@ -60,40 +48,42 @@ GLOBAL_PARAMETERS_KEY, REMAPS_KEY = "global_params", "ros_remaps"
 """The names under which launch_ros keeps what SetParameter and SetRemap set."""
 
 
-def context_configurations(context: LaunchContext) -> dict[object, Value]:
+def context_configurations(context: LaunchContext) -> dict[object, av.Value]:
     """Return what a context has as `launch_configurations`."""
-    values: dict[object, Value] = {
+    values: dict[object, av.Value] = {
         name: value_of(text) for name, text in context.configurations.items()
     }
     values |= {
-        variable.name: Unknown(variable.name)
+        variable.name: av.Unknown(variable.name)
         for variable in context.unknown
         if not variable.is_environment
     }
     if context.parameters is not None:
         pairs = [pair for source in context.parameters for pair in _parameter_pairs(source)]
-        values[GLOBAL_PARAMETERS_KEY] = list_of(pairs)
+        values[GLOBAL_PARAMETERS_KEY] = av.list_of(pairs)
     if context.remaps is not None:
-        values[REMAPS_KEY] = list_of([_pair(value_of(a), value_of(b)) for a, b in context.remaps])
+        values[REMAPS_KEY] = av.list_of(
+            [_pair(value_of(a), value_of(b)) for a, b in context.remaps]
+        )
     return values
 
 
-def _parameter_pairs(source: ParameterSource) -> Iterator[Value]:
+def _parameter_pairs(source: ParameterSource) -> Iterator[av.Value]:
     """Yield a file's name, or a name with its value."""
     if source.file:
         yield value_of(source.file)
         return
     for _, values in source.entries:
         for name, parameter in values.items():
-            yield _pair(Scalar(name), parameter_value(parameter.value, name))
+            yield _pair(av.Scalar(name), parameter_value(parameter.value, name))
 
 
-def _pair(first: Value, second: Value) -> Value:
-    return list_of([first, second], "tuple")
+def _pair(first: av.Value, second: av.Value) -> av.Value:
+    return av.list_of([first, second], "tuple")
 
 
 _ENTRY_FUNCTIONS = ("generate_launch_description", "generate_test_description")
-_LIBRARY_MODELS: Mapping[str, Value] = {**PYTHON_LIBRARY, **LAUNCH_FUNCTIONS}
+_LIBRARY_MODELS: Mapping[str, av.Value] = {**PYTHON_LIBRARY, **LAUNCH_FUNCTIONS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +110,7 @@ class _LaunchSession:
     translator: SubstitutionTranslator
     view: ContextView
 
-    def perform(self, value: Value) -> Value:
+    def perform(self, value: av.Value) -> av.Value:
         return value_of(self.view.perform(self.translator.template(value)))
 
 
@@ -158,44 +148,44 @@ class _PythonLaunchFile:
         )
         return Element("launch", {}, actions.elements(described))
 
-    def _context_classes(self) -> dict[str, Value]:
+    def _context_classes(self) -> dict[str, av.Value]:
         """Return the class of contexts; one that a file makes knows nothing of the launch."""
 
-        def make(_: AbstractMachine, __: object, arguments: Arguments) -> Value:
+        def make(_: AbstractMachine, __: object, arguments: Arguments) -> av.Value:
             element = Element("launch_context", {}, line=arguments.line)
             context = LaunchContext(environ=dict(self.front_end.evaluator.environ))
             site = ElementSite(element, context, FileInclusion(self.path, 0))
             return self._context(self.front_end.evaluator.context_view(site))
 
-        native = LibraryFunction("LaunchContext", make)
+        native = av.LibraryFunction("LaunchContext", make)
         return dict.fromkeys(
             ("launch.LaunchContext", "launch.launch_context.LaunchContext"), native
         )
 
-    def _description(self, world: PythonRuntime) -> Value:
-        module = ModuleValue("launch")
+    def _description(self, world: PythonRuntime) -> av.Value:
+        module = av.ModuleValue("launch")
         with self._collect_errors():
             module = world.run_module(Path(self.path), "launch_file")
         for name in _ENTRY_FUNCTIONS:
             if name in module.fields:
                 return self._described_by(module.fields[name], name)
         self._note(f"it has no function {_ENTRY_FUNCTIONS[0]}")
-        return NONE
+        return av.NONE
 
-    def _described_by(self, function: Value, name: str) -> Value:
+    def _described_by(self, function: av.Value, name: str) -> av.Value:
         notes = len(self.front_end.unresolved)
         found = self._call(function, Arguments(frame=StackFrame(file=self.path)))
-        if found == NONE and len(self.front_end.unresolved) == notes:
+        if found == av.NONE and len(self.front_end.unresolved) == notes:
             self._note(f"its {name}() returns nothing")
         return _without_test_context(found)
 
-    def _call(self, function: Value, arguments: Arguments) -> Value:
+    def _call(self, function: av.Value, arguments: Arguments) -> av.Value:
         with self._collect_errors():
             return dispatch(self.machine, function, arguments)
-        return NONE
+        return av.NONE
 
-    def _context(self, view: ContextView) -> Instance:
-        known_configurations = MapValue(context_configurations(view.context))
+    def _context(self, view: ContextView) -> av.Instance:
+        known_configurations = av.MapValue(context_configurations(view.context))
         environment = environment_value(self.machine.recorder.site)
         return launch_context(
             _LaunchSession(self.translator, view), known_configurations, environment
@@ -231,16 +221,16 @@ class _PythonLaunchFile:
         self.front_end.unresolved.append(note)
 
 
-def _without_test_context(value: Value) -> Value:
+def _without_test_context(value: av.Value) -> av.Value:
     """Return a description without the test's context that may come with it."""
-    if isinstance(value, ListValue) and value.kind == "tuple" and value.items:
+    if isinstance(value, av.ListValue) and value.kind == "tuple" and value.items:
         return value.items[0]
     return value
 
 
 def _execute_if(machine: AbstractMachine, node: If, frame: StackFrame) -> str | None:
     """Run an `if`; where it is not decided both sides are read, and that is noted."""
-    decided = truth(machine.evaluate(node.test, frame))
+    decided = av.truth(machine.evaluate(node.test, frame))
     if decided is None:
         location = Evidence(file=frame.file, line=node.line)
         machine.recorder.add_unresolved(
