@@ -73,13 +73,30 @@ def test_in_python(callback, timer, found):
     assert python(callback, timer) == found
 
 
-@pytest.mark.parametrize("callback", ["pass", "rospy.loginfo(message.data)", "x = message.data"])
+@pytest.mark.parametrize(
+    "callback",
+    [
+        "pass",
+        "rospy.loginfo(message.data)",
+        "logging.getLogger('n').warning(message.data)",
+        "print(message.data)",
+        "x = message.data",
+    ],
+)
 def test_what_is_not_used(callback):
     assert python(callback) == []
 
 
 @pytest.mark.parametrize(
-    "callback", ["self.kit.servo[1].angle = 3", "self.seen = message.data", "write(message.data)"]
+    "callback",
+    [
+        "self.kit.servo[1].angle = 3",
+        "self.seen = message.data",
+        "write(message.data)",
+        "self.kit.error(message.data)",
+        "print(message.data, file=self.kit)",
+        "del self.seen",
+    ],
 )
 def test_what_may_do_something_else_is_not_known(callback):
     assert python(callback) is None
@@ -110,3 +127,15 @@ def test_in_cpp():
     auto other = create_wall_timer(50ms, std::bind(&N::beat, this));
 """
     assert led(ros2_runs.cpp(body, members=members)) == ["motor"]
+
+
+def test_a_stream_that_a_message_is_written_to_does_something():
+    members = """
+  void on_order(const std_msgs::msg::String & message) { port_ << message.data << ' '; }
+  std::ofstream port_;
+"""
+    body = """
+    auto sub = create_subscription<std_msgs::msg::String>("order", 1,
+      std::bind(&N::on_order, this, std::placeholders::_1));
+"""
+    assert led(ros2_runs.cpp(body, members=members)) is None

@@ -12,6 +12,7 @@ from itertools import chain, islice
 
 from rtron.sources.code import ir
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
+from rtron.sources.code.interpreter.execution.exceptions import is_logging_call
 from rtron.sources.code.ir.references import cache_by_identity, called_names, callee_names, ir_nodes
 from rtron.sources.declaration import Declaration, DeclarationKind, MessageFlow
 
@@ -33,8 +34,9 @@ _MAX_ALIKE = 3
 
 _ADDING = frozenset(["append", "insert", "push", "push_back", "emplace_back", "put"])
 _LOGGING = re.compile(
-    r"(?:log)?_?(?:debug|info|warn|warning|error|fatal|critical)(?:_\w+)?|print|log|[gG]et_?[lL]ogger"
+    r"(?:log)?_?(?:debug|info|warn|warning|error|fatal|critical)(?:_\w+)?|[gG]et_?[lL]ogger"
 )
+_LOGGERS = re.compile(r"rospy|_?log(?:ger|ging)?|[gG]et_?[lL]ogger")
 
 
 def message_flows(machine: AbstractMachine) -> Iterator[MessageFlow]:
@@ -131,6 +133,22 @@ def _mentioned(part: object) -> frozenset[str]:
     return frozenset(_last_name(n) for n in ir_nodes(part) if isinstance(n, (ir.Attr, ir.Name)))
 
 
+def _has_effect(node: object) -> bool:
+    """Return whether a part of a function may do something, beyond logging and own variables."""
+    if isinstance(node, ir.Call):
+        return not _only_logs(node)
+    is_shift = isinstance(node, ir.Binary) and node.operator in {"<<", ">>"}  # a stream of C++
+    return is_shift or isinstance(node, (ir.New, ir.Delete))
+
+
+def _only_logs(call: ir.Call) -> bool:
+    name = _last_name(call.function)
+    if isinstance(call.function, ir.Attr) and _LOGGING.fullmatch(name):
+        owner = _mentioned(call.function.owner)
+        return name.lower().startswith("get") or any(map(_LOGGERS.fullmatch, owner))
+    return is_logging_call(call) or (name == "print" and not call.keywords)
+
+
 @dataclass
 class _Program:
     """The functions of a program, and what they send by."""
@@ -179,12 +197,11 @@ class _Program:
     def do_nothing(self, callbacks: Collection[ir.Function]) -> bool:
         """Return whether callbacks call nothing but logs, and set nothing but own variables."""
         codes = [self.steps(each) for each in callbacks]
-        calls = chain.from_iterable(each.calls for each in codes)
-        is_quiet = all(_LOGGING.fullmatch(_last_name(each.function)) for each in calls)
-        nodes = chain.from_iterable(ir_nodes(each.body) for each in callbacks)
+        nodes = list(chain.from_iterable(ir_nodes(each.body) for each in callbacks))
         targets = (t for n in nodes if isinstance(n, ir.Assign) for t in n.targets)
         is_inside = not any(isinstance(each, (ir.Attr, ir.Index)) for each in targets)
-        return is_quiet and is_inside and not any(code.members for code in codes)
+        is_inside &= not any(code.members for code in codes)
+        return is_inside and not any(map(_has_effect, nodes))
 
     def steps(self, function: ir.Function) -> _Steps:
         """Return what a function does."""

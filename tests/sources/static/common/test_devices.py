@@ -142,12 +142,16 @@ def test_sockets(facts, line, how):
         ("from pygame import joystick", "joystick"),
         ("from inputs import get_gamepad", "joystick"),
         ("pad = open('/dev/input/js0', 'rb')", "joystick"),
-        ("termios.tcsetattr(fd, termios.TCSADRAIN, old)", "keyboard"),
+        ("termios.tcsetattr(sys.stdin, termios.TCSADRAIN, old)", "keyboard"),
         ("from PyQt6.QtWidgets import QWidget", "window"),
     ],
 )
 def test_what_a_person_commands_by(facts, line, how):
     assert facts(python(line)) == {("operator", how): ("scripts/driver.py", 2)}
+
+
+def test_the_settings_of_a_serial_port_are_no_keyboard(facts):
+    assert facts(python("termios.tcsetattr(fd, termios.TCSADRAIN, old)")) == {}
 
 
 @pytest.mark.parametrize("address", ["udpin:127.0.0.1:14550", "udpout:10.0.0.2:14550", "udp://:80"])
