@@ -57,8 +57,8 @@ _SOCKETS = {
 _OPERATORS = {
     "joystick": r"pygame\.joystick|from pygame import joystick|\binputs import get_gamepad"
     r"|\bevdev\b|/dev/input/|linux/joystick\.h|SDL_Joystick|SDL_GameController|\bhidapi\b",
-    "keyboard": r"\bpynput\b|\btty\.set(?:raw|cbreak)"
-    r"|tcsetattr\(\s*(?:0\b|STDIN|kfd|sys\.stdin)|\bcurses\.|ncurses\.h|pygame\.K_\w|^import keyboard\b",
+    "keyboard": r"\bpynput\b|\btty\.set(?:raw|cbreak)|\bcurses\.|ncurses\.h"
+    r"|tcsetattr\(\s*(?:0\b|STDIN|kfd|sys\.stdin)|pygame\.K_\w|^import keyboard\b",
     "window": r"\btkinter\b|\bTkinter\b|\bPy(?:Qt|Side)\d\b|python_qt_binding|\bQApplication\b",
 }
 """Where a person commands a node beside ROS."""
