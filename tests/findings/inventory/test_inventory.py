@@ -225,6 +225,17 @@ def test_a_lock_of_an_arbiter_is_a_stop():
     movers = {each.thing: each for each in inventory(text, parameters=locks)}
     assert names(movers[Thing.STOP].commands) == ["/halted"]
     assert movers[Thing.STOP].drivers == ("/twist_mux",)
+    assert movers[Thing.STOP].effect == ""
+    low = (
+        *locks[:-1],
+        *parameters("locks.stop.priority", twist_mux=100),
+        *parameters("topics.joy.topic", twist_mux="/joy_vel"),
+        *parameters("topics.joy.priority", twist_mux=100),
+        *parameters("topics.nav.topic", twist_mux="/nav_vel"),
+        *parameters("topics.nav.priority", twist_mux=10),
+    )
+    (stop,) = (each for each in inventory(text, parameters=low) if each.thing is Thing.STOP)
+    assert stop.effect == "locks nothing that is ranked as high: /joy_vel"
 
 
 def test_what_a_node_with_a_device_obeys_is_a_command_whatever_its_type():
@@ -1487,3 +1498,12 @@ def test_a_controller_of_trajectories_takes_its_gains_while_it_runs():
     text = f"/arm joint_trajectory_controller third_party\n    sub {topic}\n"
     limits = inventory(text)[-1]
     assert (limits.thing, names(limits.commands)) == (Thing.LIMITS, ["/arm/set_parameters"])
+
+
+def test_a_stop_that_no_driver_obeys_is_told_so():
+    text = "/monitor own own\n    sub /estop std_msgs/msg/Bool\n"
+    assert the_mover(text).effect == "no driver obeys it: /monitor decides what stops"
+    board = (fact("device", "/monitor", "GPIO"),)
+    assert the_mover(text, wiring=board).effect == ""
+    assert the_mover(text, unread=("/monitor",)).effect == ""
+    assert the_mover(TWO_DRIVERS + BASE).effect == ""

@@ -197,6 +197,7 @@ def test_as_json():
         "arbiters": ["/mux"],
         "doors": ["/bridge (any client)"],
         "operators": ["/nav (joystick)"],
+        "effect": "",
         "unread": [],
         "stops": "no",
         "why": "nothing in it looks",

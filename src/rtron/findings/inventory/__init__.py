@@ -31,6 +31,7 @@ from rtron.vocabulary.inventory import (
     Thing,
 )
 from rtron.vocabulary.names import snake_case
+from rtron.wording import join_names
 
 __all__ = ["take_inventory"]
 
@@ -38,8 +39,6 @@ MOST_MOVERS = 12
 """With more lines, those of one thing are one."""
 _HOLDING = SWITCHES | {Thing.HEAD, Thing.GRIPPER, Thing.HORN}
 """What is told once, or holds what it was told: whether it stops when commands end says nothing."""
-_PLAIN = {Thing.BASE: Thing.DEVICE}
-"""What is more than nothing says."""
 _APART = SWITCHES | {Thing.DEVICE}
 
 
@@ -180,12 +179,22 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         ),
         doors=doors(app, drivers, senders),
         operators=operators(app, {*drivers, *senders}),
+        effect=_stop_effect(commands, drivers) if thing is Thing.STOP and topics else "",
         unread=unread,
         is_whole=not set(app.unread_nodes).difference(bridges(app)),
         stops=end.stops if end else Stops.UNKNOWN,
         stop=_why_it_stops(end, is_seen=is_seen) if end else "",
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),
     )
+
+
+def _stop_effect(commands: AppCommands, nodes: tuple[str, ...]) -> str:
+    """Return what a stop does that no driver obeys, empty where one does or may."""
+    if any(node in commands.topics.ranks for node in nodes):
+        passing = commands.topics.passing_locks(nodes)
+        return f"locks nothing that is ranked as high: {join_names(passing)}" if passing else ""
+    is_read = bool(nodes) and not any(map(commands.roles.may_obey, nodes))
+    return f"no driver obeys it: {join_names(nodes)} decides what stops" if is_read else ""
 
 
 def _named(thing: Thing, last: list[Command], commands: Iterable[Command]) -> Thing:
@@ -195,7 +204,8 @@ def _named(thing: Thing, last: list[Command], commands: Iterable[Command]) -> Th
     behind = [part_of_name(c.name, c.type) for c in commands if c.hops and c.means is Means.TOPIC]
     behind += [part_of_name(node, "") for each in last for node in each.senders]
     named = set(filter(None, behind))
-    return next((each for each in Thing if each in named), _PLAIN.get(thing, thing))
+    unnamed = Thing.DEVICE if thing is Thing.BASE else thing
+    return next((each for each in Thing if each in named), unnamed)
 
 
 def _why_it_stops(end: Stopping, *, is_seen: bool) -> str:

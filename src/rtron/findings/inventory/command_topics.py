@@ -2,6 +2,7 @@
 
 import re
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -106,6 +107,16 @@ class CommandTopics:
     def ranks(self) -> dict[str, dict[str, str]]:
         """The priorities of the inputs of each arbiter."""
         return {node: priorities(self.app, node) for node in arbiters(self.app)}
+
+    def passing_locks(self, nodes: Iterable[str]) -> list[str]:
+        """Return the inputs of arbiters that their locks never hold back (twist_mux's README)."""
+        found: list[str] = []
+        for node in filter(self.ranks.__contains__, nodes):
+            locks = priorities(self.app, node, "locks").values()
+            ranked = {name: int(r) for name, r in self.ranks[node].items() if r.isdigit()}
+            if locks and all(map(str.isdigit, locks)):
+                found += (name for name, r in ranked.items() if r >= max(map(int, locks)))
+        return found
 
     @cached_property
     def inputs(self) -> dict[str, tuple[str, ...]]:

@@ -52,6 +52,8 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
             nobody = "nobody in this launch" if mover.is_whole else "nobody that was read"
             text = f"open: {nobody} {verb} {_names(spare)}; any node can"
             yield MoverRow(text, Tone.WARNING)
+    if mover.effect:
+        yield MoverRow(mover.effect, Tone.UNCERTAIN)
     if mover.operators:
         yield MoverRow(f"a person commands it by {_all(mover.operators)}")
     if mover.doors:
@@ -211,6 +213,7 @@ def inventory_to_json(movers: Sequence[Mover]) -> list[dict[str, Any]]:
             "arbiters": list(mover.arbiters),
             "doors": list(mover.doors),
             "operators": list(mover.operators),
+            "effect": mover.effect,
             "unread": list(mover.unread),
             "stops": mover.stops.value,
             "why": mover.stop,

@@ -33,8 +33,8 @@ BRIDGE = '<node pkg="rosserial_python" type="serial_node.py" name="{}" ns="base"
 def scan(tmp_path):
     """Return a function that scans an app of some bridges, with sketches by their paths."""
 
-    def graph(sketches, bridges=("board",)):
-        nodes = "".join(map(BRIDGE.format, bridges))
+    def graph(sketches, bridges=("board",), extra=""):
+        nodes = "".join(map(BRIDGE.format, bridges)) + extra
         manifest = "<package><name>robot</name></package>"
         files = {
             "robot/package.xml": manifest,
@@ -76,7 +76,41 @@ def test_which_sketch_is_whose_is_not_guessed(scan, names, bridges):
     assert not [e for e in found.endpoints if not e.implicit]
 
 
-@pytest.mark.parametrize("name", ["libraries/x/x.ino", "x/examples/x/x.ino", ".git/x/x.ino"])
+@pytest.fixture
+def app_sending(scan):
+    """Return a function that scans an app whose node sends what sketches may hear."""
+    node = "import rospy\nfrom geometry_msgs.msg import Twist\nrospy.init_node('nav')\n"
+    node += "rospy.Publisher('/base/cmd_vel', Twist)\n"
+    source = {"robot/scripts/nav.py": node}
+    return lambda sketches: scan(
+        {**source, **sketches}, extra='<node pkg="robot" type="nav.py" name="nav"/>'
+    )
+
+
+def test_a_sketch_that_hears_what_the_app_sends_is_taken_before_others(app_sending):
+    other = SKETCH.replace("cmd_vel", "other_vel")
+    found = app_sending({"a/a.ino": SKETCH, "b/b.ino": other})
+    heard = {e.topic for e in found.endpoints if e.node == "/base/board" and not e.implicit}
+    assert heard == {"/base/left_ticks", "/base/cmd_vel"}
+    assert not any(node.unread for node in found.nodes)
+
+
+def test_several_sketches_that_hear_it_are_joined_with_a_note(app_sending):
+    more = SKETCH.replace(
+        "  nh.subscribe(command);", "  nh.subscribe(command);\n  nh.subscribe(web);"
+    )
+    more = more.replace(
+        "void setup", 'ros::Subscriber<geometry_msgs::Twist> web("web_vel", onCommand);\nvoid setup'
+    )
+    found = app_sending({"a/a.ino": SKETCH, "b/b.ino": more})
+    heard = {e.topic for e in found.endpoints if e.node == "/base/board" and not e.implicit}
+    assert {"/base/cmd_vel", "/base/web_vel"} <= heard
+    assert [node.unread for node in found.nodes if node.name == "/base/board"] == [True]
+
+
+@pytest.mark.parametrize(
+    "name", ["libraries/x/x.ino", "x/examples/x/x.ino", ".git/x/x.ino", "Archived/x/x.ino"]
+)
 def test_examples_of_libraries_are_no_firmware(scan, name):
     assert [node.unread for node in scan({name: SKETCH}).nodes] == [True]
 
