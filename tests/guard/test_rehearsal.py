@@ -12,7 +12,8 @@ from velocity_messages import twist
 
 from rtron.guard.core.event_loop import EventLoop, IoHandler
 from rtron.guard.rehearsal import PERIOD, SHARE, Rehearsal
-from rtron.guard.transport.common.stage import Stage
+from rtron.guard.transport.common.memory import Stage
+from rtron.guard.transport.common.protocol import OutputOptions
 from rtron.guard.transport.ros1.stage import Ros1Stage
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND, MissionRule
@@ -291,7 +292,7 @@ def test_the_states_of_two_bases_differ_where_one_heard_more():
 def test_on_ros_1_a_message_goes_through_sockets_and_is_taken_out():
     now = iter(range(10**6)).__next__
     stage = Ros1Stage(now)
-    sent = stage.advertise("/n", "/t", "x/Y", successors=("/driver",))
+    sent = stage.advertise("/n", "/t", "x/Y", OutputOptions(successors=("/driver",)))
     silent = stage.advertise("/n", "/t", "x/Y")
     got = []
     for _ in range(20_000):

@@ -8,7 +8,6 @@ from functools import partial
 from rtron.guard.action.common.simple_goals import SimpleGoalStream
 from rtron.guard.action.ros1.simple_goals import ActionTopicObserver, action_of_result
 from rtron.guard.action.ros1.stream import Ros1ActionStream
-from rtron.guard.action.ros2.endpoints import ActionTransport
 from rtron.guard.action.ros2.simple_goals import ActionStatusObserver
 from rtron.guard.action.ros2.stream import ObservedActionStream, Ros2ActionStream
 from rtron.guard.core.alarms import Alarms
@@ -171,10 +170,10 @@ class Coordinator:
 
     def _create_ros2_action(self, stream: Stream, context: StreamContext) -> GuardedStream:
         """Return an action of ROS 2; its requests cannot be observed, only served."""
-        transport = self._transport
-        if stream.mode is not Mode.ENFORCE or not isinstance(transport, ActionTransport):
+        create_endpoints = getattr(self._transport, "action_endpoints", None)
+        if stream.mode is not Mode.ENFORCE or create_endpoints is None:
             return ObservedActionStream(stream, context)
-        action = Ros2ActionStream(stream, context, transport)
+        action = Ros2ActionStream(stream, context, create_endpoints)
         action.stops.on_goal_stopped = partial(self._on_goal_stopped, action)
         return action
 

@@ -14,6 +14,8 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
+from rtron.guard.lanes.bulk.command_nodes import CommandNodes
+from rtron.guard.lanes.exchange.process_connection import ProcessConnection
 from rtron.guard.link.service_link import ServiceLink
 from rtron.guard.measurement.run import RunMeasurement, WriteFigures
 from rtron.guard.middleware import open_middleware
@@ -74,7 +76,8 @@ def run_dry(
         settings_at_start(settings, link)
         parts.append(_service_link(ServiceLink(plan, coordinator, settings, loop, link), leases))
     response = AlarmResponse(coordinator, transport, plan.audit.on_foreign, dry_run=True)
-    parts.append(middleware.create_auditor(response, None))
+    no_others = CommandNodes(ProcessConnection(loop), loop, frozenset())
+    parts.append(middleware.create_auditor(response, no_others))
     supervisor.attach(loop, coordinator)
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
     parts.append(LeaseTopics(leases, transport))

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, PlannedListeners
+from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.audit.ros1.intruder_links import IntruderLinks
 from rtron.guard.cell.access import WATCH
-from rtron.guard.lanes.bulk.joined_nodes import JoinedNodes
-from rtron.guard.lanes.exchange.messages import NodesReport
+from rtron.guard.lanes.exchange.audit_exchange import NodesReport
 from rtron.guard.transport.factory import open_ros1_transport, open_ros2_transport
 from rtron.vocabulary import Mode, build_streams, normalise_type
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.lanes.bulk.command_nodes import CommandNodes
     from rtron.guard.runner import Part
-    from rtron.guard.transport.common.protocol import LiveTransport
     from rtron.guard.transport.ros1.middleware import Ros1Transport
     from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.vocabulary import Plan
@@ -30,37 +29,8 @@ if TYPE_CHECKING:
     OnListener = Callable[[str, str], None]
 
 
-class Middleware(Protocol):
-    """The place of one process of the guard in the graph."""
-
-    @property
-    def transport(self) -> LiveTransport:
-        """Its topics and nodes."""
-        ...
-
-    def report_nodes(self) -> NodesReport:
-        """Return its nodes, for the audit in another process."""
-        ...
-
-    def register_node(self, name: str) -> None:
-        """Take a name back that somebody else has taken."""
-        ...
-
-    def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
-        """Call these with a topic and who begins or ceases to hear it, where only we see that."""
-        ...
-
-    def create_listener(self, response: AlarmResponse) -> Part:
-        """Return what listens to intruders for a response in this process, and answers them."""
-        ...
-
-    def create_auditor(self, response: AuditResponse, commands: CommandNodes | None) -> Part:
-        """Return an audit of the graph; it knows the nodes of a command process beside this one."""
-        ...
-
-
 class Ros1Middleware:
-    """See `Middleware`."""
+    """The place of one process of the guard in a ROS 1 graph."""
 
     def __init__(self, plan: Plan, transport: Ros1Transport, loop: EventLoop) -> None:
         self.transport = transport
@@ -68,7 +38,7 @@ class Ros1Middleware:
         self._listeners = PlannedListeners(ExpectedGraph(plan))
 
     def report_nodes(self) -> NodesReport:
-        """Return the URIs, the port and the planned subscribers of each topic."""
+        """Return its nodes, for the audit in another process."""
         transport = self.transport
         return NodesReport(
             uris=transport.node_uris(),
@@ -77,7 +47,7 @@ class Ros1Middleware:
         )
 
     def register_node(self, name: str) -> None:
-        """Register a node again."""
+        """Take a name back that somebody else has taken."""
         self.transport.register_node(name)
 
     def set_listener_handlers(self, on_new: OnListener, on_lost: OnListener) -> None:
@@ -86,16 +56,15 @@ class Ros1Middleware:
         self.transport.on_subscriber_lost = self._for_planned(on_lost)
 
     def create_listener(self, response: AlarmResponse) -> Part:
-        """Return what connects to the intruders' publishers."""
+        """Return what listens to intruders for a response in this process: it connects to them."""
         response.listener = links = IntruderLinks(self._loop, self.transport.master, response)
         return links
 
-    def create_auditor(self, response: AuditResponse, commands: CommandNodes | None) -> Part:
+    def create_auditor(self, response: AuditResponse, commands: CommandNodes) -> Part:
         """Return an audit that asks the nodes and the master."""
-        nodes = JoinedNodes(self.transport, commands) if commands else self.transport
+        nodes = GuardNodes(self.transport, commands)
         auditor = Ros1Auditor(self._plan, self.transport.master, nodes, response, self._loop)
-        if commands:
-            commands.on_change = auditor.look_again
+        commands.on_change = auditor.look_again
         return auditor
 
     def _for_planned(self, handler: OnListener) -> OnListener:
@@ -109,14 +78,14 @@ class Ros1Middleware:
 
 
 class Ros2Middleware:
-    """See `Middleware`; whoever has joined the domain sees who listens, and names are shared."""
+    """The same in a domain; whoever has joined it sees who listens, and names are shared."""
 
     def __init__(self, plan: Plan, transport: Ros2Transport, loop: EventLoop) -> None:
         self.transport = transport
         self._plan, self._loop = plan, loop
 
     def report_nodes(self) -> NodesReport:
-        """Return the participant, and those of the guards before."""
+        """Return its nodes: the participant, and those of the guards before."""
         graph = self.transport.graph
         return NodesReport(participant=graph.participant, former_participants=graph.ended)
 
@@ -127,7 +96,7 @@ class Ros2Middleware:
         """Do nothing: the audit sees it in the graph."""
 
     def create_listener(self, response: AlarmResponse) -> Part:
-        """Return what reads the private outputs."""
+        """Return what listens to intruders for a response in this process: it reads the outputs."""
         from rtron.guard.audit.ros2.intruder_readers import IntruderReaders  # noqa: PLC0415
 
         enforced = [each for each in build_streams(self._plan) if each.mode is Mode.ENFORCE]
@@ -137,15 +106,16 @@ class Ros2Middleware:
         response.listener = readers = IntruderReaders(self.transport, types, response)
         return readers
 
-    def create_auditor(self, response: AuditResponse, commands: CommandNodes | None) -> Part:
+    def create_auditor(self, response: AuditResponse, commands: CommandNodes) -> Part:
         """Return an audit that looks at the graph."""
         from rtron.guard.audit.ros2.auditor import Ros2Auditor  # noqa: PLC0415 - it needs rclpy
 
-        others = (commands.participants, commands.unknown_streams) if commands else ()
-        auditor = Ros2Auditor(self._plan, self.transport, response, self._loop, *others)
-        if commands:
-            commands.on_change = auditor.look_again
+        auditor = Ros2Auditor(self._plan, self.transport, response, self._loop, commands)
+        commands.on_change = auditor.look_again
         return auditor
+
+
+Middleware = Ros1Middleware | Ros2Middleware
 
 
 def open_middleware(

@@ -19,7 +19,7 @@ from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.observations import Observations
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.core.stream_endpoints import StreamContext
-from rtron.guard.transport.common.stage import Stage
+from rtron.guard.transport.common.memory import Stage
 from rtron.policies.mission.rule_status import MissionMonitor
 from rtron.vocabulary import SECOND, UNAPPROVED, Stream
 

@@ -239,6 +239,17 @@ class LastMessageUse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MessageFlow:
+    """Where a subscription is made, and where the publishers are that it leads to.
+
+    `requests` are the services and actions. Where it leads to nothing, what it gets is not used.
+    """
+
+    evidence: tuple[Evidence, ...]
+    requests: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MistypedParameter:
     """A parameter of ROS 2 that is given another type than its node declares: that throws."""
 
@@ -287,6 +298,7 @@ class NodeInterface:
     plugins: tuple[LoadedPlugin, ...] = ()
     mistyped: tuple[MistypedParameter, ...] = ()
     last_messages: tuple[LastMessageUse, ...] = ()
+    message_flows: tuple[MessageFlow, ...] = ()
     gazebo_topics: tuple[GazeboTopic, ...] = ()
 
     def with_location(self, location: Evidence) -> "NodeInterface":

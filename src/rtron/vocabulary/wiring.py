@@ -77,12 +77,17 @@ class WiringFactKind(StringEnum):
     """A node whose source opens hardware; the value says what: a serial port, CAN."""
     SOCKET = "socket"
     """A node whose source joins a network beside ROS; the value says how: MQTT, a web server."""
+    OPERATOR = "operator"
+    """A node whose source reads what a person does; the value says how: a joystick, a keyboard."""
     COMMAND_AGE = "command_age"
     """A node whose source has a name that tells of how old a command is."""
     LAST_MESSAGE = "last_message"
     """A node with a subscription at the first place; the value is a `LastMessageFate`, others are
     the seconds after which, and the second place where; of what is repeated, the further places
     are those of the publishers, if they are known."""
+    MESSAGE_FLOW = "message_flow"
+    """A node with a subscription at the first place, whose messages lead to the publishers at the
+    further places, and to others, its services and actions; without both they are not used."""
 
 
 class LastMessageFate(StringEnum):

@@ -12,8 +12,7 @@ from velocity_messages import twist
 from rtron.errors import WireError
 from rtron.guard.authority.lease_topics import MAX_REQUEST, MAX_REQUESTS, REQUESTS
 from rtron.guard.core.report_messages import STRING, read_string, string_message
-from rtron.guard.link.event_counter import EventCounter
-from rtron.guard.link.event_recorder import EventRecorder
+from rtron.guard.link.event_recorder import EventCounter, EventRecorder
 from rtron.guard.link.host_events import HostEvents
 from rtron.guard.rehearsal import _StreamCopy
 from rtron.guard.replay.player import RecordingPlayer

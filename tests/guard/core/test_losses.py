@@ -9,7 +9,7 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.losses import PERIOD, Losses
 from rtron.guard.link.stream_monitor import StreamMonitor
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.guard.transport.common.protocol import DEFAULT_INPUT
+from rtron.guard.transport.common.protocol import DEFAULT_INPUT, DEFAULT_OUTPUT
 from rtron.vocabulary import SECOND, UNAPPROVED, Mode, StreamKind, VerdictCounts
 
 FLOW1, PUBLIC, OUT = "/rtron/cmd_vel/flow1", "/cmd_vel", "/rtron/cmd_vel/out"
@@ -121,9 +121,9 @@ class Depths(MemoryTransport):
         super().__init__()
         self.kept = {}
 
-    def advertise(self, node, topic, type, *, queue_size=100, keep_all=False, **more):
-        self.kept["out", topic] = (queue_size, keep_all)
-        return super().advertise(node, topic, type, **more)
+    def advertise(self, node, topic, type, options=DEFAULT_OUTPUT):
+        self.kept["out", topic] = (options.queue_size, options.keep_all)
+        return super().advertise(node, topic, type, options)
 
     def subscribe(self, node, topic, type, connect, lose, options=DEFAULT_INPUT):
         self.kept["in", topic] = (options.queue_size, options.keep_all)

@@ -5,6 +5,7 @@ from streams import peer, stage, stream
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.transport.common.memory import MemoryTransport
+from rtron.guard.transport.common.protocol import DEFAULT_OUTPUT
 from rtron.vocabulary import SECOND, PolicyName, StreamKind
 
 NAV, TELEOP, OUT = "/rtron/mode/flow1", "/rtron/mode/flow2", "/rtron/mode/out"
@@ -17,9 +18,9 @@ class Waits(MemoryTransport):
         super().__init__()
         self.successors = {}
 
-    def advertise(self, node, topic, type, *, successors=(), **more):
-        self.successors[topic] = successors
-        return super().advertise(node, topic, type, successors=successors, **more)
+    def advertise(self, node, topic, type, options=DEFAULT_OUTPUT):
+        self.successors[topic] = options.successors
+        return super().advertise(node, topic, type, options)
 
 
 def mode(policy, **more):

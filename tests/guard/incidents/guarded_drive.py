@@ -14,10 +14,10 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
 from rtron.guard.incidents.recorder_link import RecorderLink
-from rtron.guard.incidents.recorder_port import RecorderPort
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.helper_process import HelperProcess
 from rtron.guard.supervision.programs import INCIDENTS, start_program
+from rtron.guard.system.process_port import ProcessPort
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer
 from rtron.vocabulary import (
@@ -145,17 +145,17 @@ class _Starter:
 @contextmanager
 def recorded_drive(folder, plan=None):
     """Yield a drive and the loop of its recorder, which is a process of its own."""
-    plan, loop, port = plan or speed_plan(), EventLoop(), RecorderPort()
+    plan, loop, port = plan or speed_plan(), EventLoop(), ProcessPort()
     drive = Drive(plan, loop.now())
     config = GuardConfig(plan=plan, master="").write_to_memory()
     drive.recorder = HelperProcess(
         _Starter,
         config,
         INCIDENTS,
-        files=[port.recorder_side.fileno()],
+        files=[port.accepting_side.fileno()],
         is_needed=port.has_connection,
     )
-    link = RecorderLink(plan, folder, port.bulk_side, drive.host, loop)
+    link = RecorderLink(plan, folder, port.connecting_side, drive.host, loop)
     drive.link, drive.loop = link, loop
     link.open()
     try:
@@ -164,7 +164,8 @@ def recorded_drive(folder, plan=None):
         link.close()
         loop.close()
         drive.recorder.stop(20)
-        port.close()
+        port.connecting_side.close()
+        port.accepting_side.close()
         os.close(config)
         assert drive.recorder.process.poll() == 0, "it ends when the bulk process has"
 

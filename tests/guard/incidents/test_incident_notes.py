@@ -6,7 +6,7 @@ import pytest
 from guarded_drive import Drive, speed_plan
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.incidents.entries import EntriesLost, LearnedType, NotedEntries, Received, Sent
+from rtron.guard.incidents.entries import EntriesLost, LearnedType, Received, Sent
 from rtron.guard.incidents.stream_notes import BATCH_BYTES, MAX_WAITING_BYTES, IncidentNotes
 from rtron.guard.lanes.exchange.message_channel import MAX_MESSAGE_BYTES
 
@@ -21,11 +21,12 @@ class Line:
         self.is_ready = False
         self.sent = []
 
-    def send(self, message):
-        self.sent.append(message)
+    def call(self, name, entries):
+        assert name == "note_entries"
+        self.sent.append(entries)
 
     def entries(self, kind):
-        return [each for batch in self.sent for each in batch.entries if isinstance(each, kind)]
+        return [each for batch in self.sent for each in batch if isinstance(each, kind)]
 
 
 @pytest.fixture
@@ -87,5 +88,5 @@ def test_what_is_left_goes_when_the_process_ends(noting):
     noting.line.is_ready = True
     noting.command(0.1)
     noting.notes.close()
-    assert isinstance(noting.line.sent[-1], NotedEntries)
+    assert noting.line.sent
     assert noting.line.entries(Received)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from rtron.guard.incidents.incident_file import PART, read_segment, write_incident
+from rtron.guard.incidents.incident_folder import PART, read_segment, write_incident
 from rtron.guard.incidents.ring import Channel, IncidentRing
 from rtron.vocabulary import SECOND
 

@@ -3,8 +3,7 @@
 import pytest
 from settings_app import GENERAL, WALL, Base, flow, limit
 
-from rtron.guard.link.event_counter import EventCounter
-from rtron.guard.link.event_recorder import EventRecorder
+from rtron.guard.link.event_recorder import EventCounter, EventRecorder
 from rtron.guard.link.host_events import HostEvents
 from rtron.vocabulary import Alarm, AlarmKind, Decision, EventKind, GuardEventLevel, PolicyName
 

@@ -11,7 +11,7 @@ from link_parts import TOKEN, Guard, Service, event, options, running_relay, ser
 
 from rtron.errors import SourceError
 from rtron.guard.link import service_connection
-from rtron.guard.link.event_counter import EventCounter, former_runs
+from rtron.guard.link.event_recorder import EventCounter, former_runs
 from rtron.guard.link.link_client import MAX_PENDING_EVENTS
 from rtron.guard.link.settings_file import read_settings, write_settings
 from rtron.guard.system.machine_time import MachineTime, machine_time

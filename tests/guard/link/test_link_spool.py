@@ -11,7 +11,7 @@ from harness import is_open
 from link_parts import encoded_events, event
 
 from rtron.errors import InputError
-from rtron.guard.link.event_counter import EventCounter, forget_run, former_runs
+from rtron.guard.link.event_recorder import EventCounter, forget_run, former_runs
 from rtron.guard.link.spool import Spool
 from rtron.vocabulary import EventKind
 

@@ -15,8 +15,7 @@ from ros1_action_in_memory import (
 )
 
 from rtron.guard.core.handover_state import HandoverState
-from rtron.guard.settings.applier import SettingsApplier
-from rtron.guard.settings.emergency_stop import EmergencyBrake
+from rtron.guard.settings.applier import EmergencyBrake, SettingsApplier
 from rtron.messages.ros1.actions import PREEMPTED, RECALLED, REJECTED, SUCCEEDED, read_cancel
 from rtron.vocabulary import (
     GRCN,

@@ -11,7 +11,7 @@ import pytest
 from harness import lives, wait_for
 
 import rtron
-from rtron.guard.supervision.forked_process import START_FAILED, UNKNOWN_END
+from rtron.guard.supervision.fork_server import START_FAILED, UNKNOWN_END
 from rtron.guard.supervision.programs import TERMINAL_SIGNALS
 
 SOURCE = Path(rtron.__file__).parents[1]

@@ -17,7 +17,7 @@ from rtron.guard.supervision.helper_process import (
     HelperProcess,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, HANG_TIMEOUT, LONGEST_HANG, START_TIMEOUT
-from rtron.guard.system.shared_beat import SharedBeat
+from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.vocabulary import SECOND
 
 
@@ -186,3 +186,14 @@ def test_a_program_that_cannot_be_started_is_tried_again(order, caplog):
     helper.tick(0)
     assert "rtron-link cannot be started" in caplog.text, "it is called as ps shows it"
     helper.stop(20)
+
+
+def test_one_that_is_needed_seldom_is_looked_after_seldom(order):
+    looks = []
+    helper = HelperProcess(
+        Starter(sys.executable, "-c", CODE), order, "x:main", is_needed=lambda: looks.append(1)
+    )
+    for tick in range(100):
+        helper.tick(tick * BEAT_PERIOD)
+    assert len(looks) == 10
+    assert helper.process is None

@@ -8,7 +8,7 @@ import pytest
 
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.plan_folder import PlanFolder
-from rtron.guard.supervision.forked_process import START_FAILED
+from rtron.guard.supervision.fork_server import START_FAILED
 from rtron.guard.supervision.guard_config import GuardConfig, write_memory_file
 from rtron.guard.supervision.plan_trial import (
     PLAN_TRIAL,
@@ -19,7 +19,7 @@ from rtron.guard.supervision.plan_trial import (
 )
 from rtron.guard.supervision.supervisor_fsm import GuardObservation, GuardPhase, SupervisorFsm
 from rtron.vocabulary import Plan, Supervision
-from rtron.workflows.plan_text import read_checked_plan
+from rtron.workflows.plan import read_checked_plan
 
 KILLED = -9
 

@@ -46,7 +46,7 @@ class ConnectedGuard:
         self.page = GuardMemory.create(0)
         self.supervisor, self.life = socket.socketpair()
         order = GuardConfig(plan=Plan(app="none", ros=1), master=master)
-        self.tie = SupervisorClient(order, self.page, self.life)
+        self.tie = SupervisorClient(order, self.page, self.life, self.life)
         self.tie.attach(loop, Coordinator(MemoryTransport(), ()))
         self.tie.open()
 
@@ -153,8 +153,8 @@ class Exhausted:
 
 def test_a_guard_that_cannot_be_started_leaves_nothing_behind():
     before, files = signal.pthread_sigmask(signal.SIG_BLOCK, ()), open_files()
-    with pytest.raises(OSError):
-        spawn_guard(Exhausted(), NO_FILE, 1)
+    with socket.socket() as port, pytest.raises(OSError):
+        spawn_guard(Exhausted(), NO_FILE, port, 1)
     assert signal.pthread_sigmask(signal.SIG_BLOCK, ()) == before
     assert open_files() == files
 

@@ -12,7 +12,7 @@ size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + {room}, size + {room}))
 """
 PROBE = """
-from rtron.guard.system.out_of_memory import exit_if_out_of_memory
+from rtron.guard.system.process_attributes import exit_if_out_of_memory
 {limit}
 exit_if_out_of_memory()
 """

@@ -22,6 +22,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.protocol import (
     InputOptions,
     MessageHandler,
+    OutputOptions,
     Peer,
     TypeInfo,
     ignore_lost,
@@ -29,7 +30,7 @@ from rtron.guard.transport.common.protocol import (
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.messages.ros1.service_types import service_md5sum
 from rtron.vocabulary import SECOND, normalise_type
-from rtron.wire.ros1.service_client import ServiceCall, call_service
+from rtron.wire.ros1.tcpros import ServiceCall, call_service
 from rtron.wire.ros1.xmlrpc import RefusalError, ros_call
 
 _METHODS = {
@@ -104,7 +105,10 @@ class Ros1ClientNode:
         name = normalise_type(type)
         queue_size = self._client.limits.queue
         output = self._transport.advertise(
-            self._client.node, topic, name, queue_size=queue_size, successors=listeners
+            self._client.node,
+            topic,
+            name,
+            OutputOptions(queue_size=queue_size, successors=listeners),
         )
         output.learn_type(TypeInfo(name, definition.md5sum, self._types.text(type)))
         self._outputs[topic] = GuardedOutput(

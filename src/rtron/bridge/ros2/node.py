@@ -15,7 +15,13 @@ from rtron.bridge.ros2.goals import ClientGoals
 from rtron.bridge.ros2.parameters import parameter_answer, parameter_call
 from rtron.errors import RTronError, SourceError
 from rtron.guard.core.printable import printable
-from rtron.guard.transport.common.protocol import InputOptions, MessageHandler, Peer, ignore_lost
+from rtron.guard.transport.common.protocol import (
+    InputOptions,
+    MessageHandler,
+    OutputOptions,
+    Peer,
+    ignore_lost,
+)
 from rtron.messages import Encoding
 from rtron.messages.common.json_decoder import decode_response
 from rtron.messages.common.json_encoder import encode_json
@@ -111,7 +117,7 @@ class Ros2ClientNode:
         """Publish a topic from now on, which these nodes of the guard hear, if any."""
         depth = self._client.limits.queue
         output = self._transport.advertise(
-            self._client.node, topic, type, queue_size=depth, successors=listeners
+            self._client.node, topic, type, OutputOptions(queue_size=depth, successors=listeners)
         )
         output.offer(self._client.node, QoS())
         self._outputs[topic] = GuardedOutput(

@@ -17,7 +17,7 @@ from rtron.bridge.server.bridge import Bridge
 from rtron.guard.core.control_socket import ControlSocket, control_path
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.link.bridge_requests import bridge_link_path
-from rtron.guard.system.open_files import allow_many_files
+from rtron.guard.system.process_attributes import allow_many_files
 from rtron.guard.transport.factory import open_ros2_transport
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from rtron.cli.support.service_options import (
     warn_if_unencrypted,
 )
 from rtron.errors import InputError
-from rtron.workflows.launch_arguments import parse_assignments
 from rtron.workflows.live_app import app_address
+from rtron.workflows.source_app import parse_assignments
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -227,7 +227,7 @@ def guard(  # noqa: PLR0913 - one for each option
 
 def _plan_folder(folder: Path | None, start: "Plan", service: str) -> "PlanFolder | None":
     from rtron.guard.link.plan_folder import PlanFolder
-    from rtron.workflows.plan_text import read_checked_plan
+    from rtron.workflows.plan import read_checked_plan
 
     if folder is None:
         return None

@@ -8,7 +8,7 @@ import typer
 from rtron.cli.commands.master import AllowSharedMemory, AllowSharedUser
 from rtron.cli.support.options import Env, EnvAll, PlanOption, TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
-from rtron.workflows.launch_arguments import parse_assignments
+from rtron.workflows.source_app import parse_assignments
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -207,7 +207,7 @@ def remaps(
     """
     from rtron.planning.instrument.common.remaps import planned_remaps
     from rtron.planning.plan_file.loader import read_plan
-    from rtron.reports.plan.remaps import remaps_text, remaps_to_json
+    from rtron.reports.plan.instrumentation import remaps_text, remaps_to_json
 
     read = read_plan(plan)
     listed = planned_remaps(read, node)

@@ -79,7 +79,7 @@ def verify(  # noqa: PLR0913 - one for each option
     """
     from rtron.planning.plan_file.loader import read_plan
     from rtron.reports.plan.verification import verification_text, verification_to_json
-    from rtron.workflows.verify import verify_running_app
+    from rtron.workflows.live_app import verify_running_app
 
     if not live:
         help = "add --live; before the app runs, `rtron check` compares the plan with its graph"

@@ -14,9 +14,8 @@ from rtron.errors import RTronError
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.handover_state import STOPS, HandoverState
 from rtron.guard.core.state_file import StateFile
-from rtron.guard.settings.emergency_stop import can_move_robot
-from rtron.guard.system.master_name import master_file_name
-from rtron.guard.system.state_folder import state_folder
+from rtron.guard.settings.applier import can_move_robot
+from rtron.guard.system.state_folder import master_file_name, state_folder
 from rtron.guard.transport.common.protocol import Transport
 from rtron.policies.authority.stop_latch import StopAnswer, StopLatch
 from rtron.vocabulary import SECOND, Plan

@@ -7,11 +7,11 @@ import pwd
 import shutil
 import signal
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError, with_config
 
@@ -27,11 +27,12 @@ from rtron.guard.cell.isolation import (
     Gap,
     Outside,
     describe_outside,
+    listen_for_guards,
     may_be_changed,
+    start_in_namespaces,
     take_unused_user,
     take_user,
 )
-from rtron.guard.cell.namespaces import listen_for_guards, start_in_namespaces
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.runner import raise_file_limit
 from rtron.guard.supervision.programs import command
@@ -40,6 +41,9 @@ from rtron.vocabulary import CarriedService, CarriedTopic, CellManifest, Plan, m
 
 if TYPE_CHECKING:
     import subprocess
+
+    from rtron.guard.cell.ros1.gateway import Ros1Gateway
+    from rtron.guard.cell.ros2.gateway import Ros2Gateway
 
 log = logging.getLogger(__name__)
 
@@ -99,18 +103,6 @@ def read_manifest(path: Path) -> CellManifest:
         called=document.called,
         parameters=document.parameters,
     )
-
-
-class Gateway(Protocol):
-    """Carries what the manifest lists between the cell and the app."""
-
-    def open(self, on_ready: Callable[[], None]) -> None:
-        """Begin to carry; `on_ready` is called when the node can start."""
-        ...
-
-    def close(self) -> None:
-        """Carry no more."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -283,7 +275,7 @@ class _CellProcess:
         self._request = request
         self._config = config
         self._sockets = sockets
-        self._gateway: Gateway | None = None
+        self._gateway: Ros1Gateway | Ros2Gateway | None = None
         self._control, self._theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._process: subprocess.Popen[bytes] | None = None
         self._refusal = ""
@@ -346,7 +338,7 @@ class _CellProcess:
             self._loop.stop()
 
 
-def open_gateway(loop: EventLoop, request: CellRequest) -> Gateway:
+def open_gateway(loop: EventLoop, request: CellRequest) -> "Ros1Gateway | Ros2Gateway":
     """Return the gateway of a cell."""
     if request.plan.ros != 1:
         from rtron.guard.cell.ros2.gateway import Ros2Gateway  # noqa: PLC0415 - it needs rclpy

@@ -12,7 +12,7 @@ from rtron.guard.cell.access_server import AccessServer
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.supervision.watchdog import SchedulingDelay, Watchdog, adapt_bound
-from rtron.guard.transport.common.protocol import Output, Transport
+from rtron.guard.transport.common.protocol import Output, OutputOptions, Transport
 from rtron.vocabulary import SECOND, STOPPER_NODE, Stream, output_topic
 
 log = logging.getLogger(__name__)
@@ -108,6 +108,7 @@ def _stop_of(stream: Stream, transport: Transport) -> tuple[Output, bytes] | Non
         log.warning("%s cannot be stopped without a guard: %s", stream.topic, stream.type)
         return None
     topic = output_topic(stream.topic)
-    output = transport.advertise(STOPPER_NODE, topic, stream.type, queue_size=1)
+    options = OutputOptions(queue_size=1)
+    output = transport.advertise(STOPPER_NODE, topic, stream.type, options)
     output.learn_type(info)
     return output, codec.zero_message

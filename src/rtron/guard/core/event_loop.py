@@ -13,7 +13,7 @@ from threading import Event, Thread
 from typing import Protocol
 
 from rtron.errors import RTronError
-from rtron.guard.system.out_of_memory import exit_out_of_memory
+from rtron.guard.system.process_attributes import exit_out_of_memory
 
 log = logging.getLogger(__name__)
 

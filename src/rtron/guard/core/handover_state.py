@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rtron.guard.core.event_loop import BackgroundWorker, EventLoop
-from rtron.guard.system.master_name import master_file_name
+from rtron.guard.system.state_folder import master_file_name
 from rtron.policies.policy import Policy
 from rtron.policies.state_transfer import LeaseState, PolicyState
 

@@ -23,7 +23,7 @@ from rtron.guard.core.stream_settings import (
     with_defaults,
 )
 from rtron.guard.core.velocity_gate import VelocityGate
-from rtron.guard.system.out_of_memory import exit_out_of_memory
+from rtron.guard.system.process_attributes import exit_out_of_memory
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
 from rtron.policies import Policy, Release
 from rtron.policies.authority.command_lease import CommandLease

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.latched_messages import LatchedMessageFilter
@@ -23,7 +23,7 @@ from rtron.guard.transport.common.protocol import (
     TypeInfo,
 )
 from rtron.messages.common.finite_numbers import NUMERIC_COMMAND_TYPES
-from rtron.messages.common.velocity import VELOCITY_TYPES, VelocityCodec
+from rtron.messages.common.velocity import VELOCITY_TYPES
 from rtron.vocabulary import (
     SUPERVISOR_NODE,
     UNAPPROVED,
@@ -36,6 +36,9 @@ from rtron.vocabulary import (
     matches_node,
     normalise_type,
 )
+
+if TYPE_CHECKING:
+    from rtron.guard.core.stream import GuardedStream
 
 log = logging.getLogger(__name__)
 
@@ -53,40 +56,12 @@ class StreamContext:
     dry_run: bool = False
 
 
-class StreamListener(Protocol):
-    """The stream behind the endpoints."""
-
-    def receive(self, flow: str, message: bytes) -> object:
-        """Take a message of a flow."""
-        ...
-
-    def count_lost(self, flow: str, number: int) -> None:
-        """Count messages of a flow that were lost before the guard."""
-        ...
-
-    def resume_order(self) -> None:
-        """Learn that a publisher whose messages may pass is there."""
-        ...
-
-    def forget_flow(self, flow: str) -> None:
-        """Learn that a flow has lost its last publisher."""
-        ...
-
-    def learn_codec(self, codec: VelocityCodec | None) -> None:
-        """Take the codec of the velocities in the stream's messages; None if none can read them."""
-        ...
-
-    def learn_numbers(self, check: Callable[[bytes], object]) -> None:
-        """Take what refuses (WireError) messages with floats that are no numbers."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class InputRules:
     """What a kind of stream does with its inputs that others do not.
 
     `receiver` returns what takes the messages of a flow's publisher, in place of
-    `StreamListener.receive`. Without `latches` late subscribers get no message, whatever its type.
+    `GuardedStream.receive`. Without `latches` late subscribers get no message, whatever its type.
     """
 
     receiver: Callable[[str, Peer], MessageHandler] | None = None
@@ -103,7 +78,7 @@ class StreamEndpoints:
         self,
         spec: Stream,
         nodes: tuple[str, ...],
-        listener: StreamListener,
+        listener: "GuardedStream",
         rules: InputRules,
         context: StreamContext,
     ) -> None:

@@ -2,7 +2,13 @@
 
 from collections.abc import Callable, Sequence
 
-from rtron.guard.transport.common.protocol import Greeting, Output, Transport, TypeInfo
+from rtron.guard.transport.common.protocol import (
+    Greeting,
+    Output,
+    OutputOptions,
+    Transport,
+    TypeInfo,
+)
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     CoordinationKind,
@@ -112,15 +118,7 @@ class StreamOutputs:
     def _open_outputs(self) -> None:
         stream = self._stream
         for topic in (output_topic(stream.topic), stream.topic):
-            output = self._transport.advertise(
-                self._nodes[-1],
-                topic,
-                stream.type,
-                queue_size=stream.queue_size,
-                keep_all=keeps_all(stream),
-                successors=() if topic == stream.topic else stream.successors,
-            )
-            self._topics[topic] = output
+            output = self._advertise(topic, () if topic == stream.topic else stream.successors)
             self._outputs.append(output)
 
     def _open_mirrors(self) -> None:
@@ -128,14 +126,16 @@ class StreamOutputs:
         for flow in stream.flows:
             if any(matches_node(flow.publisher, node) for node in stream.successors):
                 topic = flow_topic(stream.topic, flow.name)
-                self._mirrors[flow.name] = self._topics[topic] = self._transport.advertise(
-                    self._nodes[-1],
-                    topic,
-                    stream.type,
-                    queue_size=stream.queue_size,
-                    keep_all=keeps_all(stream),
-                    successors=(flow.publisher,),
-                )
+                self._mirrors[flow.name] = self._advertise(topic, (flow.publisher,))
+
+    def _advertise(self, topic: str, successors: tuple[str, ...]) -> Output:
+        stream, keep_all = self._stream, keeps_all(self._stream)
+        options = OutputOptions(
+            queue_size=stream.queue_size, keep_all=keep_all, successors=successors
+        )
+        output = self._transport.advertise(self._nodes[-1], topic, stream.type, options)
+        self._topics[topic] = output
+        return output
 
     def _open_node_links(self) -> None:
         stages = self._stream.stages

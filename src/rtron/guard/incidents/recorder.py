@@ -27,8 +27,7 @@ from rtron.guard.incidents.entries import (
     RevisionChanged,
     TimedEntry,
 )
-from rtron.guard.incidents.incident_file import write_incident
-from rtron.guard.incidents.incident_folder import IncidentFolder
+from rtron.guard.incidents.incident_folder import IncidentFolder, write_incident
 from rtron.guard.incidents.ring import IncidentRing
 from rtron.guard.lanes.exchange.message_channel import MessageChannel
 from rtron.guard.system.process_attributes import lower_priority

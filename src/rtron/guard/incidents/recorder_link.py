@@ -10,6 +10,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.report_messages import OK, WARN, Status
 from rtron.guard.incidents.entries import (
     AlarmSwitched,
+    Entry,
     EntryBuffer,
     LearnedType,
     NotedEntries,
@@ -20,10 +21,10 @@ from rtron.guard.incidents.entries import (
     RevisionChanged,
     Sent,
 )
-from rtron.guard.incidents.recorder_port import connect
 from rtron.guard.incidents.stream_notes import StreamNotes, observed_state
 from rtron.guard.incidents.stream_tap import is_due
 from rtron.guard.lanes.exchange.message_channel import MessageChannel
+from rtron.guard.system.process_port import connect
 from rtron.vocabulary import SECOND, Alarm, Plan, Settings
 from rtron.wire.common.incident_format import encode_settings
 
@@ -55,7 +56,7 @@ class RecorderLink:
         loop: EventLoop,
         settings: "SettingsInForce | None" = None,
     ) -> None:
-        """`port` is the bulk process's side of the recorder's port.
+        """`port` is the connecting side of the recorder's port.
 
         `host` carries the streams of the bulk process, and knows the alarms of both.
         """
@@ -91,12 +92,11 @@ class RecorderLink:
         if self._channel:
             self._channel.close()
 
-    def receive(self, message: object) -> None:
+    def receive(self, entries: tuple[Entry, ...]) -> None:
         """Take what the command process has noted."""
-        if isinstance(message, NotedEntries):
-            for entry in message.entries:
-                size = len(entry.message) if isinstance(entry, Received | Sent) else 0
-                self._others.add(entry, size)
+        for entry in entries:
+            size = len(entry.message) if isinstance(entry, Received | Sent) else 0
+            self._others.add(entry, size)
 
     def statuses(self) -> list[Status]:
         """Return why incidents are not recorded, or which was saved last, if there is any."""

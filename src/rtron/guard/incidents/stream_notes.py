@@ -10,7 +10,6 @@ from rtron.guard.incidents.entries import (
     EntryBuffer,
     EventMessage,
     LeaseAnswered,
-    NotedEntries,
     Observed,
     RuleSwitched,
 )
@@ -128,4 +127,4 @@ class IncidentNotes:
 
     def _send_batch(self) -> None:
         if self._connection.is_ready and (entries := self._notes.take(BATCH_BYTES)):
-            self._connection.send(NotedEntries(tuple(entries)))
+            self._connection.call("note_entries", tuple(entries))

@@ -13,7 +13,7 @@ from typing import Any
 
 from rtron.errors import RTronError, SourceError, WireError
 from rtron.guard.link.audit_heads import HeadsFile
-from rtron.guard.link.event_counter import forget_run, former_runs
+from rtron.guard.link.event_recorder import forget_run, former_runs
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.plan_intake import PlanIntake, PutInForce
 from rtron.guard.link.service_connection import ServiceConnection
@@ -21,7 +21,7 @@ from rtron.guard.link.settings_file import read_settings, write_settings
 from rtron.guard.link.spool import Spool
 from rtron.guard.system.machine_time import machine_time
 from rtron.guard.system.process_attributes import lower_priority
-from rtron.guard.system.shared_beat import SharedBeat
+from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.guard.system.unix_socket import peer_credentials
 from rtron.vocabulary import SECOND, GuardEvent, Settings
 from rtron.wire.common.link_protocol import (

@@ -2,17 +2,15 @@
 
 import logging
 import time
-from collections.abc import Callable
 from functools import partial
-from typing import Protocol
+from typing import TYPE_CHECKING
 from uuid import uuid4
 
 from rtron import __version__
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.exchange.lane_state import LaneState, lane_state, stream_figures
-from rtron.guard.link.event_counter import EventCounter
-from rtron.guard.link.event_recorder import EventRecorder, RecordEvent
+from rtron.guard.link.event_recorder import EventCounter, EventRecorder, RecordEvent
 from rtron.guard.link.host_events import HostEvents
 from rtron.guard.link.link_client import LinkClient
 from rtron.guard.link.options import LinkOptions
@@ -27,30 +25,14 @@ from rtron.wire.common.link_protocol import (
     StateReport,
 )
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rtron.guard.lanes.bulk.command_connection import CommandConnection
+
 log = logging.getLogger(__name__)
 
 _STATE_PERIOD = SECOND // 5
-
-OnAnswer = Callable[[str], None]
-OnChange = Callable[[], None]
-
-
-class OtherLane(Protocol):
-    """The streams that another process of the guard carries."""
-
-    state: LaneState
-
-    def take_figures(self) -> dict[str, dict[str, object]]:
-        """Return what became of the messages since the last call, by topic."""
-        ...
-
-    def apply(self, settings: Settings, on_answer: OnAnswer) -> None:
-        """Put settings in force there; `on_answer` gets why that is not possible, or nothing."""
-        ...
-
-    def listen(self, record: RecordEvent, on_change: OnChange) -> None:
-        """Record what happens there, and call `on_change` when the state is another."""
-        ...
 
 
 class ServiceLink:
@@ -63,7 +45,7 @@ class ServiceLink:
         settings: SettingsInForce,
         loop: EventLoop,
         options: LinkOptions,
-        other_lane: OtherLane | None = None,
+        other_lane: "CommandConnection | None" = None,
     ) -> None:
         self._plan, self._host, self._settings, self._loop = plan, host, settings, loop
         self._other_lane = other_lane
@@ -103,10 +85,9 @@ class ServiceLink:
         self._recorder.record(EventKind.GUARD, reason="the guard ends")
         self._client.close()
 
-    def receive(self, message: object) -> None:
+    def receive(self, response: CommandResponse) -> None:
         """Pass on the response to what a person has asked of a lease."""
-        if isinstance(message, CommandResponse):
-            self._client.send(message)
+        self._client.send(response)
 
     def report_incident(self, name: str) -> None:
         """Tell that an incident was saved on this machine, in a file of this name."""

@@ -104,7 +104,6 @@ class IncidentPlayer:
         for index, name in enumerate(self._events):
             if name in events:
                 self._board.write_event(index, EventRecord(events[name], now))
-        self._board.written_at = now
         self._observations.update(now)
         self._coordinator.schedule_deadline()
 

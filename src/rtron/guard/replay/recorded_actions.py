@@ -5,10 +5,10 @@ Nobody is asked anything: the server answers a goal as it did when it was record
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from rtron.errors import InputError, WireError
-from rtron.guard.action.ros2.endpoints import ActionListener, CancelReply, GoalReply
+from rtron.guard.action.ros2.endpoints import CancelReply, GoalReply
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
 from rtron.messages.common.definition import Definition
@@ -32,6 +32,9 @@ from rtron.vocabulary import (
     ros2_entity_name,
 )
 
+if TYPE_CHECKING:
+    from rtron.guard.action.ros2.stream import Ros2ActionStream
+
 EVENTS = "_service_event"
 """What service introspection adds to a service's name (ROS 2: rcl/service_introspection.h)."""
 _MAX_CACHED = 10_000
@@ -49,9 +52,9 @@ class RecordedActionTransport(MemoryTransport):
         self.actions: list[RecordedAction] = []
 
     def action_endpoints(
-        self, stream: Stream, node: str, listener: ActionListener
+        self, stream: Stream, node: str, listener: "Ros2ActionStream"
     ) -> "RecordedAction":
-        """Return the endpoints of an action; see `ActionTransport`."""
+        """Return the endpoints of an action."""
         del node
         goal = self._goal(stream.type)
         self.actions.append(RecordedAction(stream, goal, listener, self))
@@ -71,7 +74,7 @@ class RecordedAction:
         self,
         stream: Stream,
         goal: Definition | None,
-        listener: ActionListener,
+        listener: "Ros2ActionStream",
         transport: MemoryTransport,
     ) -> None:
         self.stream = stream

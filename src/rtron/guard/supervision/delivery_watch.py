@@ -9,7 +9,13 @@ import struct
 
 from rtron.guard.core.report_messages import UINT64
 from rtron.guard.supervision.watchdog import Watchdog
-from rtron.guard.transport.common.protocol import MessageHandler, Output, Peer, Transport
+from rtron.guard.transport.common.protocol import (
+    MessageHandler,
+    Output,
+    OutputOptions,
+    Peer,
+    Transport,
+)
 from rtron.messages.common.encoding import PREFIX
 from rtron.vocabulary import GUARD_NODE, PRIVATE_ROOT, SECOND, SUPERVISOR_NODE
 
@@ -91,7 +97,7 @@ class DeliveryEcho:
 
 
 def _advertise(transport: Transport, node: str, topic: str) -> Output:
-    output = transport.advertise(node, topic, UINT64.type, queue_size=1)
+    output = transport.advertise(node, topic, UINT64.type, OutputOptions(queue_size=1))
     output.learn_type(UINT64)
     return output
 

@@ -4,8 +4,7 @@ import signal
 import socket
 from contextlib import suppress
 
-from rtron.guard.supervision.fork_server import ForkServer
-from rtron.guard.supervision.forked_process import ForkedProcess
+from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
 from rtron.guard.supervision.programs import GUARD
 from rtron.guard.supervision.shared_memory import BEGIN, GuardMemory
 
@@ -52,23 +51,25 @@ class GuardProcess:
         return self._process.poll()
 
 
-def spawn_guard(server: ForkServer, config_file: int, streams: int) -> GuardProcess:
+def spawn_guard(
+    server: ForkServer, config_file: int, bulk_port: socket.socket, streams: int
+) -> GuardProcess:
     """Start a guard with a page of its own; it waits until it is told to begin.
 
     OSError if the system gives no memory, file or process for it.
     """
     memory = GuardMemory.create(streams)
     try:
-        return _spawn(server, config_file, memory)
+        return _spawn(server, [config_file, bulk_port.fileno()], memory)
     except BaseException:
         memory.close()
         raise
 
 
-def _spawn(server: ForkServer, config_file: int, memory: GuardMemory) -> GuardProcess:
+def _spawn(server: ForkServer, files: list[int], memory: GuardMemory) -> GuardProcess:
     parent_socket, child_socket = socket.socketpair()
     try:
-        process = server.start(GUARD, (config_file, memory.descriptor, child_socket.fileno()))
+        process = server.start(GUARD, [*files, memory.descriptor, child_socket.fileno()])
     except BaseException:
         parent_socket.close()
         raise

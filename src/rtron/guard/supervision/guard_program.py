@@ -30,7 +30,7 @@ def main(numbers: str) -> None:
     Not before the supervisor says so: a spare guard waits here, and ends with the supervisor.
     """
     leave_terminal()
-    config_file, memory_file, number = open_descriptors(numbers)
+    config_file, port, memory_file, number = open_descriptors(numbers)
     connection = socket.socket(fileno=number)
     config = read_config(config_file)
     start_logging(config.log_level)
@@ -51,7 +51,7 @@ def main(numbers: str) -> None:
     log.info("the guard begins, process %d", os.getpid())
 
     def guard() -> int:
-        client = SupervisorClient(config, memory, connection, session)
+        client = SupervisorClient(config, memory, connection, socket.socket(fileno=port), session)
         options = dict(config.options)
         if options.pop("dry_run"):
             from rtron.guard.dry_run import run_dry  # noqa: PLC0415 - loaded before

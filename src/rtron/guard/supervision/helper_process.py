@@ -5,13 +5,12 @@ import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 
-from rtron.guard.incidents.recorder_port import RecorderPort
-from rtron.guard.supervision.fork_server import ForkServer
-from rtron.guard.supervision.forked_process import ForkedProcess
+from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
 from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.programs import BULK, INCIDENTS, LINK, process_name
 from rtron.guard.supervision.watchdog import HangWatch
-from rtron.guard.system.shared_beat import SharedBeat
+from rtron.guard.system.process_port import ProcessPort
+from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.vocabulary import SECOND
 
 log = logging.getLogger(__name__)
@@ -19,6 +18,7 @@ log = logging.getLogger(__name__)
 MIN_RESTART_DELAY = SECOND
 """The time before the next start of one that ended soon, ns; it doubles while each does."""
 MAX_RESTART_DELAY = 4 * SECOND
+_LOOK_PERIOD = SECOND // 10
 _END_S, _LEAST_S = 15.0, 1.0
 """How long the helpers may take to end together, and each at least; systemd's unit gives 20 s."""
 
@@ -63,8 +63,10 @@ class HelperProcess:
             return
         if self._start_due is None:
             self._start_due = now + self._wait(now - self._started_at)
-        if now >= self._start_due and self._is_needed():
-            self._start(now)
+        if now >= self._start_due:
+            self._start_due = now + _LOOK_PERIOD
+            if self._is_needed():
+                self._start(now)
 
     def _end_if_hung(self, now: int, process: ForkedProcess) -> None:
         if self._beat and self._hang_watch.is_hung(now, self._beat.at):
@@ -112,19 +114,25 @@ class HelperProcess:
 
 
 def make_helpers(
-    server: ForkServer, config: GuardConfig, config_file: int, slot_files: Sequence[int]
+    server: ForkServer,
+    config: GuardConfig,
+    config_file: int,
+    slot_files: Sequence[int],
+    bulk_port: ProcessPort,
 ) -> Iterator[HelperProcess]:
     """Yield what runs beside the guard: a dry run is one process."""
     if not config.options.get("dry_run"):
-        port = RecorderPort()
-        yield HelperProcess(server, config_file, BULK, files=[port.bulk_side.fileno()])
+        recorder_port = ProcessPort()
+        sides = (bulk_port.accepting_side, recorder_port.connecting_side)
+        files = [side.fileno() for side in sides]
+        yield HelperProcess(server, config_file, BULK, files=files, beat=SharedBeat.create())
         yield HelperProcess(
             server,
             config_file,
             INCIDENTS,
-            files=[port.recorder_side.fileno()],
+            files=[recorder_port.accepting_side.fileno()],
             has_plan=False,
-            is_needed=port.has_connection,
+            is_needed=recorder_port.has_connection,
         )
     if config.options.get("link"):
         yield HelperProcess(

@@ -9,10 +9,9 @@ import time
 from rtron.errors import SourceError
 from rtron.guard.core.state_file import StateFile
 from rtron.guard.intrusion_latch import handover_document, intrusions_in
-from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.guard_config import GuardConfig
-from rtron.guard.system.master_name import master_file_name
-from rtron.guard.system.state_folder import state_folder
+from rtron.guard.supervision.shared_memory import DoubleBuffer
+from rtron.guard.system.state_folder import master_file_name, state_folder
 from rtron.vocabulary import OnForeign, build_streams
 
 log = logging.getLogger(__name__)

@@ -8,7 +8,7 @@ import os
 import struct
 from enum import Enum
 
-from rtron.guard.supervision.forked_process import START_FAILED
+from rtron.guard.supervision.fork_server import START_FAILED
 from rtron.guard.supervision.guard_config import write_memory_file
 from rtron.vocabulary import SECOND
 

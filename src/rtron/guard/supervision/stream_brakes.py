@@ -6,14 +6,14 @@ from collections.abc import Callable
 from rtron.guard.core.message_types import codec_of, standard_info
 from rtron.guard.core.stop_controller import StopController
 from rtron.guard.intrusion_latch import intrusions_in
-from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.shared_memory import (
+    DoubleBuffer,
     GuardMemory,
     StatusWord,
     decode_last_message,
     decode_type_info,
 )
-from rtron.guard.transport.common.protocol import Output, Transport, TypeInfo
+from rtron.guard.transport.common.protocol import Output, OutputOptions, Transport, TypeInfo
 from rtron.messages.common.velocity import VelocityCodec
 from rtron.vocabulary import SUPERVISOR_NODE, UNAPPROVED, QoS, Stream, output_topic
 
@@ -41,9 +41,8 @@ class StreamBrake:
         self._braking_since = 0
 
     def _open(self, topic: str) -> Output:
-        output = self._transport.advertise(
-            SUPERVISOR_NODE, topic, self._stream.type, queue_size=self._stream.queue_size
-        )
+        options = OutputOptions(queue_size=self._stream.queue_size)
+        output = self._transport.advertise(SUPERVISOR_NODE, topic, self._stream.type, options)
         output.match_subscribers(() if topic == self._stream.topic else self._stream.successors)
         output.offer(UNAPPROVED, QoS())
         output.greet(self._greeting)

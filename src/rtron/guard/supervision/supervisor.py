@@ -11,8 +11,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
-from rtron.guard.supervision.fork_server import ForkServer
-from rtron.guard.supervision.forked_process import START_FAILED, UNKNOWN_END
+from rtron.guard.supervision.fork_server import START_FAILED, UNKNOWN_END, ForkServer
 from rtron.guard.supervision.guard_config import GuardConfig, longest_ramp, stopped_streams
 from rtron.guard.supervision.guard_name import (
     SUPERVISOR,
@@ -36,6 +35,7 @@ from rtron.guard.supervision.supervisor_fsm import (
     SupervisorFsm,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, SchedulingDelay, Watchdog
+from rtron.guard.system.process_port import ProcessPort
 from rtron.guard.transport.factory import open_transport
 from rtron.vocabulary import SECOND
 from rtron.wire.common.systemd import take_notifier
@@ -85,7 +85,10 @@ class Supervisor:
         self._delay = SchedulingDelay(loop.now())
         self._delivery = DeliveryWatch(self._transport, loop.now())
         self._fsm = SupervisorFsm(loop.now(), config.plan.supervision)
-        self._helpers = list(make_helpers(server, config, config_file, self._plan_trial.slot_files))
+        self._bulk_port = ProcessPort()
+        self._helpers = list(
+            make_helpers(server, config, config_file, self._plan_trial.slot_files, self._bulk_port)
+        )
         self._spare: GuardProcess | None = None
         self._spare_due = 0
         self._is_spare_ready = False
@@ -213,7 +216,8 @@ class Supervisor:
     def _try_spawn(self, failure: str) -> GuardProcess | None:
         """Start a guard; None if the system has nothing left for it now."""
         try:
-            return spawn_guard(self._server, self._plan_trial.config_file, self._stream_count)
+            port, config_file = self._bulk_port.connecting_side, self._plan_trial.config_file
+            return spawn_guard(self._server, config_file, port, self._stream_count)
         except OSError as error:
             log.warning("%s, tried again soon: %s", failure, error)
             return None

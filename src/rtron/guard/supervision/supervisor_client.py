@@ -14,10 +14,10 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.stream import GuardedStream
-from rtron.guard.supervision.double_buffer import DoubleBuffer
 from rtron.guard.supervision.guard_config import GuardConfig, is_stoppable
 from rtron.guard.supervision.guard_name import GUARD, answer_name, take_name
 from rtron.guard.supervision.shared_memory import (
+    DoubleBuffer,
     GuardMemory,
     StatusWord,
     decode_last_message,
@@ -25,7 +25,7 @@ from rtron.guard.supervision.shared_memory import (
     encode_type_info,
 )
 from rtron.guard.supervision.watchdog import BEAT_PERIOD, Watchdog
-from rtron.guard.system.out_of_memory import exit_if_out_of_memory
+from rtron.guard.system.process_attributes import exit_if_out_of_memory
 from rtron.guard.system.unix_socket import peer_credentials
 from rtron.guard.transport.common.protocol import TypeInfo
 from rtron.vocabulary import (
@@ -63,9 +63,10 @@ class SupervisorClient:
         config: GuardConfig,
         memory: GuardMemory,
         connection: socket.socket,
+        bulk_port: socket.socket,
         session: "Ros2Session | None" = None,
     ) -> None:
-        """Take the connection to the supervisor.
+        """Take the connection to the supervisor, and the connecting side to the bulk process.
 
         `session` was opened while the guard waited to begin.
 
@@ -75,7 +76,7 @@ class SupervisorClient:
             memory.handover_state.read()[1], memory.handover_state.write
         )
         self.session = session
-        self.configuration = config.digest
+        self.configuration, self.bulk_port = config.digest, bulk_port
         self._memory = memory
         self._connection = connection
         self._name = take_name(GUARD, config.master)

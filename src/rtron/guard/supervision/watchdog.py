@@ -69,7 +69,7 @@ def adapt_bound(bound: int, delay: int, longest: int) -> int:
 HANG_TIMEOUT = 2 * SECOND
 """Silence after which a process beside the guard is killed, ns."""
 LONGEST_HANG = 10 * SECOND
-"""The same where it is late often."""
+"""The same where it is late often: it goes after others, and is not killed for that."""
 START_TIMEOUT = 20 * SECOND
 """The same before its first beat."""
 
@@ -84,5 +84,5 @@ class HangWatch:
         """Return whether it does at `now`; its last beat was at `beat_at`, 0 before the first."""
         limit = START_TIMEOUT
         if beat_at:
-            limit = adapt_bound(HANG_TIMEOUT, self._delay.update(beat_at), LONGEST_HANG)
+            limit = adapt_bound(HANG_TIMEOUT, 2 * self._delay.update(beat_at), LONGEST_HANG)
         return self._watchdog.update(now, beat_at) > limit

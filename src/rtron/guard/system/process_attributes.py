@@ -2,12 +2,39 @@
 
 import ctypes
 import logging
+import mmap
 import os
+import resource
 import signal
 from contextlib import suppress
 from pathlib import Path
+from typing import NoReturn
 
 log = logging.getLogger(__name__)
+
+_PROBE_SIZE = 1 << 20
+_LAST_WORDS = b"ERROR out of memory: the process ends\n"
+
+
+def exit_out_of_memory() -> NoReturn:
+    """End the process at once; nothing here needs memory."""
+    os.write(2, _LAST_WORDS)
+    os._exit(os.EX_OSERR)
+
+
+def exit_if_out_of_memory() -> None:
+    """End the process while it still can, if the system does not even give it 1 MiB."""
+    try:
+        mmap.mmap(-1, _PROBE_SIZE).close()
+    except (OSError, MemoryError):
+        exit_out_of_memory()
+
+
+def allow_many_files() -> None:
+    """Let this process open as many files as its hard limit allows: each connection is one."""
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+
 
 _PR_SET_PDEATHSIG = 1
 _prctl = ctypes.CDLL(None, use_errno=True).prctl

@@ -1,7 +1,37 @@
 """Memory that two processes share, of a size that neither can change."""
 
 import fcntl
+import mmap
 import os
+from typing import ClassVar
+
+from rtron.vocabulary import SECOND
+
+
+class SharedBeat:
+    """When the process was last well, ns; 0 before its first beat."""
+
+    PERIOD: ClassVar[int] = SECOND // 10
+    """The time between two beats, ns."""
+
+    def __init__(self, descriptor: int) -> None:
+        self.descriptor = descriptor
+        self._words = memoryview(mmap.mmap(descriptor, mmap.PAGESIZE)).cast("Q")
+
+    @classmethod
+    def create(cls) -> "SharedBeat":
+        """Return one that has not beaten; OSError if there is no memory left."""
+        return cls(create_sealed_memory("rtron-beat", mmap.PAGESIZE))
+
+    @property
+    def at(self) -> int:
+        """The last beat, ns."""
+        return self._words[0]
+
+    @at.setter
+    def at(self, now: int) -> None:
+        self._words[0] = now
+
 
 _SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
 

@@ -5,10 +5,8 @@ from typing import Any, TypeAlias
 
 from rtron.reports.app.inventory_rows import rows_to_json
 from rtron.reports.app.note_groups import NoteKind, group_notes
-from rtron.reports.app.page_coordination import plan_data
-from rtron.reports.app.page_ids import PageIds, page_ids
-from rtron.reports.app.risk_list import KIND_TITLE, location, worst_first
-from rtron.reports.app.risk_marks import RiskMarks, risk_marks
+from rtron.reports.app.page_coordination import PageIds, page_ids, plan_data
+from rtron.reports.app.risk_list import KIND_TITLE, RiskMarks, location, risk_marks, worst_first
 from rtron.sanitize import sanitize
 from rtron.vocabulary import (
     Direction,

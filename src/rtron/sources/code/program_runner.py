@@ -35,11 +35,11 @@ from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 from rtron.sources.code.ir import Function, SourceProblem
 from rtron.sources.code.last_message import last_messages
-from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
-from rtron.sources.code.library_models.common.other_ros import (
+from rtron.sources.code.library_models.common.message_types import (
     OTHER_CPP_CLASSES,
     OTHER_CPP_FUNCTIONS,
 )
+from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
 from rtron.sources.code.library_models.cpp_std.registry import (
     CONSTANTS,
     CPP_STD_CLASSES,
@@ -51,8 +51,8 @@ from rtron.sources.code.library_models.python_std.registry import (
     command_line_value,
     node_constants,
 )
-from rtron.sources.code.library_models.rclcpp.hardware import HARDWARE_CALLBACKS, hardware_info
 from rtron.sources.code.library_models.rclcpp.node import component_options
+from rtron.sources.code.library_models.rclcpp.pluginlib import HARDWARE_CALLBACKS, hardware_info
 from rtron.sources.code.library_models.rclcpp.registry import (
     RCLCPP_CLASSES,
     RCLCPP_CONSTANTS,
@@ -62,6 +62,7 @@ from rtron.sources.code.library_models.rclpy.registry import rclpy_library
 from rtron.sources.code.library_models.roscpp.plugins import start_nodelet
 from rtron.sources.code.library_models.roscpp.registry import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
 from rtron.sources.code.library_models.rospy.registry import ROSPY
+from rtron.sources.code.message_flow import message_flows
 from rtron.sources.code.parameter_reads import mark_parameters_read_once
 from rtron.sources.code.reachability import (
     joins_nodes,
@@ -279,9 +280,10 @@ def _run_to_fixpoint(
     note_unreached(machine, own)
     interface = machine.recorder.result()
     interface = mark_parameters_read_once(machine, interface) if of_node else interface
-    last = tuple(last_messages(machine))
+    last, flows = tuple(last_messages(machine)), tuple(message_flows(machine))
     run_frame_users(machine)
-    return replace(interface, frame_uses=machine.recorder.result().frame_uses, last_messages=last)
+    frame_uses = machine.recorder.result().frame_uses
+    return replace(interface, frame_uses=frame_uses, last_messages=last, message_flows=flows)
 
 
 def _create_cpp_machine(

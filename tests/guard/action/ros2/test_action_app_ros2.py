@@ -25,6 +25,8 @@ from ros2_action_app import (
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.ros2.auditor import Ros2Auditor
 from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.lanes.bulk.command_nodes import CommandNodes
+from rtron.guard.lanes.exchange.process_connection import ProcessConnection
 from rtron.policies.goals.status_list import LOST_TIMEOUT
 from rtron.vocabulary import (
     MSRCN,
@@ -326,7 +328,8 @@ def test_a_second_server_is_an_alarm_that_stops_the_goal_in_progress(start_actio
     app = start_action_app()
     guard = app.guard
     response = AlarmResponse(guard.coordinator, guard.transport, OnForeign.STOP, dry_run=False)
-    auditor = Ros2Auditor(app.plan, guard.transport, response, guard.loop)
+    no_others = CommandNodes(ProcessConnection(guard.loop), guard.loop, frozenset())
+    auditor = Ros2Auditor(app.plan, guard.transport, response, guard.loop, no_others)
     guard.call(auditor.open)
     app.one.send_goal(1)
     wait_for(lambda: app.server.started, what="the goal")

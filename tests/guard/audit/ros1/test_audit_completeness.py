@@ -11,9 +11,9 @@ from plans import grcn, plan_of
 
 from rtron.guard.audit.ros1 import auditor, intrusions, master_queries
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
+from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.audit.ros1.live_verification import verify_live
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.bulk.joined_nodes import JoinedNodes
 from rtron.vocabulary import SECOND, AlarmKind, Mode
 
 OUT, DRIVER, GUARD, BULK = "/rtron/cmd_vel/out", "/driver", "/rtron/grcn_cmd_vel", "/rtron_bulk"
@@ -112,6 +112,7 @@ class Audit:
             unknown_streams=lambda: self.unknown,
             subscribers=lambda _topic: self.listeners,
             set_shutdown_handler=lambda handler: None,
+            set_listener_handlers=lambda on_new, on_lost: None,
             register_node=lambda name: None,
         )
         self.master.names = {DRIVER: self.driver.uri, GUARD: OURS}
@@ -275,7 +276,7 @@ def test_without_enforced_streams_nothing_is_missing_and_a_shutdown_is_just_refu
     observed = plan_of(grcn("/tf", ["/a"], ["/b"], mode=Mode.OBSERVE))
     audit = Audit(stack, observed)
     commands = SimpleNamespace()
-    nodes = JoinedNodes(audit.guard, commands)
+    nodes = GuardNodes(audit.guard, commands)
     Ros1Auditor(observed, audit.master.uri, nodes, audit.response, audit.loop).open()
     assert audit.missing == ""
     commands.on_shutdown_request(GUARD, reason)

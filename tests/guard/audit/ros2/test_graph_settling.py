@@ -201,7 +201,7 @@ def test_nobody_else_is_it_whatever_name_and_process_it_claims(domain, name):
 def test_a_plan_that_enforces_nothing_has_nothing_to_look_at(domain):
     plan = base_plan(mode=Mode.OBSERVE)
     transport, loop = domain.auditor._transport, domain.auditor._loop
-    observing = Ros2Auditor(plan, transport, domain.response, loop)
+    observing = Ros2Auditor(plan, transport, domain.response, loop, domain.commands)
     observing.open()
     observing.look_again()
     assert domain.missing == ""

@@ -3,7 +3,6 @@
 import pytest
 
 from rtron.guard.lanes.bulk.bulk_process import HeldStreams
-from rtron.guard.lanes.exchange.messages import HoldStream, ReleaseStream, StoppedStreams
 
 MAP, SCAN = "/map", "/scan"
 
@@ -27,7 +26,7 @@ def brakes():
 def streams(brakes):
     streams = HeldStreams(brakes)
     for topic in brakes:
-        streams.receive(HoldStream(topic, "a rogue"))
+        streams.hold(topic, "a rogue")
     return streams
 
 
@@ -37,17 +36,17 @@ def held(brakes):
 
 def test_a_stream_is_held_until_it_is_released(brakes, streams):
     assert held(brakes) == {MAP, SCAN}
-    streams.receive(ReleaseStream(MAP))
+    streams.release(MAP)
     assert held(brakes) == {SCAN}
 
 
 @pytest.mark.parametrize("stopped", [(), (MAP,), (SCAN,), (MAP, SCAN), ("/other",)])
 def test_what_the_next_command_process_has_not_stopped_is_released(brakes, streams, stopped):
-    streams.receive(StoppedStreams(frozenset(stopped)))
+    streams.release_others(frozenset(stopped))
     assert held(brakes) == {MAP, SCAN} & set(stopped)
 
 
 def test_a_stream_of_another_process_is_nobodys_here(brakes, streams):
-    streams.receive(HoldStream("/cmd_vel", "a rogue"))
-    streams.receive(ReleaseStream("/cmd_vel"))
+    streams.hold("/cmd_vel", "a rogue")
+    streams.release("/cmd_vel")
     assert held(brakes) == {MAP, SCAN}

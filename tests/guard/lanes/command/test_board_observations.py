@@ -84,7 +84,6 @@ def test_without_a_board_everything_is_silent(boarded):
     assert boarded.rate().is_silent
     assert boarded.red() is None
     assert boarded.rule.is_blocking
-    assert boarded.observed.view.written_at == 0
 
 
 def test_a_rate_is_what_was_counted_and_falls_with_its_age(boarded):

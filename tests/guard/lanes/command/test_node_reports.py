@@ -9,12 +9,7 @@ from plans import grcn, plan_of
 
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.command.node_reports import MAX_PER_PERIOD, MAX_TEXT, NodeReports
-from rtron.guard.lanes.exchange.messages import (
-    LostListener,
-    NewListener,
-    NodesReport,
-    ShutdownRequest,
-)
+from rtron.guard.lanes.exchange.audit_exchange import NodesReport
 from rtron.guard.middleware import Ros1Middleware
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.wire.ros1.tcpros import encode_header
@@ -36,6 +31,8 @@ class Scene:
         self.output = self.transport.advertise(NODE, OUT, TWIST)
         connection = SimpleNamespace(
             send=self.sent.append,
+            call=lambda *call: self.sent.append(call),
+            on=lambda register_node: None,
             connect_listeners=[],
             is_connected=True,
             former_participants=frozenset,
@@ -59,7 +56,7 @@ class Scene:
 
     def report(self):
         self.reports._report_anew()
-        return self.sent[-1]
+        return self.sent[-1][1]
 
     def _connect(self, header):
         sock = socket.create_connection(("127.0.0.1", self.transport.port), 20)
@@ -73,7 +70,7 @@ class Scene:
         return sock
 
     def listener_messages(self):
-        return [each for each in self.sent if isinstance(each, NewListener | LostListener)]
+        return [each for each in self.sent if "subscribed" in each[0]]
 
 
 def _is_readable(sock):
@@ -104,7 +101,7 @@ def test_six_subscribers_with_huge_names_do_not_make_a_huge_report(scene):
 def test_strangers_do_not_hide_the_driver(scene):
     scene.connect(*(f"/stranger_{number}" for number in range(300)), "/driver")
     assert scene.report().subscribers == {OUT: {"/driver"}}
-    assert scene.listener_messages() == [NewListener(OUT, "/driver")]
+    assert scene.listener_messages() == [("subscribed", OUT, "/driver")]
 
 
 def test_a_stranger_with_the_name_of_the_driver_that_comes_and_goes_is_told_now_and_then(scene):
@@ -112,8 +109,8 @@ def test_a_stranger_with_the_name_of_the_driver_that_comes_and_goes_is_told_now_
         scene.transport.on_subscriber(OUT, "/driver")
         scene.transport.on_subscriber_lost(OUT, "/driver")
     assert set(scene.listener_messages()) == {
-        NewListener(OUT, "/driver"),
-        LostListener(OUT, "/driver"),
+        ("subscribed", OUT, "/driver"),
+        ("unsubscribed", OUT, "/driver"),
     }
     assert len(scene.listener_messages()) < MAX_PER_PERIOD
 
@@ -121,7 +118,7 @@ def test_a_stranger_with_the_name_of_the_driver_that_comes_and_goes_is_told_now_
 def test_a_request_to_shut_down_is_cut_short(scene):
     scene.transport._nodes[NODE].dispatch("shutdown", ("/x" * 9999, "y" * 99_999))
     scene.loop.step(0.01)
-    (request,) = [each for each in scene.sent if isinstance(each, ShutdownRequest)]
-    assert request.node == NODE
-    assert len(request.reason) <= MAX_TEXT
-    assert "asked for it: yyy" in request.reason
+    ((node, reason),) = [each[1:] for each in scene.sent if each[0] == "shutdown_request"]
+    assert node == NODE
+    assert len(reason) <= MAX_TEXT
+    assert "asked for it: yyy" in reason

@@ -9,9 +9,8 @@ from rtron.guard.lanes.command.node_reports import (
     PERIOD,
     RateLimitedSender,
 )
-from rtron.guard.lanes.exchange.messages import LostListener, NewListener
 
-COME, GONE = NewListener("/out", "/driver"), LostListener("/out", "/driver")
+COME, GONE = ("subscribed", "/out", "/driver"), ("unsubscribed", "/out", "/driver")
 
 
 class Clock:
@@ -71,7 +70,7 @@ def test_a_node_that_comes_and_goes_is_told_once_a_period(sender, sent, clock):
 
 
 def test_many_nodes_are_told_in_turn_and_none_is_lost(sender, sent, clock):
-    nodes = [NewListener("/out", f"/wheel_{number}") for number in range(3 * MAX_PER_PERIOD)]
+    nodes = [("subscribed", "/out", f"/wheel_{number}") for number in range(3 * MAX_PER_PERIOD)]
     for each in nodes:
         sender.send(each)
     assert len(sent) == MAX_PER_PERIOD
@@ -82,7 +81,7 @@ def test_many_nodes_are_told_in_turn_and_none_is_lost(sender, sent, clock):
 
 def test_what_waits_is_bounded(sender, sent, clock, caplog):
     for number in range(10 * MAX_WAITING):
-        sender.send(NewListener("/out", f"/wheel_{number}"))
+        sender.send(("subscribed", "/out", f"/wheel_{number}"))
     for _ in range(2 * MAX_WAITING // MAX_PER_PERIOD):
         clock.pass_period()
     assert len(sent) == MAX_WAITING + MAX_PER_PERIOD

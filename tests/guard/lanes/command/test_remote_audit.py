@@ -1,9 +1,10 @@
 """The audit in one process and the brakes in another: what each knows when the other comes back."""
 
+import os
+import socket
 from contextlib import ExitStack
 from itertools import pairwise
 from types import SimpleNamespace
-from uuid import uuid4
 
 import pytest
 from plans import grcn, plan_of
@@ -25,19 +26,11 @@ from rtron.guard.lanes.command import remote_audit
 from rtron.guard.lanes.command.board_observations import BoardObservations
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
 from rtron.guard.lanes.command.remote_audit import RemoteAudit
+from rtron.guard.lanes.exchange.audit_exchange import MAX_ALARMS, NodesReport
 from rtron.guard.lanes.exchange.message_channel import MAX_MESSAGE_BYTES
-from rtron.guard.lanes.exchange.messages import (
-    MAX_ALARMS,
-    ActiveAlarms,
-    AuditProgress,
-    AuditRound,
-    BulkParticipant,
-    DismissAnswer,
-    NodesReport,
-    RaiseAlarm,
-    SettleAlarm,
-)
 from rtron.guard.settings.intrusion_clearing import ClearCommands
+from rtron.guard.system.process_port import ProcessPort
+from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, OnForeign, build_streams
 
@@ -47,6 +40,7 @@ GHOST = Alarm(kind=AlarmKind.UNREGISTERED_PUBLISHER, reason="a ghost", node="/dr
 ROGUE = Alarm(kind=AlarmKind.FOREIGN_PUBLISHER, reason="a rogue", node="/driver")
 DRIFT = Alarm(kind=AlarmKind.DRIFT, reason="a remap is missing", node="/nav")
 LIMIT = 20 * SECOND
+COMPLETE = ("active_alarms", ())
 
 
 class Listener:
@@ -65,6 +59,19 @@ class Listener:
         return self.silences.get(stream)
 
 
+class RecordedConnection(BulkConnection):
+    """Keeps the calls of the audit, its rounds by themselves."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.calls, self.rounds = [], []
+
+    def _receive(self, call):
+        kept = self.rounds if call[0] == "audit_round" else self.calls
+        kept.append(call)
+        super()._receive(call)
+
+
 class Commands:
     """The brakes of a command process, and its end of the connection."""
 
@@ -77,16 +84,12 @@ class Commands:
         self.listener = self.response.listener = Listener()
         self.host.open()
         board, loop = BoardObservations(PLAN), processes.loop
-        self.connection = BulkConnection(loop, processes.configuration, board, self.host)
-        self.messages = []
-        self.rounds = []
-        self.connection.message_listeners.append(self._keep)
+        self.connection = RecordedConnection(
+            loop, processes.port.connecting_side, processes.configuration, board, self.host
+        )
+        self.calls, self.rounds = self.connection.calls, self.connection.rounds
         self.audit = RemoteAudit(self.connection, self.response, loop)
         self.connection.open()
-
-    def _keep(self, message):
-        kept = self.rounds if isinstance(message, AuditRound) else self.messages
-        kept.append(message)
 
     @property
     def alarms(self):
@@ -109,8 +112,9 @@ class Bulk:
 
     def __init__(self, processes):
         loop = processes.loop
-        writer = BoardWriter(observations_of(PLAN), loop)
-        self.connection = CommandConnection(loop, processes.configuration, writer, Alarms())
+        writer = BoardWriter(observations_of(PLAN), loop, SharedBeat.create())
+        port = processes.accepting_side()
+        self.connection = CommandConnection(loop, port, processes.configuration, writer, Alarms())
         self.response = RemoteResponse(self.connection, loop, stops_streams=True)
         self.response.find_missing = lambda: processes.missing
         self.response.find_unseen = processes.find_unseen
@@ -126,17 +130,22 @@ class Processes:
     """Both ends on one loop, connected by a real socket."""
 
     def __init__(self, stack):
-        self.loop, self.configuration = EventLoop(), uuid4().hex
+        self.loop, self.configuration, self.port = EventLoop(), b"this plan", ProcessPort()
         self.missing = ""
         """What the audit says that it has not looked at."""
         self.seen_at, self.asked_since = 0, []
         """When the audit has looked after the stream, and since when it was asked."""
-        stack.callback(self.loop.close)
+        for each in (self.loop, self.port.connecting_side, self.port.accepting_side):
+            stack.callback(each.close)
         self._stack = stack
 
     def find_unseen(self, since):
         self.asked_since.append(since)
         return {} if self.seen_at > since else {TOPIC: "a gap"}
+
+    def accepting_side(self):
+        """Return the bulk process's side, as each one has it from the supervisor."""
+        return socket.socket(fileno=os.dup(self.port.accepting_side.fileno()))
 
     def start_commands(self, handover=b""):
         commands = Commands(self, handover)
@@ -183,7 +192,7 @@ def processes(stack, monkeypatch):
 def pair(processes):
     """Return both processes when the audit has called its findings complete."""
     commands, bulk = processes.start_commands(), processes.start_bulk()
-    processes.wait(lambda: ActiveAlarms(()) in commands.messages)
+    processes.wait(lambda: COMPLETE in commands.calls)
     return SimpleNamespace(commands=commands, bulk=bulk)
 
 
@@ -209,22 +218,22 @@ def test_a_mistake_releases_what_it_has_stopped(processes, pair):
 
 
 def test_only_what_changes_is_sent(processes, pair):
-    before = len(pair.commands.messages)
+    before = len(pair.commands.calls)
     for _ in range(3):
         pair.bulk.find(GHOST)
     pair.bulk.response.settle(ROGUE)
     pair.bulk.response.settle(GHOST)
-    processes.wait(lambda: SettleAlarm(GHOST) in pair.commands.messages)
-    sent = pair.commands.messages[before:]
-    assert sent == [RaiseAlarm(GHOST, (TOPIC,)), SettleAlarm(GHOST)]
+    processes.wait(lambda: ("settle_alarm", GHOST) in pair.commands.calls)
+    sent = pair.commands.calls[before:]
+    assert sent == [("raise_alarm", GHOST, (TOPIC,)), ("settle_alarm", GHOST)]
 
 
 def test_each_round_of_the_audit_is_told_and_what_it_left_out(processes, pair):
-    processes.wait(lambda: pair.commands.rounds[-1:] == [AuditRound({TOPIC: "a gap"})])
+    processes.wait(lambda: pair.commands.rounds[-1:] == [("audit_round", {TOPIC: "a gap"})])
     processes.seen_at = processes.loop.now()
-    processes.wait(lambda: AuditRound({}) in pair.commands.rounds)
-    processes.wait(lambda: pair.commands.rounds[-1] == AuditRound({TOPIC: "a gap"}))
-    assert pair.commands.rounds.count(AuditRound({})) == 1
+    processes.wait(lambda: ("audit_round", {}) in pair.commands.rounds)
+    processes.wait(lambda: pair.commands.rounds[-1] == ("audit_round", {TOPIC: "a gap"}))
+    assert pair.commands.rounds.count(("audit_round", {})) == 1
     assert processes.asked_since == sorted(set(processes.asked_since))
 
 
@@ -241,7 +250,7 @@ def test_the_next_command_process_is_told_all_that_is_there(processes, pair):
     assert following.brake_reason == "a ghost"
     processes.wait(lambda: set(following.alarms) == {GHOST, ROGUE, DRIFT})
     processes.wait(lambda: following.listener.requests == requests)
-    processes.wait(lambda: isinstance(following.messages[-1], ActiveAlarms))
+    processes.wait(lambda: following.calls[-1][0] == "active_alarms")
     assert "stays stopped: a " in processes.refusal(following)
     kinds = [each.kind for each in following.host.alarms.active]
     assert kinds.count(AlarmKind.INTRUSION) == 1
@@ -258,9 +267,9 @@ def test_an_audit_that_lives_on_looks_again_for_the_next_command_process(process
     processes.wait(lambda: not following.alarms)
     processes.run(0.1)
     assert processes.missing in processes.refusal(following)
-    assert ActiveAlarms(()) not in following.messages
+    assert COMPLETE not in following.calls
     processes.missing = ""
-    processes.wait(lambda: ActiveAlarms(()) in following.messages)
+    processes.wait(lambda: COMPLETE in following.calls)
     assert processes.refusal(following) == ""
 
 
@@ -301,10 +310,10 @@ def test_a_bulk_process_that_begins_again_makes_no_intruder_go_away(processes, p
     processes.wait(lambda: pair.commands.connection.is_connected)
     processes.wait(lambda: "/driver does not answer" in processes.refusal(pair.commands))
     following.find(ROGUE)
-    processes.wait(lambda: pair.commands.messages[-1] == RaiseAlarm(ROGUE, (TOPIC,)))
+    processes.wait(lambda: pair.commands.calls[-1] == ("raise_alarm", ROGUE, (TOPIC,)))
     processes.run(0.1)
     assert set(pair.commands.alarms) == {GHOST, ROGUE}
-    assert pair.commands.messages.count(AuditProgress(processes.missing)) == 1
+    assert pair.commands.calls.count(("audit_progress", processes.missing)) == 1
     processes.missing = ""
     processes.wait(lambda: pair.commands.alarms == [ROGUE])
     assert "a rogue" in processes.refusal(pair.commands)
@@ -351,7 +360,7 @@ def test_an_audit_that_does_not_answer_in_time_clears_nothing(processes, pair, m
     processes.wait(lambda: not pair.commands.alarms)
     monkeypatch.setattr(remote_audit, "ANSWER_LIMIT_S", 0.0)
     assert "has not answered" in processes.refusal(pair.commands)
-    processes.wait(lambda: isinstance(pair.commands.messages[-1], DismissAnswer))
+    processes.wait(lambda: pair.commands.calls[-1][0] == "dismiss_answer")
     assert pair.commands.brake_reason == "a ghost"
 
 
@@ -380,7 +389,7 @@ def test_the_nodes_of_a_command_process_are_known_when_it_has_told_them(
     report = NodesReport(
         uris={"/rtron_guard": "http://a:1"}, participant=b"p", former_participants=frozenset({b"q"})
     )
-    pair.commands.connection.send(report)
+    pair.commands.connection.call("nodes", report)
     processes.wait(lambda: changes == [frozenset()])
     assert nodes.participants() == {b"p", b"q"}
     assert nodes.former_uris == frozenset()
@@ -395,7 +404,7 @@ def test_the_nodes_of_a_command_process_are_known_when_it_has_told_them(
 
 def test_the_participant_of_a_bulk_process_counts_when_it_has_ended(processes, pair):
     assert pair.commands.connection.former_participants() == frozenset()
-    pair.bulk.connection.send(BulkParticipant(b"b"))
+    pair.bulk.connection.call("participant", b"b")
     pair.bulk.find(GHOST)
     processes.wait(lambda: pair.commands.alarms)
     pair.bulk.connection.close()
@@ -412,7 +421,7 @@ def test_a_connection_that_does_not_last_is_not_made_again_at_once(processes):
 
 
 def test_a_report_that_is_too_long_does_not_end_the_audit(processes, pair):
-    pair.commands.connection.send(NodesReport(uris={"/a": "x" * MAX_MESSAGE_BYTES}))
+    pair.commands.connection.call("nodes", NodesReport(uris={"/a": "x" * MAX_MESSAGE_BYTES}))
     pair.bulk.find(GHOST)
     processes.wait(lambda: pair.commands.brake_reason == "a ghost")
     assert pair.commands.connection.is_connected
@@ -430,7 +439,7 @@ def test_many_alarms_do_not_keep_one_from_stopping_the_stream(processes, pair, c
     pair.bulk.find(GHOST)
     processes.wait(lambda: pair.commands.brake_reason == "a ghost")
     assert losses == []
-    told = [each for each in pair.commands.messages if isinstance(each, RaiseAlarm)]
+    told = [each for each in pair.commands.calls if each[0] == "raise_alarm"]
     assert len(told) == MAX_ALARMS + 1
     lost = [each for each in caplog.messages if "are not reported" in each]
     assert lost
@@ -446,17 +455,17 @@ def test_the_next_command_process_is_told_first_what_stops_a_stream(processes, p
     following = processes.start_commands()
 
     def told():
-        return [each for each in following.messages if isinstance(each, RaiseAlarm)]
+        return [each for each in following.calls if each[0] == "raise_alarm"]
 
     processes.wait(lambda: len(told()) == MAX_ALARMS + 1)
-    assert told()[0] == RaiseAlarm(GHOST, (TOPIC,))
+    assert told()[0] == ("raise_alarm", GHOST, (TOPIC,))
     assert following.brake_reason
 
 
 def test_audits_that_begin_again_and_again_fill_no_memory(processes, pair):
     for number in range(2 * MAX_ALARMS):
-        pair.bulk.connection.send(RaiseAlarm(drift(number), ()))
-    pair.bulk.connection.send(RaiseAlarm(GHOST, (TOPIC,)))
+        pair.bulk.connection.call("raise_alarm", drift(number), ())
+    pair.bulk.connection.call("raise_alarm", GHOST, (TOPIC,))
     processes.wait(lambda: pair.commands.brake_reason)
     assert len(pair.commands.audit._alarms) == MAX_ALARMS + 1
 
@@ -469,7 +478,19 @@ def test_a_stream_is_not_cleared_while_an_intruder_waits_to_be_reported(processe
     pair.bulk.find(*ghosts)
     for ghost in ghosts[:-1]:
         pair.bulk.response.settle(ghost)
-    processes.wait(lambda: pair.commands.messages[-1] == SettleAlarm(ghosts[-2]))
+    processes.wait(lambda: pair.commands.calls[-1] == ("settle_alarm", ghosts[-2]))
     assert "ghost 256" in processes.refusal(pair.commands)
     pair.bulk.response.settle(ghosts[-1])
     assert processes.refusal(pair.commands) == ""
+
+
+def test_a_bulk_process_with_another_plan_serves_nobody(processes):
+    processes.configuration = b"another plan"
+    commands = processes.start_commands()
+    processes.configuration = b"this plan"
+    bulk = processes.start_bulk()
+    processes.run(0.3)
+    assert not commands.connection.is_connected
+    assert not bulk.connection.is_connected
+    following = processes.start_commands()
+    processes.wait(lambda: following.connection.is_connected)

@@ -8,7 +8,6 @@ from settings_app import Base
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.command import service_reports as module
 from rtron.guard.lanes.command.service_reports import ServiceReports
-from rtron.guard.lanes.exchange.messages import RecordedEvent
 from rtron.guard.settings.in_force import SettingsInForce
 from rtron.vocabulary import EventKind
 
@@ -21,9 +20,13 @@ class Line:
         self.is_connected = self.is_ready = False
         self.sent = []
 
-    def send(self, message):
-        if isinstance(message, RecordedEvent):
-            self.sent.append(message)
+    def on(self, **handlers):
+        """Call nothing."""
+
+    def call(self, name, *arguments):
+        if name == "event":
+            at, kind, _, values = arguments
+            self.sent.append(SimpleNamespace(at=at, kind=kind, values=values))
 
     def connect(self):
         self.is_connected = self.is_ready = True

@@ -72,7 +72,7 @@ MISSION = MSRCN(
     eflows=(LIGHT,),
     rules=(MissionRule(name="light", when="red", block=("/cmd_vel",)),),
 )
-GONE = re.compile("the bulk process (?:is gone|stands still)")
+GONE = re.compile("the bulk process is gone|rtron-bulk stands still")
 
 
 class LanedBase2:

@@ -8,6 +8,7 @@ from functools import partial
 
 import pytest
 
+from rtron.guard.transport.common.protocol import OutputOptions
 from rtron.vocabulary import SECOND, Durability, QoS
 
 A, B, TALKER, LISTENER = "/rtron/a", "/rtron/b", "/talker", "/listener"
@@ -301,7 +302,7 @@ def test_whom_an_output_reaches(world):
 
 def test_first_words_wait_for_an_expected_successor(world):
     """What is said while it is still connecting is not lost, and comes in order."""
-    output = world.transport.advertise(A, TOPIC, STRING, successors=(LISTENER,))
+    output = world.transport.advertise(A, TOPIC, STRING, OutputOptions(successors=(LISTENER,)))
     output.learn_type(world.info())
     heard = world.listener(LISTENER, TOPIC)
     words = said(world, 3)

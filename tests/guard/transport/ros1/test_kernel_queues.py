@@ -5,7 +5,7 @@ from contextlib import closing
 
 import pytest
 
-from rtron.guard.transport.ros1.kernel_queues import KernelQueues
+from rtron.guard.transport.ros1.subscriber_link import KernelQueues
 
 
 @pytest.fixture

@@ -3,13 +3,17 @@
 import pytest
 from raw_ros1 import RawSubscriber
 
+from rtron.guard.transport.common.protocol import OutputOptions
+
 pytestmark = [pytest.mark.ros1, pytest.mark.parametrize("world", ["ros1"], indirect=True)]
 TOPIC = "/burst"
 LARGE = "x" * (1 << 16)
 
 
 def test_what_a_subscriber_does_not_take_is_counted(world):
-    output = world.transport.advertise("/rtron/a", TOPIC, "std_msgs/String", queue_size=3)
+    output = world.transport.advertise(
+        "/rtron/a", TOPIC, "std_msgs/String", OutputOptions(queue_size=3)
+    )
     info = world.info()
     output.learn_type(info)
     message = world.text(LARGE)

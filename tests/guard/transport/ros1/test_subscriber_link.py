@@ -9,7 +9,7 @@ from functools import partial
 import pytest
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.common.protocol import TypeInfo
+from rtron.guard.transport.common.protocol import OutputOptions, TypeInfo
 from rtron.guard.transport.ros1.publication import Publication
 from rtron.guard.transport.ros1.subscriber_link import MAX_NAME, SubscriberLink
 from rtron.wire.ros1.tcpros import decode_header, encode_header
@@ -108,7 +108,7 @@ def test_a_subscriber_that_has_gone_keeps_no_message_from_the_next(
     loop: EventLoop, connections: tuple[Connection, Connection]
 ) -> None:
     gone, there = connections
-    publication = Publication("/guard", "/topic", "", loop.now, queue_size=1, successors=())
+    publication = Publication("/guard", "/topic", "", loop.now, OutputOptions(queue_size=1))
     publication.learn_type(TypeInfo("std_msgs/Empty", "*"))
     for each in connections:
         publication.add_subscriber(each.link, {})
@@ -122,9 +122,8 @@ def test_a_subscriber_that_has_gone_keeps_no_message_from_the_next(
 
 def subscribe(loop: EventLoop, name: str, **fields: str) -> tuple[SubscriberLink, dict[str, str]]:
     """Return the link of a subscriber with a name, and the answer to it."""
-    publication = Publication(
-        "/guard", "/out", "a/B", loop.now, queue_size=1, successors=("/driver",)
-    )
+    options = OutputOptions(queue_size=1, successors=("/driver",))
+    publication = Publication("/guard", "/out", "a/B", loop.now, options)
     with socket.create_server(("127.0.0.1", 0)) as server:
         theirs = socket.create_connection(server.getsockname(), LIMIT_S)
         ours, _ = server.accept()

@@ -5,7 +5,7 @@ from contextlib import suppress
 import pytest
 from raw_ros1 import RawSubscriber
 
-from rtron.guard.transport.ros1 import kernel_queues
+from rtron.guard.transport.ros1 import subscriber_link
 from rtron.wire.ros1 import network
 
 pytestmark = [pytest.mark.ros1, pytest.mark.parametrize("world", ["ros1"], indirect=True)]
@@ -54,7 +54,7 @@ def test_where_the_kernel_does_not_tell_what_waits_elsewhere_its_own_queue_count
     world, monkeypatch
 ):
     monkeypatch.setattr(network, "NETLINK_SOCK_DIAG", 255)
-    queues = kernel_queues.KernelQueues()
+    queues = subscriber_link.KernelQueues()
     output, large = advertised(world), world.text("x" * (1 << 24))
     with RawSubscriber(world.transport.port) as base:
         base.ask(TOPIC, callerid="/base", type="std_msgs/String", md5sum=world.info().md5sum)
@@ -77,7 +77,7 @@ def test_how_far_a_subscriber_is_may_not_be_known(world):
         world.until(lambda: not progress(world).is_awaited)
         output.publish(world.text("go"))
         (link,) = world.transport._publications[TOPIC].links
-        queues = kernel_queues.KernelQueues()
+        queues = subscriber_link.KernelQueues()
         queues._diag.close()
         assert link.progress(queues).taken is None
         base.frame()

@@ -15,7 +15,10 @@ from rmw_marks import RMW, needs_fast_dds
 from ros2_harness import NODES2
 
 from rtron.errors import WireError
-from rtron.guard.transport.common.protocol import InputOptions
+from rtron.guard.transport.common.protocol import (
+    InputOptions,
+    OutputOptions,
+)
 from rtron.guard.transport.ros2 import data_reader, middleware, writer
 from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.writer import LosslessWriter
@@ -94,7 +97,7 @@ def test_what_a_subscriber_is_too_slow_for_is_counted_and_the_guard_does_not_wai
 ):
     monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
     monkeypatch.setattr(writer, "MAX_QUEUE_BYTES", 1000)
-    output = world.transport.advertise(NODE, TOPIC, TWIST, keep_all=True)
+    output = world.transport.advertise(NODE, TOPIC, TWIST, OutputOptions(keep_all=True))
     output.learn_type(world.info(TWIST))
     output.offer("one", QoS())
     slow = ros2.node("twist_subscriber.py", TOPIC, name="/slow")
@@ -123,7 +126,7 @@ def test_a_subscriber_that_has_all_now_and_then_loses_nothing(world, ros2, monke
     monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
     twist = b"\0\1\0\0" + bytes(48)
     monkeypatch.setattr(writer, "MAX_QUEUE_BYTES", 32 * len(twist))
-    output = world.transport.advertise(NODE, TOPIC, TWIST, keep_all=True)
+    output = world.transport.advertise(NODE, TOPIC, TWIST, OutputOptions(keep_all=True))
     output.learn_type(world.info(TWIST))
     output.offer("one", QoS())
     ros2.node("twist_subscriber.py", TOPIC, name="/quick")
@@ -139,7 +142,7 @@ def test_a_subscriber_that_has_all_now_and_then_loses_nothing(world, ros2, monke
 @pytest.mark.parametrize("type", [IMAGE, ARRAY])
 @pytest.mark.parametrize("keep_all", [False, True])
 def test_what_a_frozen_subscriber_does_not_take_fills_no_memory(world, ros2, type, keep_all):
-    output = world.transport.advertise(NODE, TOPIC, type, keep_all=keep_all)
+    output = world.transport.advertise(NODE, TOPIC, type, OutputOptions(keep_all=keep_all))
     output.learn_type(world.info(type))
     output.offer("one", QoS())
     slow = ros2.spawn(sys.executable, NODES2 / "node_group.py", "/slow", f"<{TOPIC}:{type}")
@@ -273,7 +276,7 @@ def test_a_former_queue_that_cannot_be_read_is_closed(world, monkeypatch):
 def test_messages_that_become_large_reach_a_subscriber_whole(world, monkeypatch, keep_all):
     monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
     heard = world.listener("/listener", TOPIC)
-    output = world.transport.advertise(NODE, TOPIC, STRING, keep_all=keep_all)
+    output = world.transport.advertise(NODE, TOPIC, STRING, OutputOptions(keep_all=keep_all))
     output.learn_type(world.info())
     output.offer("one", QoS())
     said = Numbered(world).said
@@ -291,7 +294,8 @@ def test_only_reliable_states_are_kept(world, monkeypatch):
     monkeypatch.setattr(middleware, "publishes_without_waiting", lambda _rmw: True)
 
     def writer(type, **options):
-        output = world.transport.advertise(NODE, f"/t{len(made)}", type, **options)
+        options = OutputOptions(**options)
+        output = world.transport.advertise(NODE, f"/t{len(made)}", type, options)
         made.append(output)
         output.offer("one", QoS())
         return output._writer._writer

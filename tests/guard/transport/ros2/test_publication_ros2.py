@@ -2,6 +2,7 @@
 
 import pytest
 
+from rtron.guard.transport.common.protocol import OutputOptions
 from rtron.vocabulary import SECOND, QoS, Reliability
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
@@ -18,7 +19,9 @@ TOPIC, DRIVER, TOOL = "/rtron/cmd/out", "/driver", "/tool"
 
 @pytest.fixture
 def output(world):
-    output = world.transport.advertise("/rtron/a", TOPIC, "std_msgs/String", successors=(DRIVER,))
+    output = world.transport.advertise(
+        "/rtron/a", TOPIC, "std_msgs/String", OutputOptions(successors=(DRIVER,))
+    )
     output.learn_type(world.info())
     output.offer("one", QoS())
     return output

@@ -5,10 +5,17 @@ Clients compare who subscribes their goals with who tells the status (actionlib'
 """
 
 from functools import partial
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.transport.common.protocol import MessageHandler, Output, Peer, Transport, TypeInfo
+from rtron.guard.transport.common.protocol import (
+    MessageHandler,
+    Output,
+    OutputOptions,
+    Peer,
+    Transport,
+    TypeInfo,
+)
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import (
     ROS1_SERVER_TOPICS,
@@ -22,31 +29,18 @@ from rtron.vocabulary import (
     ros1_topic_name,
 )
 
+if TYPE_CHECKING:
+    from rtron.guard.action.ros1.stream import Ros1ActionStream
+
 CANCEL = "actionlib_msgs/GoalID"
 STATUS = "actionlib_msgs/GoalStatusArray"
-
-
-class ActionListener(Protocol):
-    """Who is told what arrives on an action's topics."""
-
-    def cancel_receiver(self, flow: str, peer: Peer) -> MessageHandler | None:
-        """Return what takes the cancels of a client."""
-        ...
-
-    def server_receiver(self, part: Ros1ActionTopic, peer: Peer) -> MessageHandler | None:
-        """Return what takes what the server says."""
-        ...
-
-    def on_server_lost(self, part: Ros1ActionTopic, peer: Peer) -> None:
-        """Learn that the server does not publish a part any more."""
-        ...
 
 
 class ActionTopics:
     """The cancels, statuses, feedback and results of one action."""
 
     def __init__(
-        self, stream: Stream, node: str, transport: Transport, listener: ActionListener
+        self, stream: Stream, node: str, transport: Transport, listener: "Ros1ActionStream"
     ) -> None:
         self._stream = stream
         self._node = node
@@ -119,8 +113,8 @@ class ActionTopics:
         )
 
     def _advertise(self, topic: str, type: str) -> Output:
-        size = self._stream.queue_size
-        output = self._transport.advertise(self._node, topic, type, queue_size=size)
+        options = OutputOptions(queue_size=self._stream.queue_size)
+        output = self._transport.advertise(self._node, topic, type, options)
         info = standard_info(type, Encoding.ROS1) if type else None
         if info:
             output.learn_type(info)

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from rtron.guard.action.ros2.cancel_requests import CancelRequest
-from rtron.guard.action.ros2.client_replies import ClientReplies
+from rtron.guard.action.ros2.client_replies import CancelRequest, ClientReplies
 from rtron.guard.action.ros2.endpoints import (
     TERMINATED,
     UNKNOWN_GOAL,

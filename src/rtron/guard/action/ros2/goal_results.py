@@ -3,12 +3,16 @@
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from rtron.guard.action.common.delayed_call import DelayedCall
-from rtron.guard.action.ros2.endpoints import MAX_PENDING_RESULTS, GoalReply, ResultReply
+from rtron.guard.action.ros2.endpoints import MAX_PENDING_RESULTS, GoalReply
 from rtron.guard.core.stream_endpoints import StreamContext
 from rtron.policies.goals.registry import Goal
 from rtron.vocabulary import SECOND
+
+if TYPE_CHECKING:
+    from rtron.guard.transport.ros2.action_server import ResultResponder
 
 RESULT_TIMEOUT = 10 * SECOND
 """As long as rcl_action's servers keep them."""
@@ -34,7 +38,7 @@ class GoalTask:
     must_cancel: bool = False
     is_over: bool = False
     is_held: bool = False
-    result_replies: list[ResultReply] = field(default_factory=list)
+    result_replies: list["ResultResponder"] = field(default_factory=list)
 
     @property
     def is_acknowledged(self) -> bool:
@@ -59,7 +63,7 @@ class GoalTask:
         """Whether all who wait for the result can be told."""
         return all(reply.is_reachable for reply in self.result_replies)
 
-    def add_result_request(self, reply: ResultReply) -> bool:
+    def add_result_request(self, reply: "ResultResponder") -> bool:
         """Let a request wait for the result; False if too many do."""
         has_room = len(self.result_replies) < MAX_PENDING_RESULTS
         if has_room:
@@ -124,7 +128,7 @@ class ResultRequestHandover:
         self._handover = context.handover
         self._delayed_store = DelayedCall(context.transport, _STORE_DELAY, self._store)
 
-    def restore(self, restore_reply: Callable[[str], ResultReply | None]) -> None:
+    def restore(self, restore_reply: "Callable[[str], ResultResponder | None]") -> None:
         """Let the requests to the guard before wait here."""
         inherited = self._handover.inherited(self._key)
         for id, tokens in inherited.items() if isinstance(inherited, dict) else ():

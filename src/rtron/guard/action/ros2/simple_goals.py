@@ -1,7 +1,6 @@
 """The goals of an action of ROS 2 without a guard, as its status tells them, for `goal_pose`."""
 
-from collections.abc import Callable
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
 from rtron.guard.action.common.problem_log import ProblemLog
 from rtron.guard.action.common.simple_goals import SimpleGoalStream
@@ -10,16 +9,10 @@ from rtron.guard.transport.common.protocol import MessageHandler, Peer
 from rtron.messages.ros2.actions import FINAL_STATES, read_statuses
 from rtron.vocabulary import Mode, Ros2ActionEntity, ros2_entity_name
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 STATUS = "action_msgs/GoalStatusArray"
-
-
-@runtime_checkable
-class CancelTransport(Protocol):
-    """A transport on which the goals of an action that has no guard can be cancelled."""
-
-    def goal_canceller(self, node: str, action: str) -> Callable[[bytes], None]:
-        """Return what asks an action's server to cancel a goal, as one of the guard's nodes."""
-        ...
 
 
 class ActionStatusObserver:
@@ -42,9 +35,9 @@ class ActionStatusObserver:
         status = ros2_entity_name(self._action, Ros2ActionEntity.STATUS)
         stream.endpoints.subscribe_successors(self._action, "", lambda _: stream.on_action_done)
         stream.endpoints.subscribe_successors(status, STATUS, self._connect_status)
-        transport = self._transport
-        if stream.spec.mode is Mode.ENFORCE and isinstance(transport, CancelTransport):
-            self._request_cancel = transport.goal_canceller(stream.nodes[0], self._action)
+        goal_canceller = getattr(self._transport, "goal_canceller", None)  # a transport of ROS 2
+        if stream.spec.mode is Mode.ENFORCE and goal_canceller:
+            self._request_cancel = goal_canceller(stream.nodes[0], self._action)
 
     def expect_goal(self) -> None:
         """Nobody else waits."""

@@ -6,6 +6,8 @@ each goal is answered once. A cancel touches only the goals of the client that s
 
 import logging
 import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from rtron.guard.action.common.action_goals import ORPHAN_TIMEOUT, ActionGoals
 from rtron.guard.action.common.goal_queue import GoalQueue
@@ -15,12 +17,11 @@ from rtron.guard.action.ros2.client_cancels import ClientCancels
 from rtron.guard.action.ros2.client_replies import ClientReplies
 from rtron.guard.action.ros2.endpoints import (
     REJECTED,
-    ActionTransport,
+    ActionEndpoints,
     CancelReply,
     CancelResponse,
     DecodeGoal,
     GoalReply,
-    ResultReply,
 )
 from rtron.guard.action.ros2.goal_results import GoalTask
 from rtron.guard.action.ros2.server_tracker import ServerTracker
@@ -39,16 +40,21 @@ from rtron.vocabulary import (
     matches_node,
 )
 
+if TYPE_CHECKING:
+    from rtron.guard.transport.ros2.action_server import ResultResponder
+
 log = logging.getLogger(__name__)
 
 _SERVER_TIMEOUT = 10 * SECOND
+CreateEndpoints = Callable[[Stream, str, "Ros2ActionStream"], ActionEndpoints]
+"""Returns the ends of a stream's action, of one of the guard's nodes; not open yet."""
 
 
 class Ros2ActionStream(GuardedStream):
     """A guarded stream of goals that come as requests, with all else of the action beside it."""
 
     def __init__(
-        self, stream: Stream, context: StreamContext, action_transport: ActionTransport
+        self, stream: Stream, context: StreamContext, create_endpoints: CreateEndpoints
     ) -> None:
         super().__init__(stream, context)
         self._problems = ProblemLog(stream.action, context.transport)
@@ -59,7 +65,7 @@ class Ros2ActionStream(GuardedStream):
             lambda: self.server.may_be_sent_goals,
         )
         self.goals = ActionGoals(self.spec, queue, context, _goal_label)
-        self._action_endpoints = action_transport.action_endpoints(self.spec, self.nodes[0], self)
+        self._action_endpoints = create_endpoints(self.spec, self.nodes[0], self)
         self.replies = ClientReplies(self._action_endpoints, self.goals, context)
         self.server = ServerTracker(
             self._action_endpoints, self.goals, self.replies, self._problems, context
@@ -202,7 +208,7 @@ class Ros2ActionStream(GuardedStream):
 
     # Results and cancels
 
-    def on_result_request(self, flow: str, peer: Peer, id: bytes, reply: ResultReply) -> None:
+    def on_result_request(self, flow: str, peer: Peer, id: bytes, reply: "ResultResponder") -> None:
         """Take a request for a goal's result."""
         _, client = self._identify_client(flow, peer)
         self.replies.request_result(id, client, reply)

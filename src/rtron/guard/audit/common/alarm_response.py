@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
 from rtron.guard.audit.common.audit_brake import AuditBrake, Brake
-from rtron.guard.audit.common.audit_response import IntruderListener, ListenRequest
+from rtron.guard.audit.common.audit_response import AuditResponse, IntruderListener, ListenRequest
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.intrusion_latch import OnRefusal
 from rtron.guard.transport.common.protocol import Transport
@@ -18,11 +18,11 @@ _SILENCE = SECOND
 """How long no intruder must have been heard before a person may clear what it has stopped (ns)."""
 
 
-class AlarmResponse:
+class AlarmResponse(AuditResponse):
     """Raises and settles alarms, and stops what an intruder can move until a person clears it.
 
     The stop outlives the intruder and the guard. In a dry run, and where the plan says
-    `on_foreign: alarm`, nothing is stopped. It is an `AuditResponse` for an audit in this process.
+    `on_foreign: alarm`, nothing is stopped.
     """
 
     def __init__(
@@ -35,15 +35,8 @@ class AlarmResponse:
         others: Mapping[str, Brake] | None = None,
     ) -> None:
         """`others` are the brakes of the streams in other processes of the guard, by name."""
+        super().__init__()
         self.stops_streams = on_foreign is OnForeign.STOP and not dry_run
-        self.dismiss: Callable[[str, bool], str] = lambda topic, is_audible: ""
-        """See `AuditResponse`."""
-        self.on_return: Callable[[bytes], None] = lambda gid: None
-        """See `AuditResponse`."""
-        self.find_missing: Callable[[], str] = lambda: ""
-        """See `AuditResponse`; nobody asks here, since this process and its audit end together."""
-        self.find_unseen: Callable[[int], Mapping[str, str]] = lambda since: {}
-        """The same."""
         self.query_audit: Callable[[str, bool, OnRefusal], None] = self._query_here
         """Asks the audit, wherever it is, to `dismiss`; the answer may come later."""
         self.change_listeners: list[Callable[[], None]] = []

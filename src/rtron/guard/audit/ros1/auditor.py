@@ -96,8 +96,7 @@ class Ros1Auditor:
             self._guard.set_shutdown_handler(ShutdownRefusal(self._loop).handle)
             return
         self._guard.set_shutdown_handler(self._guard_names.handle_shutdown)
-        self._guard.on_subscriber = self._on_new_listener
-        self._guard.on_subscriber_lost = self._on_lost_listener
+        self._guard.set_listener_handlers(self._on_new_listener, self._on_lost_listener)
         self._audited_nodes.watch(sorted(self._named_nodes))
         self._schedule.add(self._state_poll)
         self._schedule.start()
@@ -106,7 +105,7 @@ class Ros1Auditor:
 
     def close(self) -> None:
         """Audit no more."""
-        self._guard.on_subscriber_lost = lambda topic, name: None
+        self._guard.set_listener_handlers(self._on_new_listener, lambda topic, name: None)
         self._schedule.close()
         for part in (
             self._audited_nodes,

@@ -25,12 +25,13 @@ from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
 from rtron.wire.ros2.service_names import is_service_topic
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from rtron.guard.audit.common.audit_response import AuditResponse
     from rtron.guard.audit.common.debounced_alarms import BrakingAlarm
     from rtron.guard.audit.ros2.endpoint_checks import Participants
     from rtron.guard.core.event_loop import EventLoop
+    from rtron.guard.lanes.bulk.command_nodes import CommandNodes
     from rtron.guard.transport.ros2.middleware import Ros2Transport
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
@@ -59,20 +60,16 @@ class Ros2Auditor:
         transport: Ros2Transport,
         response: AuditResponse,
         loop: EventLoop,
-        other_participants: Callable[[], frozenset[bytes]] = frozenset,
-        unknown_streams: Callable[[], frozenset[str]] = frozenset,
+        commands: CommandNodes,
     ) -> None:
-        """`other_participants` tells those of the guard's other processes.
-
-        `unknown_streams` tells the streams whose process has not told yet.
-        """
+        """`commands` are the guard's nodes in its other process."""
         self._loop = loop
         self._transport = transport
         self._graph = transport.graph
         self._expected = ExpectedGraph(plan)
         self._response = response
-        self._other_participants = other_participants
-        self._unknown_streams = unknown_streams
+        self._other_participants = commands.participants
+        self._unknown_streams = commands.unknown_streams
         self._liveness = ParticipantLiveness(self._graph.participant, transport.processes)
         self._supervisor = b""
         self._braking_alarms = BrakingAlarms(self._response)

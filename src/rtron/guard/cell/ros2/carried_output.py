@@ -3,94 +3,58 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from rtron.guard.cell.ros2.messages import (
-    Advertise,
-    ClearLatched,
-    Greet,
-    LearnType,
-    MatchSubscribers,
-    Offer,
-)
+from rtron.guard.cell.ros2.messages import ClearLatched, Publish
+from rtron.guard.transport.common.protocol import DEFAULT_OUTPUT
 from rtron.vocabulary import QoS, normalise_type
 
 if TYPE_CHECKING:
     from rtron.guard.cell.ros2.carried_side import CarriedSide
-    from rtron.guard.cell.ros2.messages import ToCarrier
-    from rtron.guard.transport.common.protocol import Greeting, TypeInfo
+    from rtron.guard.transport.common.protocol import Greeting, OutputOptions, TypeInfo
 
 
 class CarriedOutput:
     """See `Output`."""
 
     def __init__(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> None:
         self.nodes: frozenset[str] = frozenset()
         """Who of the successors subscribes."""
         self.lost = 0
         """How many messages the carrier was too slow for; it does not tell of the node's end."""
-        self._request = Advertise(
-            id=0,
-            node=node,
-            topic=topic,
-            type=type,
-            queue_size=queue_size,
-            keep_all=keep_all,
-            successors=successors,
-        )
-        self._id = 0
+        self._wanted = Publish(id=0, node=node, topic=topic, type=type, options=options)
         self._side: CarriedSide | None = None
-        self._info: TypeInfo | None = None
-        self._offers: dict[str, QoS] = {}
         self._latched: dict[str, bytes] = {}
         self._latch_numbers: dict[str, int] = {}
-        self._matched: tuple[str, ...] = ()
         self._greeting: Greeting | None = None
 
     def attach(self, side: CarriedSide) -> None:
         """Publish with a carrier from now on."""
-        self._side, self._id = side, side.add_output(self)
-        side.send(replace(self._request, id=self._id))
-        if self._info:
-            side.send(LearnType(self._id, self._info))
-        if self._matched:
-            side.send(MatchSubscribers(self._id, self._matched))
-        for flow, qos in self._offers.items():
-            side.send(Offer(self._id, flow, qos))
-        if self._greeting:
-            side.send(Greet(self._id))
+        self._side = side
+        self._want(id=side.add_output(self))
         for latched_by, message in self._latched.items():
             self._send_data(message, latched_by)
 
     def learn_type(self, info: TypeInfo) -> bool:
         """Take the type from a publisher; False if it is another."""
-        if self._info is not None:
-            return self._info.md5sum == info.md5sum and self._info.type == info.type
-        if normalise_type(self._request.type) not in ("", normalise_type(info.type)):
+        known = self._wanted.info
+        if known is not None:
+            return known.md5sum == info.md5sum and known.type == info.type
+        if normalise_type(self._wanted.type) not in ("", normalise_type(info.type)):
             return False
-        self._info = info
-        self._send(LearnType(self._id, info))
+        self._want(info=info)
         return True
 
     def offer(self, flow: str, qos: QoS) -> None:
         """Offer at least the QoS of a flow's publisher."""
-        if self._offers.get(flow) != qos:
-            self._offers[flow] = qos
-            self._send(Offer(self._id, flow, qos))
+        if self._wanted.offers.get(flow) != qos:
+            self._want(offers=self._wanted.offers | {flow: qos})
 
     def match_subscribers(self, successors: tuple[str, ...]) -> None:
         """Offer these nodes the QoS that they request."""
-        self._matched = successors
-        self._send(MatchSubscribers(self._id, successors))
+        self._want(matched=successors)
 
     def publish(self, message: bytes, latched_by: str | None = None) -> None:
         """Send to every subscriber; see `Output`."""
@@ -102,7 +66,7 @@ class CarriedOutput:
     def greet(self, greeting: Greeting) -> None:
         """Send the message of `greeting` to each new subscriber."""
         self._greeting = greeting
-        self._send(Greet(self._id))
+        self._want(is_greeting=True)
 
     def send_greeting(self) -> None:
         """Send the greeting, if there is one now."""
@@ -117,15 +81,17 @@ class CarriedOutput:
     def clear_latched(self) -> None:
         """Latch no message any more."""
         self._latched.clear()
-        self._send(ClearLatched(self._id))
-
-    def _send(self, message: ToCarrier) -> None:
         if self._side:
-            self._side.send(message)
+            self._side.send(ClearLatched(self._wanted.id))
+
+    def _want(self, **changes: Any) -> None:  # noqa: ANN401 - fields of `Publish`
+        self._wanted = replace(self._wanted, **changes)
+        if self._side:
+            self._side.send(self._wanted)
 
     def _send_data(self, message: bytes, latched_by: str | None) -> None:
         latch = 0
         if latched_by is not None:
             latch = self._latch_numbers.setdefault(latched_by, len(self._latch_numbers) + 1)
-        if self._side and not self._side.send_data(self._id, message, latch):
+        if self._side and not self._side.send_data(self._wanted.id, message, latch):
             self.lost += 1

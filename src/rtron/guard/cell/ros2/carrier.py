@@ -24,18 +24,14 @@ from rtron.guard.cell.ros2.carrier_channel import CarrierChannel, TopicData
 from rtron.guard.cell.ros2.inner_services import InnerServices
 from rtron.guard.cell.ros2.messages import (
     TO_CARRIER,
-    Advertise,
     Beat,
     CallService,
     ClearLatched,
-    Greet,
     Introduce,
-    LearnType,
     Look,
-    MatchSubscribers,
     NewSubscriber,
-    Offer,
     OfferService,
+    Publish,
     PublisherFound,
     PublisherLost,
     Seen,
@@ -76,7 +72,7 @@ class Carrier:
         self._access = access
         self._beats: socket.socket | None = None
         self._outputs: dict[int, Output] = {}
-        self._successors: dict[int, tuple[str, ...]] = {}
+        self._publications: dict[int, Publish] = {}
         self._nodes: dict[int, frozenset[str]] = {}
         self._connections: dict[int, tuple[Peer, int]] = {}
         """The publishers' numbers by what their peers are: two may have one name."""
@@ -109,8 +105,10 @@ class Carrier:
             case Introduce(role):
                 log.info("carrier %d: %s", os.getpid(), printable(role))
                 self._connect_beats(role.encode())
-            case Advertise():
-                self._advertise(message)
+            case Publish():
+                self._change_output(message)
+            case ClearLatched(id):
+                self._output(id).clear_latched()
             case Subscribe():
                 self._subscribe(message)
             case OfferService():
@@ -120,25 +118,24 @@ class Carrier:
             case Look(topics):
                 self._look(topics)
             case _:
-                self._change_output(message)
-
-    def _change_output(
-        self, message: LearnType | Offer | MatchSubscribers | ClearLatched | Greet
-    ) -> None:
-        output = self._output(message.id)
-        match message:
-            case LearnType(_, info):
-                output.learn_type(info)
-            case Offer(_, flow, qos):
-                output.offer(flow, qos)
-            case MatchSubscribers(_, successors):
-                output.match_subscribers(successors)
-            case ClearLatched():
-                output.clear_latched()
-            case Greet(id):
-                output.greet(partial(self._request_greeting, id))
-            case _:
                 assert_never(message)
+
+    def _change_output(self, publication: Publish) -> None:
+        """Publish a topic, and do what it asks now and was not before."""
+        before = self._publications.get(publication.id)
+        if before is None:
+            self._outputs[publication.id] = self._transport.advertise(
+                publication.node, publication.topic, publication.type, publication.options
+            )
+        self._publications[publication.id], output = publication, self._outputs[publication.id]
+        if publication.info:
+            output.learn_type(publication.info)
+        if publication.matched and not (before and before.matched):
+            output.match_subscribers(publication.matched)
+        for flow, qos in publication.offers.items():
+            output.offer(flow, qos)
+        if publication.is_greeting and not (before and before.is_greeting):
+            output.greet(partial(self._request_greeting, publication.id))
 
     def _output(self, id: int) -> Output:
         if id not in self._outputs:
@@ -173,17 +170,6 @@ class Carrier:
             with suppress(OSError):  # full: it hangs; closed: the loop sees that
                 self._beats.send(packet)
 
-    def _advertise(self, request: Advertise) -> None:
-        self._successors[request.id] = request.successors
-        self._outputs[request.id] = self._transport.advertise(
-            request.node,
-            request.topic,
-            request.type,
-            queue_size=request.queue_size,
-            keep_all=request.keep_all,
-            successors=request.successors,
-        )
-
     def _request_greeting(self, id: int) -> None:
         self._channel.send(NewSubscriber(id))
 
@@ -191,8 +177,8 @@ class Carrier:
         """Tell which of the expected nodes subscribe each output, and which services are there."""
         self._loop.call_later(_REPORT_S, self._report)
         self._services.report()
-        for id, expected in self._successors.items():
-            output = self._outputs[id]
+        for id, output in self._outputs.items():
+            expected = self._publications[id].options.successors
             nodes = frozenset(each for each in expected if output.is_subscribed_by(each))
             if nodes != self._nodes.get(id):
                 self._nodes[id] = nodes

@@ -4,13 +4,13 @@ Who has taken over a process in the cell gets no further by it: what comes out o
 unpickled, and only the kinds of `FromCarrier` are read.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, Union
 
 from pydantic import Field, TypeAdapter, ValidationError
 
 from rtron.errors import WireError
-from rtron.guard.transport.common.protocol import Peer, TypeInfo
+from rtron.guard.transport.common.protocol import OutputOptions, Peer, TypeInfo
 from rtron.vocabulary import QoS
 
 
@@ -30,45 +30,19 @@ class Beat:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Advertise:
-    """Publish a topic inside; see `Transport.advertise`."""
+class Publish:
+    """Publish a topic inside, as is known of it by now; see `Output` for what each field is."""
 
     id: int
     node: str
     topic: str
     type: str
-    queue_size: int
-    keep_all: bool
-    successors: tuple[str, ...]
-    kind: Literal["advertise"] = "advertise"
-
-
-@dataclass(frozen=True, slots=True)
-class LearnType:
-    """Take the type of an output."""
-
-    id: int
-    info: TypeInfo
-    kind: Literal["type"] = "type"
-
-
-@dataclass(frozen=True, slots=True)
-class Offer:
-    """Offer the QoS of a flow's publisher."""
-
-    id: int
-    flow: str
-    qos: QoS
-    kind: Literal["offer"] = "offer"
-
-
-@dataclass(frozen=True, slots=True)
-class MatchSubscribers:
-    """Offer these nodes the QoS that they request."""
-
-    id: int
-    successors: tuple[str, ...]
-    kind: Literal["match"] = "match"
+    options: OutputOptions
+    info: TypeInfo | None = None
+    matched: tuple[str, ...] = ()
+    offers: dict[str, QoS] = field(default_factory=dict)
+    is_greeting: bool = False
+    kind: Literal["publish"] = "publish"
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,14 +51,6 @@ class ClearLatched:
 
     id: int
     kind: Literal["clear"] = "clear"
-
-
-@dataclass(frozen=True, slots=True)
-class Greet:
-    """Tell when there is a new subscriber."""
-
-    id: int
-    kind: Literal["greet"] = "greet"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,18 +164,7 @@ class Seen:
 
 
 ToCarrier = (
-    Introduce
-    | Beat
-    | Advertise
-    | LearnType
-    | Offer
-    | MatchSubscribers
-    | ClearLatched
-    | Greet
-    | Subscribe
-    | OfferService
-    | CallService
-    | Look
+    Introduce | Beat | Publish | ClearLatched | Subscribe | OfferService | CallService | Look
 )
 FromCarrier = (
     Beat | NewSubscriber | Subscribers | PublisherFound | PublisherLost | ServiceState | Seen

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from itertools import count
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from rtron.guard.cell.ros2.messages import CallService, OfferService
 from rtron.guard.core.printable import printable
@@ -21,18 +21,6 @@ _MAX_CALLS = 64
 _NAME_TIMEOUT = SECOND
 """How long the domain may take to name a client, ns."""
 _LOOK_S = 0.05
-
-
-class CarriedCalls(Protocol):
-    """What a carrier has to do with a service."""
-
-    def receive(self, call: int, message: bytes) -> None:
-        """Take a request or a response from inside, with the number of the call."""
-        ...
-
-    def set_available(self, *, is_available: bool) -> None:
-        """Take whether the service is there inside."""
-        ...
 
 
 class ServedRelay:
@@ -154,3 +142,7 @@ class CalledRelay:
             self._is_offered = is_available
             name, type = self._service.service, self._service.type
             self._side.send(OfferService(self._id, GATEWAY_NODE, name, type, is_available))
+
+
+CarriedCalls = ServedRelay | CalledRelay
+"""What a carrier has to do with a service."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import Observations
 from rtron.guard.lanes.exchange.board import REFRESH_PERIOD, Board, EventRecord, RateRecord
+from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.policies.mission.event_bits import EventBit, EventState
 from rtron.vocabulary import SECOND
 
@@ -20,10 +21,11 @@ NOTICE_PERIOD = SECOND // 200
 class BoardWriter:
     """Keeps a board up to date with observations, from `open` on."""
 
-    def __init__(self, observations: Observations, loop: EventLoop) -> None:
+    def __init__(self, observations: Observations, loop: EventLoop, beat: SharedBeat) -> None:
+        """`beat` shows the supervisor that the board is written."""
         self._monitors: list[FrameMonitor] = list(observations.rates.monitors.values())
         self._bits: list[EventBit] = list(observations.mission.bits.by_name.values())
-        self._loop = loop
+        self._loop, self._beat = loop, beat
         self.board = Board.create(len(self._monitors), len(self._bits))
         self.on_event_change: Callable[[], None] = lambda: None
         """Called when the records of events have changed."""
@@ -45,7 +47,7 @@ class BoardWriter:
             self.board.write_rate(index, RateRecord(rate.fps, last_frame_at, now))
         states = [bit.state for bit in self._bits]
         self._write_events(states, now)
-        self.board.written_at = now
+        self._beat.at = now
         if states != self._states:
             self._states = states
             self._schedule_notice(now)

@@ -6,7 +6,8 @@ of theirs delays a command.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.audit_brake import AuditBrake, Brake
@@ -21,13 +22,6 @@ from rtron.guard.lanes.bulk.command_connection import CommandConnection
 from rtron.guard.lanes.bulk.command_nodes import CommandNodes
 from rtron.guard.lanes.bulk.remote_response import RemoteResponse
 from rtron.guard.lanes.bulk.stand_still import StandStillEnd
-from rtron.guard.lanes.exchange.messages import (
-    BulkParticipant,
-    HoldStream,
-    ReleaseStream,
-    RepeatStop,
-    StoppedStreams,
-)
 from rtron.guard.middleware import Middleware, open_middleware
 from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
 from rtron.guard.settings.applier import SettingsApplier
@@ -43,24 +37,32 @@ if TYPE_CHECKING:
     from rtron.guard.core.observations import Observations
     from rtron.guard.link.options import LinkOptions
     from rtron.guard.link.service_link import ServiceLink
+    from rtron.guard.system.sealed_memory import SharedBeat
     from rtron.guard.transport.common.protocol import LiveTransport
 
 _NICE = 5
 """Commands go before what is carried here (nice(2), SCHED_BATCH of sched(7))."""
 
 
+@dataclass(frozen=True, slots=True)
+class BulkPorts:
+    """Where command processes come from, and where the recorder is reached."""
+
+    commands: socket.socket
+    recorder: socket.socket
+
+
 def run_bulk_process(
     plan: Plan,
     master: str,
-    configuration: str,
-    recorder_port: socket.socket,
-    *,
+    ports: BulkPorts,
+    configuration: bytes,
+    beat: SharedBeat,
     link: LinkOptions | None = None,
 ) -> None:
     """Serve the command process at a ROS 1 master or in a ROS 2 domain, until stopped.
 
-    `configuration` is the digest of the guard's; `recorder_port` the side of the port that
-    connects. SourceError if it has a bulk process already.
+    `configuration` is the digest of the guard's; the supervisor ends one that has no `beat`.
     """
     lower_priority(_NICE)
     raise_file_limit()
@@ -70,8 +72,8 @@ def run_bulk_process(
     observations = _observations(plan)
     streams = build_streams(bulk_part(plan))
     coordinator = Coordinator(transport, streams, observations, node=BULK_NODE)
-    writer = BoardWriter(observations, loop)
-    connection = CommandConnection(loop, configuration, writer, coordinator.alarms)
+    writer = BoardWriter(observations, loop, beat)
+    connection = CommandConnection(loop, ports.commands, configuration, writer, coordinator.alarms)
     coordinator.on_observed = writer.refresh
     coordinator.other_statuses = connection.statuses
     transport.set_unreadable_handler(UnreadableInputAlarms(coordinator.alarms, transport).report)
@@ -84,7 +86,8 @@ def run_bulk_process(
         parts.append(service_link)
     if plan.incidents.keep:
         state = link.state if link else state_folder(plan.app)
-        recorder = RecorderLink(plan, state / INCIDENTS, recorder_port, coordinator, loop, settings)
+        port, folder = ports.recorder, state / INCIDENTS
+        recorder = RecorderLink(plan, folder, port, coordinator, loop, settings)
         _connect(recorder, coordinator, connection)
         if service_link:
             recorder.on_saved = service_link.report_incident
@@ -110,8 +113,8 @@ def _link_service(
 
     settings_at_start(settings, link)
     service_link = ServiceLink(plan, coordinator, settings, loop, link, connection)
-    service_link.on_lease_command = connection.send
-    connection.message_listeners.append(service_link.receive)
+    service_link.on_lease_command = partial(connection.call, "lease_command")
+    connection.on(lease_response=service_link.receive)
     return service_link
 
 
@@ -119,7 +122,7 @@ def _connect(
     recorder: RecorderLink, coordinator: Coordinator, connection: CommandConnection
 ) -> None:
     """Let the recorder have what the command process notes, and say how it is."""
-    connection.message_listeners.append(recorder.receive)
+    connection.on(note_entries=recorder.receive)
     coordinator.other_statuses = lambda: [*connection.statuses(), *recorder.statuses()]
 
 
@@ -129,7 +132,7 @@ def _follow_brakes(
     """Let the command process brake the streams here."""
     enforced = [each for each in coordinator.streams if each.spec.mode is Mode.ENFORCE]
     brakes = {each.spec.topic: AuditBrake(each, transport) for each in enforced}
-    connection.message_listeners.append(HeldStreams(brakes).receive)
+    HeldStreams(brakes).follow(connection)
 
 
 def _audit_parts(
@@ -142,7 +145,7 @@ def _audit_parts(
     stops_streams = plan.audit.on_foreign is OnForeign.STOP
     response = RemoteResponse(connection, loop, stops_streams=stops_streams)
     participant = middleware.report_nodes().participant
-    connection.connect_listeners.append(lambda: connection.send(BulkParticipant(participant)))
+    connection.connect_listeners.append(partial(connection.call, "participant", participant))
     return [middleware.create_auditor(response, commands), response]
 
 
@@ -164,21 +167,33 @@ class HeldStreams:
         self._brakes = brakes
         self._held: set[str] = set()
 
-    def receive(self, message: object) -> None:
-        """Hold or release a stream as a message says."""
-        match message:
-            case HoldStream(topic, reason) if topic in self._brakes:
-                self._held.add(topic)
-                self._brakes[topic].hold(reason)
-            case ReleaseStream(topic) if topic in self._brakes:
-                self._release(topic)
-            case StoppedStreams(topics):
-                for topic in self._held - topics:
-                    self._release(topic)
-            case RepeatStop(topic) if topic in self._brakes:
-                self._brakes[topic].repeat_stop()
+    def follow(self, connection: CommandConnection) -> None:
+        """Hold and release the streams as the command process says."""
+        connection.on(
+            hold=self.hold,
+            release=self.release,
+            stopped_streams=self.release_others,
+            repeat_stop=self.repeat_stop,
+        )
 
-    def _release(self, topic: str) -> None:
+    def hold(self, topic: str, reason: str) -> None:
+        """Let nothing of a stream pass."""
+        if topic in self._brakes:
+            self._held.add(topic)
+            self._brakes[topic].hold(reason)
+
+    def release_others(self, stopped: frozenset[str]) -> None:
+        """Release what is held although it is not stopped."""
+        for topic in self._held - stopped:
+            self.release(topic)
+
+    def repeat_stop(self, topic: str) -> None:
+        """Tell the stop of a stream to a node that has just begun to listen."""
+        if topic in self._brakes:
+            self._brakes[topic].repeat_stop()
+
+    def release(self, topic: str) -> None:
         """Release a stream, also when only the list of those that are stopped lacks it."""
-        self._held.discard(topic)
-        self._brakes[topic].release()
+        if topic in self._brakes:
+            self._held.discard(topic)
+            self._brakes[topic].release()

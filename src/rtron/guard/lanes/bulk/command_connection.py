@@ -3,76 +3,68 @@
 import logging
 import os
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from typing import Any
 
 from rtron.guard.core.alarms import Alarms
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.report_messages import ERROR, Status
 from rtron.guard.lanes.bulk.board_writer import BoardWriter
-from rtron.guard.lanes.exchange.bulk_socket import GREETING, BulkSocket
+from rtron.guard.lanes.exchange.board import GREETING
 from rtron.guard.lanes.exchange.lane_state import LaneState
-from rtron.guard.lanes.exchange.message_channel import MessageChannel
-from rtron.guard.lanes.exchange.messages import (
-    AlarmChange,
-    ApplySettings,
-    BoardChanged,
-    Figures,
-    RecordedEvent,
-    SettingsAnswer,
-    StateChange,
-    StatusReport,
-)
+from rtron.guard.lanes.exchange.process_connection import ProcessConnection
 from rtron.guard.link.event_recorder import RecordEvent
-from rtron.guard.system.unix_socket import peer_credentials
-from rtron.vocabulary import Settings
+from rtron.guard.system.process_port import accept
+from rtron.vocabulary import Alarm, EventKind, GuardEventLevel, Settings
 
 log = logging.getLogger(__name__)
 
 _PAUSE_S = 0.5
 
 
-class CommandConnection:
+class CommandConnection(ProcessConnection):
     """Serves the command process that has connected last; without one, nothing moves the robot."""
 
     def __init__(
-        self, loop: EventLoop, configuration: str, writer: BoardWriter, alarms: Alarms
+        self,
+        loop: EventLoop,
+        port: socket.socket,
+        configuration: bytes,
+        writer: BoardWriter,
+        alarms: Alarms,
     ) -> None:
-        """SourceError if the guard with this configuration has another bulk process."""
+        """`port` is the accepting side: command processes with this configuration are served."""
+        super().__init__(loop)
         self.state = LaneState()
-        self.message_listeners: list[Callable[[object], None]] = []
-        """Each takes every message of the command process that is not for the connection itself."""
-        self.connect_listeners: list[Callable[[], None]] = []
-        self.loss_listeners: list[Callable[[], None]] = []
-        self._loop = loop
         self._writer = writer
         self._alarms = alarms
-        self._alarms_there: set[AlarmChange] = set()
+        self._alarms_there: set[Alarm] = set()
         self._statuses: tuple[Status, ...] = ()
         self._figures: dict[str, dict[str, object]] = {}
         self._settings: Settings | None = None
         self._on_answer: Callable[[str], None] = _ignore
         self._record: RecordEvent | None = None
         self._on_change: Callable[[], None] = lambda: None
-        self._channel: MessageChannel | None = None
-        self._place = BulkSocket(configuration)
-        self._server = self._place.listen()
-
-    @property
-    def is_connected(self) -> bool:
-        """Whether a command process is there."""
-        return self._channel is not None
+        self._port, self._configuration = port, configuration
+        self.on(
+            statuses=self._take_statuses,
+            state=self._take_state,
+            figures=self._take_figures,
+            event=self._record_event,
+            alarm=self._mirror_alarm,
+            settings_answer=self._take_answer,
+        )
 
     def open(self) -> None:
         """Let the command process connect from now on."""
-        self._writer.on_event_change = lambda: self.send(BoardChanged())
+        self._writer.on_event_change = lambda: self.call("board_changed")
         pause = self._loop.suspend
-        self._loop.watch(self._server, self._accept, lambda _: pause(self._server, _PAUSE_S))
+        self._loop.watch(self._port, self._accept, lambda _: pause(self._port, _PAUSE_S))
 
     def close(self) -> None:
         """Let go of it."""
-        self._loop.forget(self._server)
-        self._place.close()
+        self._loop.forget(self._port)
         if self._channel:
             self._channel.close()
 
@@ -95,75 +87,60 @@ class CommandConnection:
     def apply(self, settings: Settings, on_answer: Callable[[str], None]) -> None:
         """Put settings in force there, at the latest when it connects again."""
         self._settings, self._on_answer = settings, on_answer
-        self.send(ApplySettings(settings))
-
-    def send(self, message: object) -> None:
-        """Tell something; without a command process it is lost."""
-        if self._channel:
-            self._channel.send(message)
+        self.call("apply_settings", settings)
 
     def _accept(self) -> None:
-        sock, _ = self._server.accept()
-        _, uid = peer_credentials(sock)
-        if uid != os.getuid():
+        accepted = accept(self._port)
+        if accepted is None:
+            return
+        sock, configuration = accepted
+        if configuration != self._configuration:
             sock.close()
             return
         if self._channel:
             self._channel.close()
         with suppress(OSError):  # it has ended at once, which the channel sees
-            socket.send_fds(sock, [GREETING], [self._writer.board.descriptor])
-        self._channel = MessageChannel(self._loop, sock, self._on_message, self._on_lost)
+            socket.send_fds(sock, [GREETING.pack(os.getpid())], [self._writer.board.descriptor])
+        self._open_channel(sock)
         if self._settings:
-            self.send(ApplySettings(self._settings))
+            self.call("apply_settings", self._settings)
         for listener in self.connect_listeners:
             listener()
 
     def _on_lost(self) -> None:
         log.warning("the command process is gone")
-        self._channel = None
         self.state = LaneState()
-        for change in self._alarms_there:
-            self._alarms.mirror(change.alarm, self._loop.now(), active=False)
+        for alarm in self._alarms_there:
+            self._alarms.mirror(alarm, self._loop.now(), active=False)
         self._alarms_there.clear()
-        for listener in self.loss_listeners:
-            listener()
+        super()._on_lost()
 
-    def _on_message(self, message: object) -> None:
-        match message:
-            case StatusReport(statuses):
-                self._statuses = statuses
-            case StateChange(state):
-                self.state = state
-                self._on_change()
-            case Figures(by_topic):
-                self._figures |= {topic: dict(found) for topic, found in by_topic.items()}
-            case RecordedEvent():
-                self._record_event(message)
-            case AlarmChange():
-                self._mirror_alarm(message)
-            case SettingsAnswer():
-                self._take_answer(message)
-            case _:
-                for listener in self.message_listeners:
-                    listener(message)
+    def _take_statuses(self, statuses: tuple[Status, ...]) -> None:
+        self._statuses = statuses
 
-    def _record_event(self, message: RecordedEvent) -> None:
+    def _take_state(self, state: LaneState) -> None:
+        self.state = state
+        self._on_change()
+
+    def _take_figures(self, by_topic: Mapping[str, Mapping[str, object]]) -> None:
+        self._figures |= {topic: dict(found) for topic, found in by_topic.items()}
+
+    def _record_event(
+        self, at: int, kind: EventKind, level: GuardEventLevel, values: Mapping[str, Any]
+    ) -> None:
         if self._record:
-            self._record(message.kind, message.level, at=message.at, **message.values)
+            self._record(kind, level, at=at, **values)
 
-    def _mirror_alarm(self, change: AlarmChange) -> None:
-        raised = AlarmChange(change.alarm, active=True)
-        if change.active:
-            self._alarms_there.add(raised)
-        else:
-            self._alarms_there.discard(raised)
-        self._alarms.mirror(change.alarm, self._loop.now(), active=change.active)
+    def _mirror_alarm(self, alarm: Alarm, active: bool) -> None:  # noqa: FBT001 - a call's argument
+        change = self._alarms_there.add if active else self._alarms_there.discard
+        change(alarm)
+        self._alarms.mirror(alarm, self._loop.now(), active=active)
 
-    def _take_answer(self, answer: SettingsAnswer) -> None:
-        if self._settings and answer.revision == self._settings.revision:
+    def _take_answer(self, revision: int, error: str) -> None:
+        if self._settings and revision == self._settings.revision:
             on_answer, self._on_answer = self._on_answer, _ignore
-            on_answer(answer.error)
+            on_answer(error)
 
 
-def _ignore(_message: object) -> None:
+def _ignore(_error: str) -> None:
     """Do nothing."""

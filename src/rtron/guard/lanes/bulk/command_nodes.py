@@ -1,16 +1,12 @@
 """The nodes of the command process, for the audit in the bulk process."""
 
 from collections import deque
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.bulk.command_connection import CommandConnection
-from rtron.guard.lanes.exchange.messages import (
-    LostListener,
-    NewListener,
-    NodesReport,
-    ShutdownRequest,
-)
+from rtron.guard.lanes.exchange.audit_exchange import NodesReport
+from rtron.guard.lanes.exchange.process_connection import ProcessConnection
 from rtron.guard.transport.ros2.participants import MAX_LEASE
 
 if TYPE_CHECKING:
@@ -23,7 +19,7 @@ class CommandNodes:
     """What the command process tells of its nodes, and what is left of the one before."""
 
     def __init__(
-        self, connection: CommandConnection, loop: EventLoop, streams: frozenset[str]
+        self, connection: ProcessConnection, loop: EventLoop, streams: frozenset[str]
     ) -> None:
         """`streams` are the public names of those that the command process carries."""
         self.report = NodesReport()
@@ -34,12 +30,17 @@ class CommandNodes:
         self.on_shutdown_request: Callable[[str, str], None] = _ignore
         self.on_change: Callable[[], None] = lambda: None
         """Called when a command process has told other nodes than before."""
-        self.send = connection.send
+        self.register_node = partial(connection.call, "register_node")
         self._loop = loop
         self._streams = streams
         self._has_reported = False
         self._former_participants: deque[tuple[bytes, int]] = deque(maxlen=_MAX_FORMER)
-        connection.message_listeners.append(self._receive)
+        connection.on(
+            nodes=self._take_report,
+            subscribed=lambda *node: self.on_subscriber(*node),  # noqa: PLW0108 - set later
+            unsubscribed=lambda *node: self.on_subscriber_lost(*node),  # noqa: PLW0108
+            shutdown_request=lambda *why: self.on_shutdown_request(*why),  # noqa: PLW0108
+        )
         connection.loss_listeners.append(self._on_lost)
 
     def participants(self) -> frozenset[bytes]:
@@ -55,17 +56,6 @@ class CommandNodes:
     def unknown_streams(self) -> frozenset[str]:
         """Return its streams, until it has told its nodes."""
         return frozenset() if self._has_reported else self._streams
-
-    def _receive(self, message: object) -> None:
-        match message:
-            case NodesReport():
-                self._take_report(message)
-            case NewListener(topic, node):
-                self.on_subscriber(topic, node)
-            case LostListener(topic, node):
-                self.on_subscriber_lost(topic, node)
-            case ShutdownRequest(node, reason):
-                self.on_shutdown_request(node, reason)
 
     def _take_report(self, report: NodesReport) -> None:
         is_new = not self._has_reported or report.uris != self.report.uris

@@ -1,30 +1,13 @@
 """The response to what the audit finds, as the bulk process sees it: messages to the brakes."""
 
 import logging
-from typing import TYPE_CHECKING
 
-from rtron.guard.audit.common.audit_response import ListenRequest, ListenToPublisher
+from rtron.guard.audit.common.audit_response import AuditResponse, ListenRequest, ListenToPublisher
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.lanes.bulk.command_connection import CommandConnection
-from rtron.guard.lanes.exchange.messages import (
-    MAX_ALARMS,
-    ActiveAlarms,
-    AuditProgress,
-    AuditRound,
-    DismissAnswer,
-    DismissRequest,
-    IntruderReturned,
-    RaiseAlarm,
-    RepeatStop,
-    SettleAlarm,
-    StoppedStreams,
-    WithdrawAlarm,
-)
+from rtron.guard.lanes.exchange.audit_exchange import MAX_ALARMS, StoppedTopics
 from rtron.vocabulary import Alarm
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
 
 log = logging.getLogger(__name__)
 
@@ -33,8 +16,8 @@ CHECK_S = 0.5
 _MAX_REQUESTS = 32
 
 
-class RemoteResponse:
-    """Tells the command process what the audit finds, on change; an `AuditResponse`.
+class RemoteResponse(AuditResponse):
+    """Tells the command process what the audit finds, on change.
 
     A command process that connects is told all that is there. It is called complete when the audit
     has looked at everything since then: an intruder that is not found yet is not gone.
@@ -43,16 +26,9 @@ class RemoteResponse:
     def __init__(
         self, connection: CommandConnection, loop: EventLoop, *, stops_streams: bool
     ) -> None:
+        super().__init__()
         self.stops_streams = stops_streams
-        self.dismiss: Callable[[str, bool], str] = lambda topic, is_audible: ""
-        """See `AuditResponse`."""
-        self.on_return: Callable[[bytes], None] = lambda gid: None
-        """See `AuditResponse`."""
-        self.find_missing: Callable[[], str] = lambda: "it has not begun"
-        """See `AuditResponse`."""
-        self.find_unseen: Callable[[int], Mapping[str, str]] = lambda since: {}
-        """See `AuditResponse`."""
-        self._send = connection.send
+        self._call = connection.call
         self._round_at = loop.now()
         self._loop = loop
         self._active = ReportedAlarms(loop)
@@ -60,14 +36,18 @@ class RemoteResponse:
         self._stopped: frozenset[str] = frozenset()
         self._missing = ""
         self._is_complete = False
-        connection.message_listeners.append(self._receive)
+        connection.on(
+            stopped_streams=self._take_stopped,
+            dismiss=self._answer,
+            intruder_returned=lambda gid: self.on_return(gid),  # noqa: PLW0108 - set later
+        )
         connection.connect_listeners.append(self._report_all)
 
     def open(self) -> None:
         """Tell each round of the audit, and once when it has looked at everything."""
         self._loop.call_later(CHECK_S, self.open)
         since, self._round_at = self._round_at, self._loop.now()
-        self._send(AuditRound(self.find_unseen(since)))
+        self._call("audit_round", self.find_unseen(since))
         if not self._is_complete:
             self._report_progress()
 
@@ -77,24 +57,23 @@ class RemoteResponse:
     def raise_(self, alarm: Alarm, now: int, *guarded: str) -> None:
         """Raise an alarm; stop the streams of these topics until a person clears them."""
         del now
-        message = RaiseAlarm(alarm, guarded)
-        if self._active.add(message):
-            self._send(message)
+        if self._active.add(alarm, guarded):
+            self._call("raise_alarm", alarm, guarded)
 
     def settle(self, alarm: Alarm) -> None:
         """Take an alarm back: its cause is gone."""
-        self._take_back(alarm, SettleAlarm(alarm))
+        self._take_back(alarm, "settle_alarm")
 
     def withdraw(self, alarm: Alarm) -> None:
         """Take an alarm back that was mistaken."""
-        self._take_back(alarm, WithdrawAlarm(alarm))
+        self._take_back(alarm, "withdraw_alarm")
 
-    def _take_back(self, alarm: Alarm, message: SettleAlarm | WithdrawAlarm) -> None:
+    def _take_back(self, alarm: Alarm, call: str) -> None:
         """Take an alarm back, after those that have room now: they keep its streams stopped."""
         if self._active.remove(alarm):
             for each in self._active.take_waiting():
-                self._send(each)
-            self._send(message)
+                self._call("raise_alarm", *each)
+            self._call(call, alarm)
 
     @property
     def stopped_streams(self) -> frozenset[str]:
@@ -110,38 +89,35 @@ class RemoteResponse:
         self._requests[request.subject] = request
         while len(self._requests) > _MAX_REQUESTS:
             del self._requests[next(each for each in self._requests if each)]
-        self._send(request)
+        self._call("listen", request)
 
     def on_new_listener(self, topic: str) -> None:
         """Let the command process tell a stop to a node that has just begun to listen."""
-        self._send(RepeatStop(topic))
+        self._call("repeat_stop", topic)
 
     def _report_progress(self) -> None:
         """Tell what is missing, if it is something else than before; at the end, all alarms."""
         before, self._missing = self._missing, self.find_missing()
         if not self._missing:
             self._is_complete = True
-            self._send(ActiveAlarms(self._active.messages()))
+            self._call("active_alarms", self._active.reported())
         elif self._missing != before:
-            self._send(AuditProgress(self._missing))
+            self._call("audit_progress", self._missing)
 
     def _report_all(self) -> None:
         """Tell a new command process what is there; the audit does not know its nodes yet."""
         self._is_complete, self._missing = False, ""
-        for message in self._active.messages():
-            self._send(message)
+        for each in self._active.reported():
+            self._call("raise_alarm", *each)
         for request in self._requests.values():
-            self._send(request)
+            self._call("listen", request)
 
-    def _receive(self, message: object) -> None:
-        match message:
-            case StoppedStreams(topics):
-                self._stopped = topics
-                self._forget_requests()
-            case DismissRequest(number, topic, is_audible):
-                self._send(DismissAnswer(number, self.dismiss(topic, is_audible)))
-            case IntruderReturned(gid):
-                self.on_return(gid)
+    def _take_stopped(self, topics: frozenset[str]) -> None:
+        self._stopped = topics
+        self._forget_requests()
+
+    def _answer(self, number: int, topic: str, is_audible: bool) -> None:  # noqa: FBT001 - as `dismiss`
+        self._call("dismiss_answer", number, self.dismiss(topic, is_audible))
 
     def _forget_requests(self) -> None:
         """Forget whom to listen to where nothing is stopped any more."""
@@ -161,55 +137,55 @@ class ReportedAlarms:
 
     def __init__(self, loop: EventLoop) -> None:
         self._loop = loop
-        self._stopping: dict[Alarm, RaiseAlarm] = {}
-        self._others: dict[Alarm, RaiseAlarm] = {}
-        self._waiting: dict[Alarm, RaiseAlarm] = {}
+        self._stopping: dict[Alarm, StoppedTopics] = {}
+        self._others: dict[Alarm, StoppedTopics] = {}
+        self._waiting: dict[Alarm, StoppedTopics] = {}
         self._lost_count = 0
         self._log_throttle = LogThrottle()
 
-    def messages(self) -> tuple[RaiseAlarm, ...]:
-        """Return what is reported, what stops streams first."""
-        return (*self._stopping.values(), *self._others.values())
+    def reported(self) -> tuple[tuple[Alarm, StoppedTopics], ...]:
+        """Return what is reported and the streams that it stops, those that stop any first."""
+        return (*self._stopping.items(), *self._others.items())
 
-    def add(self, message: RaiseAlarm) -> bool:
+    def add(self, alarm: Alarm, streams: StoppedTopics) -> bool:
         """Keep an alarm; return whether to report it: it is new or stops others than before."""
-        alarm = message.alarm
-        if message in (self._stopping.get(alarm), self._others.get(alarm)):
+        group, former = self._stopping, self._others
+        if not streams:
+            group, former = former, group
+        if group.get(alarm) == streams:
             return False
-        if not self._has_room(message):
-            self._postpone(message)
+        if not self._has_room(alarm, streams):
+            self._postpone(alarm, streams)
             return False
-        self._waiting.pop(alarm, None)
-        former, group = self._others, self._stopping
-        if not message.streams:
-            former, group = group, former
-        former.pop(alarm, None)
-        group[alarm] = message
+        for each in (self._waiting, former):
+            each.pop(alarm, None)
+        group[alarm] = streams
         return True
 
     def remove(self, alarm: Alarm) -> bool:
         """Forget an alarm; return whether it was reported."""
         self._waiting.pop(alarm, None)
-        stopping, other = self._stopping.pop(alarm, None), self._others.pop(alarm, None)
-        return bool(stopping or other)
+        groups = (self._stopping, self._others)
+        found = [group.pop(alarm, None) for group in groups]
+        return found != [None, None]
 
-    def take_waiting(self) -> list[RaiseAlarm]:
+    def take_waiting(self) -> list[tuple[Alarm, StoppedTopics]]:
         """Return what has room by now and is reported from now on."""
-        return [each for each in list(self._waiting.values()) if self.add(each)]
+        return [each for each in list(self._waiting.items()) if self.add(*each)]
 
-    def _has_room(self, message: RaiseAlarm) -> bool:
-        if not message.streams:
-            return message.alarm in self._others or len(self._others) < MAX_ALARMS
-        if message.alarm in self._stopping or len(self._stopping) < MAX_ALARMS:
+    def _has_room(self, alarm: Alarm, streams: StoppedTopics) -> bool:
+        if not streams:
+            return alarm in self._others or len(self._others) < MAX_ALARMS
+        if alarm in self._stopping or len(self._stopping) < MAX_ALARMS:
             return True
-        stopped = {topic for each in self._stopping.values() for topic in each.streams}
-        return not stopped.issuperset(message.streams)
+        stopped = {topic for each in self._stopping.values() for topic in each}
+        return not stopped.issuperset(streams)
 
-    def _postpone(self, message: RaiseAlarm) -> None:
-        if message.streams:
-            self._waiting[message.alarm] = message
+    def _postpone(self, alarm: Alarm, streams: StoppedTopics) -> None:
+        if streams:
+            self._waiting[alarm] = streams
             return
         self._lost_count += 1
         if self._log_throttle.allows("lost", self._loop.now()):
             text = "%d alarms are not reported, %d are: %s"
-            log.error(text, self._lost_count, MAX_ALARMS, message.alarm.reason)
+            log.error(text, self._lost_count, MAX_ALARMS, alarm.reason)

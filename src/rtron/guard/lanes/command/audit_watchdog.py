@@ -1,14 +1,13 @@
 """The stop of a stream after which the audit has not looked: an intruder would not be found."""
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
-from rtron.guard.lanes.exchange.messages import AuditRound
 from rtron.vocabulary import SECOND, Alarm, AlarmKind, Mode, OnForeign, Plan
 
 log = logging.getLogger(__name__)
@@ -47,7 +46,7 @@ class AuditWatchdog:
         self._gaps: dict[str, str] = {}
         """Why a stream was not looked after in the last round."""
         self._alarms: dict[str, Alarm] = {}
-        connection.message_listeners.append(self._receive)
+        connection.on(audit_round=self._note_round)
         connection.loss_listeners.append(self._gaps.clear)
 
     def open(self) -> None:
@@ -65,12 +64,12 @@ class AuditWatchdog:
     def close(self) -> None:
         """Look no more."""
 
-    def _receive(self, message: object) -> None:
-        if isinstance(message, AuditRound):
-            self._gaps.update(message.unseen)
-            for topic in self._streams.keys() - message.unseen.keys():
-                self._seen_at[topic] = self._loop.now()
-                self._gaps.pop(topic, None)
+    def _note_round(self, unseen: Mapping[str, str]) -> None:
+        """Take that the audit has looked after all streams since the last round, but for some."""
+        self._gaps.update(unseen)
+        for topic in self._streams.keys() - unseen.keys():
+            self._seen_at[topic] = self._loop.now()
+            self._gaps.pop(topic, None)
 
     def _hold(self, topic: str, stream: GuardedStream) -> None:
         seconds, gap = self._limit / SECOND, self._gaps.get(topic, _NO_ANSWER)

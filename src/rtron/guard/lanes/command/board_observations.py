@@ -56,11 +56,6 @@ class BoardView:
         record = self._board.event(index) if self._board else None
         return record.state if record and now - record.written_at < STALE_AFTER else None
 
-    @property
-    def written_at(self) -> int:
-        """When the board was last written (ns), 0 without a board."""
-        return self._board.written_at if self._board else 0
-
     def replace(self, board: Board | None) -> None:
         """Look at another board, or at none."""
         if self._board:

@@ -24,8 +24,7 @@ from rtron.guard.lanes.command.bulk_connection import BulkConnection
 from rtron.guard.lanes.command.diagnostics_reports import DiagnosticsReports
 from rtron.guard.lanes.command.node_reports import NodeReports
 from rtron.guard.lanes.command.remote_audit import RemoteAudit, RemoteBrake
-from rtron.guard.lanes.exchange.messages import RegisterNode
-from rtron.guard.middleware import Middleware, open_middleware
+from rtron.guard.middleware import open_middleware
 from rtron.guard.rehearsal import Rehearsal
 from rtron.guard.runner import (
     GraphPart,
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rtron.guard.core.control_socket import RequestHandler
-    from rtron.guard.core.state_file import StateFile
     from rtron.guard.link.options import LinkOptions
     from rtron.guard.supervision.supervisor_client import SupervisorClient
     from rtron.guard.transport.common.protocol import LiveTransport
@@ -75,9 +73,11 @@ def run_command_process(
     transport.succeed(handover)
     streams = build_streams(command_part(plan))
     coordinator = Coordinator(transport, streams, board.observations, handover=handover)
-    connection = BulkConnection(loop, supervisor.configuration, board, coordinator)
+    connection = BulkConnection(
+        loop, supervisor.bulk_port, supervisor.configuration, board, coordinator
+    )
     response = _alarm_response(plan, coordinator, transport, connection)
-    _follow_audit(connection, response, middleware, loop)
+    RemoteAudit(connection, response, loop)
     topics = len(streams) + len(build_streams(bulk_part(plan)))
     parts: list[Part] = [
         connection,
@@ -89,8 +89,7 @@ def run_command_process(
         middleware.create_listener(response),
         AuditWatchdog(connection, coordinator, loop, plan, handover),
     ]
-    file = stop_file(plan, master)
-    authority, handler, leases = _create_authority(plan, coordinator, transport, handover, file)
+    authority, handler, leases = _create_authority(plan, coordinator, transport, handover, master)
     parts += authority
     if link:
         from rtron.guard.lanes.command.service_reports import service_parts  # noqa: PLC0415 - most have none
@@ -103,8 +102,7 @@ def run_command_process(
         heartbeat.beat(loop)
     supervisor.attach(loop, coordinator)
     _set_handlers(coordinator, transport, supervisor)
-    rehearsal = Rehearsal(coordinator, loop, transport.create_stage())
-    run_parts(loop, [*parts, rehearsal, supervisor])
+    run_parts(loop, [*parts, Rehearsal(coordinator, loop, transport.create_stage()), supervisor])
 
 
 def _create_authority(
@@ -112,28 +110,15 @@ def _create_authority(
     coordinator: Coordinator,
     transport: LiveTransport,
     handover: HandoverState,
-    file: StateFile,
+    master: str,
 ) -> tuple[list[Part], RequestHandler, LeaseController]:
     """Return what listens to commanders and stop buttons, and what persons may ask for."""
     stops = LatchedStops(coordinator, transport, plan)
-    stops.keep(handover, file)
+    stops.keep(handover, stop_file(plan, master))
     leases = LeaseController(coordinator, transport)
     buttons = StopButtons(plan.stop_sources.buttons, stops, transport)
     handler = create_request_handler(coordinator, transport, leases, stops)
     return [LeaseTopics(leases, transport), buttons], handler, leases
-
-
-def _follow_audit(
-    connection: BulkConnection, response: AlarmResponse, middleware: Middleware, loop: EventLoop
-) -> None:
-    """Do what the audit in the bulk process asks for."""
-    RemoteAudit(connection, response, loop)
-
-    def register(message: object) -> None:
-        if isinstance(message, RegisterNode):
-            middleware.register_node(message.name)
-
-    connection.message_listeners.append(register)
 
 
 def _set_handlers(

@@ -7,7 +7,6 @@ from rtron.guard.core.diagnostics import alarm_statuses
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.report_messages import ERROR, Status
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
-from rtron.guard.lanes.exchange.messages import AlarmChange, StatusReport
 from rtron.vocabulary import SECOND, Alarm
 
 log = logging.getLogger(__name__)
@@ -57,7 +56,7 @@ class DiagnosticsReports:
             alarms = alarm_statuses(self._host.alarms, self._loop.now())
             self._host.publish_diagnostics([_NOT_CONNECTED, *statuses, *alarms])
         else:
-            self._connection.send(StatusReport(statuses))
+            self._connection.call("statuses", statuses)
 
     def _on_connect(self) -> None:
         if not self._has_connected:
@@ -68,4 +67,4 @@ class DiagnosticsReports:
             self._send_alarm(alarm, active=True)
 
     def _send_alarm(self, alarm: Alarm, *, active: bool) -> None:
-        self._connection.send(AlarmChange(alarm, active=active))
+        self._connection.call("alarm", alarm, active)

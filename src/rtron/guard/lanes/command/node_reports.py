@@ -8,17 +8,12 @@ from typing import TYPE_CHECKING
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
-from rtron.guard.lanes.exchange.messages import (
-    LostListener,
-    NewListener,
-    NodesReport,
-    ShutdownRequest,
-)
 from rtron.guard.middleware import Middleware
 from rtron.guard.node_shutdown import ShutdownRefusal
 from rtron.vocabulary import SECOND
 
 if TYPE_CHECKING:
+    from rtron.guard.lanes.exchange.audit_exchange import NodesReport
     from rtron.guard.supervision.supervisor_client import SupervisorClient
 
 log = logging.getLogger(__name__)
@@ -28,6 +23,8 @@ MAX_PER_PERIOD = 64
 MAX_WAITING = 1024
 MAX_TEXT = 256
 """How much is sent of what a stranger says, characters."""
+Call = tuple[object, ...]
+"""A call's name and its arguments."""
 
 
 class NodeReports:
@@ -48,13 +45,14 @@ class NodeReports:
         self._refusal = ShutdownRefusal(loop)
         self._last_report: NodesReport | None = None
         connection.connect_listeners.append(self._report_anew)
+        connection.on(register_node=middleware.register_node)
 
     def open(self) -> None:
         """Report from now on."""
         send = self._sender.send
         self._middleware.set_listener_handlers(
-            lambda topic, node: send(NewListener(topic, node)),
-            lambda topic, node: send(LostListener(topic, node)),
+            lambda topic, node: send(("subscribed", topic, node)),
+            lambda topic, node: send(("unsubscribed", topic, node)),
         )
         self._middleware.transport.set_shutdown_handler(self._on_shutdown_request)
         self._report_periodically()
@@ -80,12 +78,12 @@ class NodeReports:
         )
         if report != self._last_report:
             self._last_report = report
-            self._connection.send(report)
+            self._connection.call("nodes", report)
 
     def _on_shutdown_request(self, node: str, reason: str) -> None:
         """Let the audit deal with it; nobody ends this process over the network."""
         if self._connection.is_connected:
-            self._sender.send(ShutdownRequest(node[:MAX_TEXT], reason[:MAX_TEXT]))
+            self._sender.send(("shutdown_request", node[:MAX_TEXT], reason[:MAX_TEXT]))
         else:
             self._refusal.handle(node, reason)
 
@@ -96,16 +94,16 @@ class RateLimitedSender:
     What has to wait is sent when the period ends. A message without room is lost.
     """
 
-    def __init__(self, send: Callable[[object], None], loop: EventLoop) -> None:
+    def __init__(self, send: Callable[[Call], None], loop: EventLoop) -> None:
         self._send = send
         self._loop = loop
-        self._sent: set[object] = set()
+        self._sent: set[Call] = set()
         """What was sent in this period, which has ended if this is empty."""
-        self._waiting: dict[object, None] = {}
+        self._waiting: dict[Call, None] = {}
         self._lost_count = 0
         self._log_throttle = LogThrottle()
 
-    def send(self, message: object) -> None:
+    def send(self, message: Call) -> None:
         """Send a message, now or when it is due."""
         if message not in self._sent and len(self._sent) < MAX_PER_PERIOD:
             self._send_now(message)
@@ -114,7 +112,7 @@ class RateLimitedSender:
         else:
             self._count_lost()
 
-    def _send_now(self, message: object) -> None:
+    def _send_now(self, message: Call) -> None:
         if not self._sent:
             self._loop.call_at(self._loop.now() + PERIOD, self._begin_period)
         self._sent.add(message)

@@ -5,29 +5,15 @@ one that begins makes an intruder go away.
 """
 
 import logging
+from functools import partial
 from itertools import count
 
 from rtron.guard.audit.common.alarm_response import AlarmResponse
-from rtron.guard.audit.common.audit_response import EndpointTrust, ListenToPublisher
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.intrusion_latch import OnRefusal
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
-from rtron.guard.lanes.exchange.messages import (
-    MAX_ALARMS,
-    ActiveAlarms,
-    AuditProgress,
-    DismissAnswer,
-    DismissRequest,
-    HoldStream,
-    IntruderReturned,
-    RaiseAlarm,
-    ReleaseStream,
-    RepeatStop,
-    SettleAlarm,
-    StoppedStreams,
-    WithdrawAlarm,
-)
+from rtron.guard.lanes.exchange.audit_exchange import MAX_ALARMS, StoppedTopics
 from rtron.vocabulary import Alarm
 
 log = logging.getLogger(__name__)
@@ -49,7 +35,7 @@ class RemoteAudit:
         self._connection = connection
         self._response = response
         self._loop = loop
-        self._alarms: dict[Alarm, tuple[str, ...]] = {}
+        self._alarms: dict[Alarm, StoppedTopics] = {}
         """What an audit has found, this one or one before it, and the streams that it stops."""
         self._log_throttle = LogThrottle()
         self._is_complete = False
@@ -58,9 +44,18 @@ class RemoteAudit:
         self._numbers = count()
         self._requests: dict[int, OnRefusal] = {}
         response.query_audit = self._query
-        response.on_return = lambda gid: connection.send(IntruderReturned(gid))
+        response.on_return = partial(connection.call, "intruder_returned")
         response.change_listeners.append(self._report_stopped)
-        connection.message_listeners.append(self._receive)
+        connection.on(
+            raise_alarm=self._raise,
+            settle_alarm=self._settle,
+            withdraw_alarm=self._withdraw,
+            active_alarms=self._take_all,
+            audit_progress=self._take_progress,
+            dismiss_answer=self._answer,
+            repeat_stop=response.on_new_listener,
+            listen=response.listen,
+        )
         connection.connect_listeners.append(self._report_stopped)
         connection.loss_listeners.append(self._on_lost)
 
@@ -73,41 +68,28 @@ class RemoteAudit:
             number = next(self._numbers)
             self._requests[number] = on_refusal
             self._loop.call_later(ANSWER_LIMIT_S, lambda: self._answer(number, _NO_ANSWER))
-            self._connection.send(DismissRequest(number, topic, is_audible))
+            self._connection.call("dismiss", number, topic, is_audible)
 
     def _answer(self, number: int, refusal: str) -> None:
         """Tell what the audit has said; later words about the same request do not count."""
         if on_refusal := self._requests.pop(number, None):
             on_refusal(refusal)
 
-    def _receive(self, message: object) -> None:
-        match message:
-            case RaiseAlarm(alarm, streams):
-                self._raise(alarm, streams)
-            case SettleAlarm(alarm):
-                self._settle(alarm)
-            case WithdrawAlarm(alarm):
-                self._alarms.pop(alarm, None)
-                self._response.withdraw(alarm)
-            case ActiveAlarms(alarms):
-                self._take_all(alarms)
-            case AuditProgress(missing):
-                self._missing = missing
-            case DismissAnswer(number, refusal):
-                self._answer(number, refusal)
-            case RepeatStop(topic):
-                self._response.on_new_listener(topic)
-            case ListenToPublisher() | EndpointTrust():
-                self._response.listen(message)
+    def _withdraw(self, alarm: Alarm) -> None:
+        self._alarms.pop(alarm, None)
+        self._response.withdraw(alarm)
 
-    def _raise(self, alarm: Alarm, streams: tuple[str, ...]) -> None:
+    def _take_progress(self, missing: str) -> None:
+        self._missing = missing
+
+    def _raise(self, alarm: Alarm, streams: StoppedTopics) -> None:
         if self._has_room(alarm, streams):
             self._alarms[alarm] = streams
             self._response.raise_(alarm, self._loop.now(), *streams)
         elif self._log_throttle.allows("no room", self._loop.now()):
             log.error("an alarm has no room beside %d others: %s", MAX_ALARMS, alarm.reason)
 
-    def _has_room(self, alarm: Alarm, streams: tuple[str, ...]) -> bool:
+    def _has_room(self, alarm: Alarm, streams: StoppedTopics) -> bool:
         """Tell whether there is room for an alarm; what stops a stream always has it."""
         others = sum(not each for each in self._alarms.values())
         return bool(streams) or alarm in self._alarms or others < MAX_ALARMS
@@ -116,17 +98,18 @@ class RemoteAudit:
         self._alarms.pop(alarm, None)
         self._response.settle(alarm)
 
-    def _take_all(self, alarms: tuple[RaiseAlarm, ...]) -> None:
+    def _take_all(self, alarms: tuple[tuple[Alarm, StoppedTopics], ...]) -> None:
+        """Take all that the audit has found and that is still there; what is not here is gone."""
         if not self._is_complete:
             log.info("the audit has looked at the whole graph")
         self._is_complete = True
-        for each in alarms:
-            self._raise(each.alarm, each.streams)
-        for alarm in self._alarms.keys() - {each.alarm for each in alarms}:
+        for alarm, streams in alarms:
+            self._raise(alarm, streams)
+        for alarm in self._alarms.keys() - {alarm for alarm, _ in alarms}:
             self._settle(alarm)
 
     def _report_stopped(self) -> None:
-        self._connection.send(StoppedStreams(self._response.stopped_streams))
+        self._connection.call("stopped_streams", self._response.stopped_streams)
 
     def _on_lost(self) -> None:
         self._is_complete, self._missing = False, ""
@@ -153,19 +136,19 @@ class RemoteBrake:
     def hold(self, why: str) -> None:
         """Let nothing pass."""
         self._why = why
-        self._connection.send(HoldStream(self._topic, why))
+        self._connection.call("hold", self._topic, why)
 
     def release(self) -> None:
         """Let pass again what the policies let pass."""
         self._why = ""
-        self._connection.send(ReleaseStream(self._topic))
+        self._connection.call("release", self._topic)
 
     def answer(self, message: bytes) -> None:
         """Do nothing."""
 
     def repeat_stop(self) -> None:
         """Tell the stop to a node that has just begun to listen."""
-        self._connection.send(RepeatStop(self._topic))
+        self._connection.call("repeat_stop", self._topic)
 
     def _hold_again(self) -> None:
         if self._why:

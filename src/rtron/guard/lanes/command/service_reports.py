@@ -11,7 +11,6 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.assignment import command_part
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
 from rtron.guard.lanes.exchange.lane_state import lane_state, stream_figures
-from rtron.guard.lanes.exchange.messages import Figures, RecordedEvent, SettingsAnswer, StateChange
 from rtron.guard.link.host_events import HostEvents
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.runner import Part
@@ -20,7 +19,6 @@ from rtron.guard.settings.in_force import SettingsInForce
 from rtron.guard.settings.saved_settings import SavedStop, settings_at_start
 from rtron.guard.transport.common.protocol import LiveTransport
 from rtron.vocabulary import SECOND, EventKind, GuardEventLevel, Plan, Settings
-from rtron.wire.common.link_protocol import LeaseCommand
 
 _STATE_PERIOD = SECOND // 5
 MAX_PENDING_EVENTS = 20_000
@@ -42,19 +40,14 @@ def service_parts(
     settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
     settings_at_start(settings, link)
     reports = ServiceReports(connection, coordinator, loop, settings)
-    connection.on_settings = reports.apply
-    _follow_leases(connection, ServiceLeases(leases, reports.record))
+    service_leases = ServiceLeases(leases, reports.record)
+    connection.on(
+        apply_settings=reports.apply,
+        lease_command=lambda each: connection.call(
+            "lease_response", service_leases.carry_out(each)
+        ),
+    )
     return [reports, SavedStop(settings, link, loop)]
-
-
-def _follow_leases(connection: BulkConnection, leases: ServiceLeases) -> None:
-    """Do what persons at the service ask of leases, and answer."""
-
-    def receive(message: object) -> None:
-        if isinstance(message, LeaseCommand):
-            connection.send(leases.carry_out(message))
-
-    connection.message_listeners.append(receive)
 
 
 class ServiceReports:
@@ -71,7 +64,7 @@ class ServiceReports:
         self._host = host
         self._loop = loop
         self._settings = settings
-        self._unsent: deque[RecordedEvent] = deque()
+        self._unsent: deque[tuple[int, EventKind, GuardEventLevel, dict[str, Any]]] = deque()
         self._events = HostEvents(host, self.record)
         self._events.on_change = self._schedule_state
         self._state_sent_at = 0
@@ -90,7 +83,7 @@ class ServiceReports:
     def apply(self, settings: Settings) -> None:
         """Put settings in force, and answer."""
         error = self._settings.apply(settings)
-        self._connection.send(SettingsAnswer(settings.revision, error))
+        self._connection.call("settings_answer", settings.revision, error)
         self._schedule_state()
 
     def record(
@@ -105,7 +98,7 @@ class ServiceReports:
             return
         if self._lost_count and len(self._unsent) < MAX_PENDING_EVENTS - 1:
             self._record_lost()
-        self._unsent.append(RecordedEvent(time.time_ns(), kind, level, values))
+        self._unsent.append((time.time_ns(), kind, level, values))
         if not self._is_sending_due:
             self._send_events()
 
@@ -113,7 +106,7 @@ class ServiceReports:
         now = self._loop.now()
         self._loop.call_at(now + SECOND, self._report_periodically)
         figures = stream_figures(self._events.stream_monitors.values(), now)
-        self._connection.send(Figures(figures))
+        self._connection.call("figures", figures)
         self._send_state()
 
     def _record_lost(self) -> None:
@@ -121,7 +114,7 @@ class ServiceReports:
         reason = f"{count} events were lost: the bulk process was away for too long"
         values = {"reason": reason, "values": {"events": count}}
         level = GuardEventLevel.WARNING
-        self._unsent.append(RecordedEvent(time.time_ns(), EventKind.LOST, level, values))
+        self._unsent.append((time.time_ns(), EventKind.LOST, level, values))
 
     def _on_connect(self) -> None:
         self._send_events()
@@ -132,7 +125,7 @@ class ServiceReports:
         for _ in range(_EVENTS_AT_ONCE):
             if not self._unsent or not self._connection.is_ready:
                 break
-            self._connection.send(self._unsent.popleft())
+            self._connection.call("event", *self._unsent.popleft())
         if self._unsent and self._connection.is_connected and not self._is_sending_due:
             self._is_sending_due = True
             self._loop.call_at(self._loop.now() + _SEND_PERIOD, self._send_more_events)
@@ -153,4 +146,5 @@ class ServiceReports:
         self._state_sent_at = now = self._loop.now()
         monitors = self._events.stream_monitors.values()
         stopped = self._settings.is_stopped
-        self._connection.send(StateChange(lane_state(self._host, monitors, now, stopped=stopped)))
+        state = lane_state(self._host, monitors, now, stopped=stopped)
+        self._connection.call("state", state)

@@ -10,7 +10,7 @@ import os
 import struct
 from dataclasses import dataclass
 
-from rtron.guard.supervision.double_buffer import DoubleBuffer
+from rtron.guard.supervision.shared_memory import DoubleBuffer
 from rtron.guard.system.sealed_memory import create_sealed_memory
 from rtron.policies.mission.event_bits import EventState
 from rtron.vocabulary import SECOND
@@ -19,9 +19,10 @@ REFRESH_PERIOD = SECOND // 20
 """How often each number is written anew, ns."""
 STALE_AFTER = SECOND // 2
 """The age from which a number counts as the worst one, ns."""
+GREETING = struct.Struct("=I")
+"""What a bulk process says first, and sends its board with: its process id."""
 _RATE = struct.Struct("=dQQ")
 _EVENT = struct.Struct("=iqbqQQ")
-_WORD = 8
 _NEVER = -1
 _UNKNOWN = -1
 
@@ -49,8 +50,7 @@ class Board:
     def __init__(self, descriptor: int, rates: int, events: int) -> None:
         self.descriptor = descriptor
         self._memory = mmap.mmap(descriptor, _size(rates, events))
-        self._words = memoryview(self._memory)[:_WORD].cast("Q")
-        self._end = mmap.PAGESIZE
+        self._end = 0
         self._rates = [self._add_buffer(_RATE.size) for _ in range(rates)]
         self._events = [self._add_buffer(_EVENT.size) for _ in range(events)]
 
@@ -58,15 +58,6 @@ class Board:
     def create(cls, rates: int, events: int) -> "Board":
         """Return one without any record."""
         return cls(create_sealed_memory("rtron-board", _size(rates, events)), rates, events)
-
-    @property
-    def written_at(self) -> int:
-        """When all records were last written, ns."""
-        return self._words[0]
-
-    @written_at.setter
-    def written_at(self, now: int) -> None:
-        self._words[0] = now
 
     def write_rate(self, index: int, record: RateRecord) -> None:
         """Write the record of an fps_monitor."""
@@ -108,7 +99,6 @@ class Board:
 
     def close(self) -> None:
         """Let go of the memory; the other process keeps it."""
-        self._words.release()
         self._memory.close()
         os.close(self.descriptor)
 
@@ -120,4 +110,4 @@ class Board:
 
 def _size(rates: int, events: int) -> int:
     records = rates * DoubleBuffer.size(_RATE.size) + events * DoubleBuffer.size(_EVENT.size)
-    return mmap.PAGESIZE + records
+    return max(records, mmap.PAGESIZE)

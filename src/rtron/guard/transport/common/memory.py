@@ -1,4 +1,4 @@
-"""A middleware in memory, for tests and replays: only `advance` moves its clock."""
+"""A middleware in memory, for tests, replays and rehearsals."""
 
 import heapq
 from collections import defaultdict
@@ -7,6 +7,7 @@ from itertools import count
 
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
+    DEFAULT_OUTPUT,
     ConnectHandler,
     Greeting,
     InputOptions,
@@ -14,6 +15,7 @@ from rtron.guard.transport.common.protocol import (
     MessageHandler,
     MissedHandler,
     Output,
+    OutputOptions,
     Peer,
     TypeInfo,
     ignore_lost,
@@ -25,7 +27,7 @@ from rtron.vocabulary import QoS, normalise_type
 class MemoryTransport:
     """Topics as lists; outside nodes publish with `publisher` and subscribe with `listen`.
 
-    Every topic reaches every node that is not `unreachable`.
+    Only `advance` moves its clock. Every topic reaches every node that is not `unreachable`.
     """
 
     def __init__(self, encoding: Encoding = Encoding.ROS1) -> None:
@@ -64,17 +66,10 @@ class MemoryTransport:
             heapq.heappop(self._timers)[-1]()
 
     def advertise(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Output:
-        """Publish `topic` as `node`; messages never wait here, so `queue_size` has no effect."""
-        del node, queue_size, keep_all, successors
+        """Publish `topic` as `node`; messages never wait here, so no option has an effect."""
+        del node, options
         listeners = self._listeners[topic]
         self.outputs[topic] = MemoryOutput(
             type, listeners, lambda node: node not in self.unreachable
@@ -180,3 +175,38 @@ class MemoryOutput:
     def clear_latched(self) -> None:
         """Latch no message for late listeners any more."""
         self.latched.clear()
+
+
+class Stage(MemoryTransport):
+    """Takes a message through the parts of its way: it arrives, is handled, and leaves.
+
+    This one has no sockets: what is handled goes to outputs in memory that nobody listens to.
+    """
+
+    def __init__(self, encoding: Encoding, now: Callable[[], int]) -> None:
+        super().__init__(encoding)
+        self._now = now
+        self._message = b""
+
+    def now(self) -> int:
+        """Return the time of the guard's clock, ns."""
+        return self._now()
+
+    def call_at(self, when: int, callback: Callable[[], None]) -> None:
+        """Do nothing: what a deadline brings is no part of a message's way."""
+
+    def arrive(self, message: bytes) -> None:
+        """Let a message arrive, unless one waits to be handled."""
+        self._message = self._message or message
+
+    def handle(self, receive: MessageHandler) -> None:
+        """Let `receive` take the message that has arrived."""
+        message, self._message = self._message, b""
+        if message:
+            receive(message)
+
+    def take_output(self) -> None:
+        """Take what was sent."""
+
+    def close(self) -> None:
+        """Close what the stage has opened."""

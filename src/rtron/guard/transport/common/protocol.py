@@ -12,7 +12,7 @@ from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import QoS
 
 if TYPE_CHECKING:
-    from rtron.guard.transport.common.stage import Stage
+    from rtron.guard.transport.common.memory import Stage
 
 MessageHandler = Callable[[bytes], object]
 """Takes one message."""
@@ -96,6 +96,24 @@ class InputOptions:
 DEFAULT_INPUT = InputOptions()
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputOptions:
+    """What waits for the subscribers of an output.
+
+    `queue_size` bounds the messages that wait for a slow subscriber; with `keep_all` a reliable one
+    loses none while the middleware has room and the guard need not wait. Messages before the first
+    of the expected `successors` wait a moment for it, and publishers must have the message type
+    that `successors` request.
+    """
+
+    queue_size: int = 100
+    keep_all: bool = False
+    successors: tuple[str, ...] = ()
+
+
+DEFAULT_OUTPUT = OutputOptions()
+
+
 Greeting = Callable[[], bytes | None]
 """Returns the message that a new subscriber gets first, None if it gets what is latched."""
 
@@ -167,22 +185,9 @@ class Transport(Protocol):
         ...
 
     def advertise(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Output:
-        """Publish `topic` as `node`.
-
-        `queue_size` bounds the messages that wait for a slow subscriber; with `keep_all` a reliable
-        one loses none while the middleware has room and the guard need not wait. Messages before
-        the first of the expected `successors` wait a moment for it, and publishers must have the
-        message type that `successors` request.
-        """
+        """Publish `topic` as `node`."""
         ...
 
     def subscribe(

@@ -2,22 +2,25 @@
 
 import socket
 from collections.abc import Sequence
+from functools import partial
 
 from rtron.guard.cell.access import CellAccess, CellNetwork
 from rtron.guard.cell.connection import CellConnection
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.common.output_group import OutputGroup
+from rtron.guard.transport.common.cell_routes import CellRoutes
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
+    DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
     LostHandler,
     Output,
+    OutputOptions,
     SubscriberProgress,
     ignore_lost,
 )
 from rtron.guard.transport.ros1.middleware import Ros1Transport, TypedPublication
-from rtron.vocabulary import CellTopics, Plan, cell_topics
+from rtron.vocabulary import Plan
 
 CELL_HOST = "127.0.0.1"
 PUBLIC_PORT, PRIVATE_PORT = 11311, 11312
@@ -48,39 +51,23 @@ class CelledTransport(Ros1Transport):
         self, loop: EventLoop, master: str, plan: Plan, *, public: str, role: bytes
     ) -> None:
         super().__init__(loop, master, public=public)
-        self._cells: list[tuple[Ros1Cell, CellTopics]] = [
-            (open_ros1_cell(loop, public, node, role), cell_topics(plan, node))
-            for node in plan.cell
-        ]
+        open_cell = partial(open_ros1_cell, loop, public, role=role)
+        self._routes = CellRoutes(plan, open_cell)
         self._inside: dict[str, list[tuple[Ros1Cell, TypedPublication]]] = {}
 
     def advertise(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`."""
-        cells = [cell for cell, topics in self._cells if topic in topics.subscribed]
-        outputs: list[Output] = [
-            self._advertise_inside(
-                cell,
-                TypedPublication(
-                    node, topic, type, self.now, queue_size=queue_size, successors=successors
-                ),
-            )
-            for cell in cells
-        ]
-        if not cells or self._is_shared(topic):
-            outside = super().advertise(
-                node, topic, type, queue_size=queue_size, keep_all=keep_all, successors=successors
-            )
-            outputs.append(outside)
-        return OutputGroup(outputs) if len(outputs) > 1 else outputs[0]
+
+        def inside(cell: Ros1Cell) -> Output:
+            publication = TypedPublication(node, topic, type, self.now, options)
+            self._inside.setdefault(topic, []).append((cell, publication))
+            cell.apply(lambda side: side.add_publication(publication))
+            return publication
+
+        outside = partial(super().advertise, node, topic, type, options)
+        return self._routes.advertise(topic, inside, outside)
 
     def subscribe(
         self,
@@ -93,11 +80,8 @@ class CelledTransport(Ros1Transport):
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         arguments = (node, topic, type, on_connect, on_lost, options)
-        cells = [cell for cell, topics in self._cells if topic in topics.published]
-        for cell in cells:
-            cell.apply(lambda side: side.subscribe(*arguments))
-        if not cells or self._is_shared(topic):
-            super().subscribe(*arguments)
+        outside = partial(super().subscribe, *arguments)
+        self._routes.subscribe(topic, lambda side: side.subscribe(*arguments), outside)
 
     def subscriber_progress(self, topic: str) -> Sequence[SubscriberProgress]:
         """Return how far each subscriber of a topic has come, in the cells or outside."""
@@ -111,14 +95,5 @@ class CelledTransport(Ros1Transport):
 
     def close(self) -> None:
         """Leave the cells and the graph."""
-        for cell, _ in self._cells:
-            cell.close()
+        self._routes.close()
         super().close()
-
-    def _advertise_inside(self, cell: Ros1Cell, publication: TypedPublication) -> Output:
-        self._inside.setdefault(publication.topic, []).append((cell, publication))
-        cell.apply(lambda side: side.add_publication(publication))
-        return publication
-
-    def _is_shared(self, topic: str) -> bool:
-        return any(topic in topics.shared for _, topics in self._cells)

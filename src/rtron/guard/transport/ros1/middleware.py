@@ -9,26 +9,26 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
+    DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
     LostHandler,
     Output,
+    OutputOptions,
     SubscriberProgress,
     TypeInfo,
     ignore_lost,
 )
 from rtron.guard.transport.ros1.handshake import TopicRequest
-from rtron.guard.transport.ros1.kernel_queues import KernelQueues
 from rtron.guard.transport.ros1.node import Ros1Node
 from rtron.guard.transport.ros1.publication import Publication
 from rtron.guard.transport.ros1.registrar import Registrar
 from rtron.guard.transport.ros1.stage import Ros1Stage
-from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
+from rtron.guard.transport.ros1.subscriber_link import KernelQueues, SubscriberLink
 from rtron.guard.transport.ros1.subscription import Subscription, link_factory
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.messages.common.encoding import Encoding
-from rtron.wire.ros1.host_address import advertised_host, bind_address
-from rtron.wire.ros1.network import HOST_NETWORK, Network
+from rtron.wire.ros1.network import HOST_NETWORK, Network, advertised_host, bind_address
 
 log = logging.getLogger(__name__)
 
@@ -72,20 +72,10 @@ class Ros1Transport:
         self.call_at = loop.call_at
 
     def advertise(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`. In ROS 1 nobody is reliable but TCP."""
-        del keep_all
-        publication = TypedPublication(
-            node, topic, type, self.now, queue_size=queue_size, successors=successors
-        )
+        publication = TypedPublication(node, topic, type, self.now, options)
         publication.on_subscriber_lost = lambda name: self.on_subscriber_lost(topic, name)
         self.add_publication(publication)
         return publication
@@ -158,11 +148,6 @@ class Ros1Transport:
         """The TCPROS port of all our nodes."""
         return self._server.port
 
-    @property
-    def ports(self) -> frozenset[int]:
-        """The TCPROS ports of the guard as far as they are known here."""
-        return frozenset({self.port})
-
     def node_uris(self) -> dict[str, str]:
         """Return the URI of each node of ours."""
         return {name: node.uri for name, node in self._nodes.items()}
@@ -170,14 +155,6 @@ class Ros1Transport:
     def node_uri(self, name: str) -> str:
         """Return the URI of a node of ours, which is made if it is not there."""
         return self._node(name).uri
-
-    def unknown_streams(self) -> frozenset[str]:
-        """Return nothing: all nodes here are known."""
-        return frozenset()
-
-    def former_uris(self) -> frozenset[str]:
-        """Return nothing: this process and its nodes end together."""
-        return frozenset()
 
     def subscribers(self, topic: str) -> set[str]:
         """Return the names that the connected subscribers of a topic give themselves."""

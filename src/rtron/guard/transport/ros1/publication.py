@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from rtron.guard.transport.common.backlog import Backlog
-from rtron.guard.transport.common.protocol import Greeting, TypeInfo
+from rtron.guard.transport.common.protocol import Greeting, OutputOptions, TypeInfo
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
 from rtron.vocabulary import QoS
 
@@ -20,14 +20,7 @@ class Publication:
     """
 
     def __init__(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        now: Callable[[], int],
-        *,
-        queue_size: int,
-        successors: tuple[str, ...],
+        self, node: str, topic: str, type: str, now: Callable[[], int], options: OutputOptions
     ) -> None:
         self.node = node
         self.topic = topic
@@ -35,11 +28,11 @@ class Publication:
         self.info: TypeInfo | None = None
         self.links: list[SubscriberLink] = []
         self._now = now
-        self._queue_size = queue_size
+        self._queue_size, self._successors = options.queue_size, options.successors
         self._undecided: list[SubscriberLink] = []
         self._latched: dict[str, bytes] = {}
-        self._successors = successors
-        self._early_messages = Backlog(queue_size, _EARLY_BYTES) if successors else None
+        early = Backlog(options.queue_size, _EARLY_BYTES)
+        self._early_messages = early if options.successors else None
         self._early_since = 0
         self._lost = 0
         self._greeting: Greeting = lambda: None

@@ -3,10 +3,16 @@
 import socket
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.common.protocol import MessageHandler, Output
-from rtron.guard.transport.common.stage import Stage
+from rtron.guard.transport.common.memory import Stage
+from rtron.guard.transport.common.protocol import (
+    DEFAULT_OUTPUT,
+    MessageHandler,
+    Output,
+    OutputOptions,
+)
 from rtron.guard.transport.ros1.publication import Publication
 from rtron.guard.transport.ros1.subscriber_link import SubscriberLink
 from rtron.guard.transport.ros1.tcp_server import set_socket_options
@@ -36,19 +42,11 @@ class Ros1Stage(Stage):
         self._link.md5sum = "*"
 
     def advertise(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Output:
         """Publish to one subscriber where a successor is expected, else to none."""
-        del keep_all
-        publication = Publication(node, topic, type, self.now, queue_size=queue_size, successors=())
-        if successors:
+        publication = Publication(node, topic, type, self.now, replace(options, successors=()))
+        if options.successors:
             publication.links.append(self._link)
         return publication
 

@@ -40,7 +40,8 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-    from rtron.guard.action.ros2.endpoints import CancelReply, GoalReply, ServerListener
+    from rtron.guard.action.ros2.endpoints import CancelReply, GoalReply
+    from rtron.guard.transport.ros2.action_relay import ActionRelay
     from rtron.guard.transport.ros2.sender_ids import SenderIds
     from rtron.messages.ros2.actions import GoalMessage
     from rtron.wire.ros2.endpoints import Ros2Endpoint
@@ -67,7 +68,7 @@ class ActionClient:
         self,
         action: str,
         servers: tuple[str, ...],
-        listener: ServerListener,
+        listener: ActionRelay,
         context: ActionContext,
     ) -> None:
         self._action = action

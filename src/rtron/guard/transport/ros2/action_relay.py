@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from rtron.guard.action.ros2.endpoints import (
-        ActionListener,
         CancelReply,
         GoalReply,
-        ResultReply,
     )
+    from rtron.guard.action.ros2.stream import Ros2ActionStream
+    from rtron.guard.transport.ros2.action_server import ResultResponder
     from rtron.guard.transport.ros2.context import TransportContext
     from rtron.messages.ros2.actions import GoalMessage
 
@@ -39,7 +39,7 @@ class ActionRelay:
     """
 
     def __init__(
-        self, stream: Stream, node: Node, listener: ActionListener, context: TransportContext
+        self, stream: Stream, node: Node, listener: Ros2ActionStream, context: TransportContext
     ) -> None:
         interface_type = find_interface(stream.type)
         self.type_info = TypeInfo(
@@ -93,7 +93,7 @@ class ActionRelay:
             if flow in self._servers:
                 self._servers[flow].publish(end, message)
 
-    def restore_reply(self, token: str) -> ResultReply | None:
+    def restore_reply(self, token: str) -> ResultResponder | None:
         """Return the place of a request that came to the guard before."""
         flow, _, request_id = token.partition(" ")
         server = self._servers.get(flow)

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-    from rtron.guard.action.ros2.endpoints import ActionListener, CancelResponse
+    from rtron.guard.action.ros2.endpoints import CancelResponse
+    from rtron.guard.action.ros2.stream import Ros2ActionStream
     from rtron.guard.transport.common.protocol import Peer, TypeInfo
     from rtron.guard.transport.ros2.context import TransportContext
     from rtron.guard.transport.ros2.service_calls import ServiceCalls, ServiceMessage
@@ -74,7 +75,7 @@ class ActionServer:
         action: str,
         flow: str,
         publisher: str,
-        listener: ActionListener,
+        listener: Ros2ActionStream,
         context: ActionContext,
     ) -> None:
         self.flow = flow

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtron.guard.cell.access import WATCH, CellAccess
 from rtron.guard.cell.connection import CellConnection
 from rtron.guard.cell.ros2.carried_output import CarriedOutput
 from rtron.guard.cell.ros2.carried_side import CarriedSide
-from rtron.guard.transport.common.output_group import OutputGroup
+from rtron.guard.transport.common.cell_routes import CellRoutes
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
+    DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
     LostHandler,
     Output,
+    OutputOptions,
     ignore_lost,
 )
 from rtron.guard.transport.ros2.middleware import Ros2Transport
-from rtron.vocabulary import Plan, cell_topics
 
 if TYPE_CHECKING:
     import socket
 
     from rtron.guard.core.event_loop import EventLoop
+    from rtron.vocabulary import Plan
     from rtron.wire.ros2.session import Ros2Session
 
 Ros2Cell = CellConnection[CarriedSide]
@@ -43,44 +46,30 @@ def open_ros2_cell(loop: EventLoop, address: str, node: str, role: bytes) -> Ros
 
 
 class CelledRos2Transport(Ros2Transport):
-    """Publishes and subscribes in a cell what the plan's node there has a side in."""
+    """Publishes and subscribes in a cell what the plan's node there has a side in.
+
+    Who only watches takes a carrier when it needs one.
+    """
 
     def __init__(
         self, loop: EventLoop, session: Ros2Session, plan: Plan, address: str, role: bytes
     ) -> None:
         super().__init__(loop, session)
-        self._loop, self._address, self._role = loop, address, role
-        self._topics = {node: cell_topics(plan, node) for node in plan.cell}
-        self._cells: dict[str, Ros2Cell] = {}
-        if role != WATCH:
-            for node in plan.cell:
-                self._cell(node)
+        open_cell = partial(open_ros2_cell, loop, address, role=role)
+        self._routes = CellRoutes(plan, open_cell, at_once=role != WATCH)
 
     def advertise(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`."""
-        cells = [self._cell(each) for each, has in self._topics.items() if topic in has.subscribed]
-        outputs: list[Output] = []
-        for cell in cells:
-            output = CarriedOutput(
-                node, topic, type, queue_size=queue_size, keep_all=keep_all, successors=successors
-            )
+
+        def inside(cell: Ros2Cell) -> Output:
+            output = CarriedOutput(node, topic, type, options)
             cell.apply(output.attach)
-            outputs.append(output)
-        if not cells or self._is_shared(topic):
-            outside = super().advertise(
-                node, topic, type, queue_size=queue_size, keep_all=keep_all, successors=successors
-            )
-            outputs.append(outside)
-        return OutputGroup(outputs) if len(outputs) > 1 else outputs[0]
+            return output
+
+        outside = partial(super().advertise, node, topic, type, options)
+        return self._routes.advertise(topic, inside, outside)
 
     def subscribe(
         self,
@@ -93,23 +82,10 @@ class CelledRos2Transport(Ros2Transport):
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         arguments = (node, topic, type, on_connect, on_lost, options)
-        cells = [self._cell(each) for each, has in self._topics.items() if topic in has.published]
-        for cell in cells:
-            cell.apply(lambda side: side.subscribe(*arguments))
-        if not cells or self._is_shared(topic):
-            super().subscribe(*arguments)
+        outside = partial(super().subscribe, *arguments)
+        self._routes.subscribe(topic, lambda side: side.subscribe(*arguments), outside)
 
     def close(self) -> None:
         """Leave the cells and the domain."""
-        for cell in self._cells.values():
-            cell.close()
+        self._routes.close()
         super().close()
-
-    def _is_shared(self, topic: str) -> bool:
-        return any(topic in topics.shared for topics in self._topics.values())
-
-    def _cell(self, node: str) -> Ros2Cell:
-        """Return the cell of a node; who only watches takes a carrier when it needs one."""
-        if node not in self._cells:
-            self._cells[node] = open_ros2_cell(self._loop, self._address, node, self._role)
-        return self._cells[node]

@@ -61,7 +61,7 @@ class _Guid(Structure):
 
 
 class CycloneSenderIds:
-    """The writers that this process knows; see `SenderIds`.
+    """The writers that this process knows; by their handles.
 
     The RMW's id of a message is the handle and 8 zeros. That of a request is what the client said,
     the handle and the number; the RMW repeats in a response what the client said.

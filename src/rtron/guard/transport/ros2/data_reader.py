@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from rclpy.qos import DurabilityPolicy, HistoryPolicy
 
 from rtron.guard.core.log_throttle import LogThrottle
-from rtron.guard.system.out_of_memory import exit_out_of_memory
+from rtron.guard.system.process_attributes import exit_out_of_memory
 from rtron.guard.transport.common.protocol import NumberedMessage
 from rtron.guard.transport.ros2.delivery import LatenessDetector
 from rtron.guard.transport.ros2.qos import (
@@ -19,14 +19,12 @@ from rtron.guard.transport.ros2.qos import (
     KEEP_ALL_DEPTH,
     fitting_depth,
     most_size,
+    profile,
     with_depth,
 )
 from rtron.guard.transport.ros2.rcl import EventFd
-
-try:
-    from rclpy.event_handler import SubscriptionEventCallbacks
-except ImportError:  # Humble
-    from rclpy.qos_event import SubscriptionEventCallbacks
+from rtron.vocabulary import QoS, Ros2ActionEntity, ros2_entity_name
+from rtron.wire.ros2.interfaces import find_interface
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,7 +34,60 @@ if TYPE_CHECKING:
 
     from rtron.guard.transport.ros2.context import TransportContext
 
+
 log = logging.getLogger(__name__)
+
+_DEPTH = 10
+
+
+class FeedbackReader:
+    """Passes on each feedback message of an action, whoever sends it.
+
+    SourceError if the action's type is not installed.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        action: str,
+        type: str,
+        context: TransportContext,
+        on_feedback: Callable[[bytes], None],
+    ) -> None:
+        self._on_feedback = on_feedback
+        cls = find_interface(type).cls
+        self._reader = DataReader(
+            node,
+            cls.Impl.FeedbackMessage,  # type: ignore[attr-defined]
+            ros2_entity_name(action, Ros2ActionEntity.FEEDBACK),
+            profile(QoS(), _DEPTH),
+            context,
+            self,
+            is_command=False,
+        )
+
+    def close(self) -> None:
+        """Read no more."""
+        self._reader.close()
+
+    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> bool:
+        """Pass on a message; see `DataListener`."""
+        del reader, gid, number
+        self._on_feedback(message)
+        return True
+
+    def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:
+        """Do nothing: feedback is never late."""
+
+    def note_replaced(self, count: int) -> None:
+        """Do nothing: newer feedback replaces older one."""
+
+
+try:
+    from rclpy.event_handler import SubscriptionEventCallbacks
+except ImportError:  # Humble
+    from rclpy.qos_event import SubscriptionEventCallbacks
+
 
 _MAX_BYTES = 1 << 20
 """What is taken at a time: more of it would keep commands waiting."""

@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import logging
 from collections import defaultdict
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rtron.guard.core.handover_state import HandoverState
+from rtron.guard.transport.common.memory import Stage
 from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
+    DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
     LostHandler,
     Output,
+    OutputOptions,
     SubscriberProgress,
     ignore_lost,
 )
-from rtron.guard.transport.common.stage import Stage
 from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
 from rtron.guard.transport.ros2.context import TransportContext
-from rtron.guard.transport.ros2.data_reader import DataListener, DataReader
-from rtron.guard.transport.ros2.feedback_reader import FeedbackReader
+from rtron.guard.transport.ros2.data_reader import DataListener, DataReader, FeedbackReader
 from rtron.guard.transport.ros2.graph import RosGraph
 from rtron.guard.transport.ros2.participants import MAX_LEASE, NameOwners, ParticipantLiveness
 from rtron.guard.transport.ros2.process_table import ProcessTable
@@ -40,7 +42,7 @@ from rtron.wire.ros2.session import rmw_identifier
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from rtron.guard.action.ros2.endpoints import ActionListener
+    from rtron.guard.action.ros2.stream import Ros2ActionStream
     from rtron.guard.core.event_loop import EventLoop
     from rtron.guard.transport.ros2.process_table import Process
     from rtron.vocabulary import Stream
@@ -136,18 +138,11 @@ class Ros2Transport:
         return Stage(self.encoding, self.now)
 
     def advertise(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = 100,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Output:
         """Publish `topic` as `node`; see `Transport`."""
-        keep_all = keep_all and publishes_without_waiting(rmw_identifier())
-        return self._publication(node, topic, type, queue_size, successors, keep_all=keep_all)
+        keep_all = options.keep_all and publishes_without_waiting(rmw_identifier())
+        return self._publication(node, topic, type, replace(options, keep_all=keep_all))
 
     def subscribe(
         self,
@@ -203,14 +198,16 @@ class Ros2Transport:
         self._services.append(client)
         return client
 
-    def action_endpoints(self, stream: Stream, node: str, listener: ActionListener) -> ActionRelay:
-        """Return the services and topics of an action; see `ActionTransport`."""
+    def action_endpoints(
+        self, stream: Stream, node: str, listener: Ros2ActionStream
+    ) -> ActionRelay:
+        """Return the services and topics of an action; see `ActionRelay`."""
         endpoints = ActionRelay(stream, self.session.node(node), listener, self._context)
         self._actions.append(endpoints)
         return endpoints
 
     def goal_canceller(self, node: str, action: str) -> GoalCanceller:
-        """Return a canceller of goals of an unguarded action; see `CancelTransport`."""
+        """Return a canceller of goals of an unguarded action."""
         return GoalCanceller(self.session.node(node), action, self._sender_ids)
 
     def remove_publication(self, node: str, topic: str) -> None:
@@ -261,24 +258,10 @@ class Ros2Transport:
         self.session.close()
 
     def _publication(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        queue_size: int = 100,
-        successors: tuple[str, ...] = (),
-        *,
-        keep_all: bool = False,
+        self, node: str, topic: str, type: str, options: OutputOptions = DEFAULT_OUTPUT
     ) -> Publication:
-        publication = Publication(
-            self.session.node(node),
-            topic,
-            type,
-            self._context,
-            queue_size=queue_size,
-            keep_all=keep_all,
-            successors=successors,
-        )
+        ros_node = self.session.node(node)
+        publication = Publication(ros_node, topic, type, self._context, options)
         self._publications.append(publication)
         return publication
 

@@ -22,7 +22,7 @@ from rtron.wire.ros2.interfaces import find_interface
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-    from rtron.guard.transport.common.protocol import Greeting, TypeInfo
+    from rtron.guard.transport.common.protocol import Greeting, OutputOptions, TypeInfo
     from rtron.guard.transport.ros2.context import TransportContext
     from rtron.wire.ros2.endpoints import Ros2Endpoint
 
@@ -50,10 +50,7 @@ class Publication:
         topic: str,
         type: str,
         context: TransportContext,
-        *,
-        queue_size: int,
-        keep_all: bool = False,
-        successors: tuple[str, ...] = (),
+        options: OutputOptions,
     ) -> None:
         self.topic = topic
         self.internal_readers = 0
@@ -63,10 +60,9 @@ class Publication:
         self._node = node
         self._graph = context.graph
         self._rcl = context.rcl
-        self._depth = queue_size
-        self._keep_all = keep_all
+        self._depth, self._keep_all = options.queue_size, options.keep_all
         self._lost = 0
-        self._successors = successors
+        self._successors = options.successors
         self._matched_successors: tuple[str, ...] = ()
         self._owners = context.owners
         self._offered: dict[str, QoS] = {}

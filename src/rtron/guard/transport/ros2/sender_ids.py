@@ -16,7 +16,7 @@ import ctypes
 import uuid
 from contextlib import ExitStack
 from ctypes import Structure, byref, c_char_p, c_int, c_uint8, c_void_p
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
 from rtron.guard.transport.ros2.cyclone_ids import CycloneSenderIds
@@ -34,38 +34,8 @@ if TYPE_CHECKING:
 _HELP = "use Fast DDS or Cyclone DDS: RMW_IMPLEMENTATION=rmw_fastrtps_cpp for the whole app"
 
 
-class SenderIds(Protocol):
-    """How the RMW's ids become the graph's.
-
-    Our id of a request is its writer's GID and its number (`RequestId`), and behind them what else
-    the RMW needs to respond; it holds in every process.
-    """
-
-    request_id_size: int
-
-    def gid(self, id: bytes) -> bytes:
-        """Return the GID of a message's sender; of a sender that is not known, the id itself."""
-        ...
-
-    def request_id(self, rmw_request_id: bytes) -> bytes:
-        """Return our id of a request that was taken."""
-        ...
-
-    def rmw_request_id(self, request_id: bytes) -> bytes:
-        """Return the RMW's id here for a request that this or a former process took."""
-        ...
-
-    def update(self) -> None:
-        """Learn who has come and who has left."""
-        ...
-
-    def close(self) -> None:
-        """Give back what the library holds for us."""
-        ...
-
-
 class GraphSenderIds:
-    """The ids of an RMW that gives the graph's."""
+    """The ids of an RMW that gives the graph's; see `CycloneSenderIds` for another."""
 
     request_id_size = ctypes.sizeof(RequestId)
 
@@ -80,6 +50,14 @@ class GraphSenderIds:
 
     def close(self) -> None:
         """Do nothing."""
+
+
+SenderIds = GraphSenderIds | CycloneSenderIds
+"""How the RMW's ids become the graph's.
+
+Our id of a request is its writer's GID and its number (`RequestId`), and behind them what else the
+RMW needs to respond; it holds in every process.
+"""
 
 
 def find_sender_ids(node: Node) -> SenderIds:

@@ -3,9 +3,8 @@
 from dataclasses import field
 from enum import Enum
 
-from rtron.sources.code.ir.expressions import Expr
+from rtron.sources.code.ir.expressions import Expr, TypeRef
 from rtron.sources.code.ir.statements import Declare, Stmt
-from rtron.sources.code.ir.types import TypeRef
 from rtron.sources.code.record import record
 from rtron.vocabulary import UnresolvedCause
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError, missing_file
 from rtron.sources.launch.common.packages import package_of
-from rtron.sources.launch.ros1.loader_context import LoaderContext
-from rtron.sources.launch.ros1.tag import Tag
+from rtron.sources.launch.ros1.loader_context import LoaderContext, Tag
 from rtron.sources.models.packages import known_package_of
 from rtron.vocabulary import Evidence, UnresolvedCause, UnresolvedItem
 from rtron.vocabulary.enums import HiddenPart

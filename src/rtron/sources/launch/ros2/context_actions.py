@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 from rtron.sources.launch.common.errors import MissingArgumentError
-from rtron.sources.launch.ros2.conditions import FALSE, TRUE
+from rtron.sources.launch.ros2.choices import FALSE, TRUE
 from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator, Setting
 from rtron.sources.launch.ros2.launch_context import NAMESPACE, ArgumentOrigin, LaunchVariable

@@ -15,7 +15,6 @@ from rtron.sources.declaration import (
     NodeSite,
 )
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.models.common.catalog import ModelCatalog, load_models
 from rtron.sources.models.common.expressions import ModelExpressions
 from rtron.sources.models.common.model_scope import ModelScope, node_scope
 from rtron.sources.models.common.node_site import resolve_ros2_site
@@ -28,6 +27,7 @@ from rtron.sources.models.common.values import (
     has_placeholder,
     placeholder,
 )
+from rtron.sources.models.common.yaml_model import ModelCatalog, load_models
 from rtron.vocabulary import Durability, Evidence, Resolution, UnresolvedCause, UnresolvedItem
 
 MAX_DEPTH = 8

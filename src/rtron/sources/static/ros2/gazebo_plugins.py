@@ -18,8 +18,8 @@ from rtron.sources.models.common.node_site import resolve_ros2_site
 from rtron.sources.models.common.plugin_element import plugin_element
 from rtron.sources.models.common.schema import Model, NodeRole
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.ros2.endpoints import parameter_file_settings
 from rtron.sources.static.ros2.gazebo_topics import plugin_topics
-from rtron.sources.static.ros2.parameter_values import parameter_file_settings
 from rtron.sources.static.ros2.spawned_model import SpawnedModel, find_spawned_model
 from rtron.sources.xacro import parse_element
 from rtron.vocabulary import UnresolvedCause

@@ -13,8 +13,8 @@ from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite
 from rtron.sources.gazebo import GazeboPlugin, GazeboWorld, read_world
+from rtron.sources.launch.ros2.element_site import SourceLocator
 from rtron.sources.launch.ros2.result import LaunchStart
-from rtron.sources.launch.ros2.source_locator import SourceLocator
 from rtron.sources.models import PluginElement, plugin_interface
 from rtron.sources.models.common.arguments import positional, user_arguments
 from rtron.sources.static.common.app_node import AppNode

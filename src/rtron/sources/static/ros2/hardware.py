@@ -14,8 +14,7 @@ from rtron.sources.models import Model, ModelCatalog, node_interface
 from rtron.sources.models.common.schema import NodeRole
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import InterpretationTask, TaskKind
-from rtron.sources.static.ros2.endpoints import RemapRules
-from rtron.sources.static.ros2.parameter_values import parameter_value
+from rtron.sources.static.ros2.endpoints import RemapRules, parameter_value
 from rtron.sources.static.ros2.spawned_model import DESCRIPTION, published_description
 from rtron.sources.xacro import XmlElement, parse_element
 from rtron.vocabulary import UnknownValue, UnresolvedCause

@@ -47,9 +47,8 @@ from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
 from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.parameters.merge import ParameterSource
-from rtron.sources.launch.ros2.python.actions import ActionTranslator
+from rtron.sources.launch.ros2.python.actions import ActionTranslator, LaunchCallbacks
 from rtron.sources.launch.ros2.python.builders import BUILDERS
-from rtron.sources.launch.ros2.python.callbacks import LaunchCallbacks
 from rtron.sources.launch.ros2.python.nav2_common import FILE_SUBSTITUTIONS
 from rtron.sources.launch.ros2.python.substitutions import SubstitutionTranslator, value_of
 from rtron.sources.launch.ros2.python.xacro_module import XacroModule
