@@ -789,6 +789,13 @@ def test_an_argument_of_a_file_before(kind, before, said, level):
     assert f"topic is front/scan since {said}, and not rear/scan" in finding.cause
 
 
+def test_a_deadline_that_a_timer_does_not_hold():
+    finding = the_finding("qos_mismatch", with_fact("slow_publisher", "/scan", "/l", "0.1", "0.5"))
+    assert finding.summary == "/l does not hold the deadline that it offers on /scan"
+    assert finding.cause == "the deadline is 0.1 s, and its timer sends every 0.5 s"
+    assert finding.level is FindingLevel.REGULAR
+
+
 def test_an_argument_that_a_file_does_not_know():
     graph = with_fact("undeclared_argument", "file", "map_file", "/l/map.xml")
     finding = the_finding("undeclared_argument", graph)

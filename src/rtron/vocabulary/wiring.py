@@ -67,6 +67,9 @@ class WiringFactKind(StringEnum):
     """A topic that code which was not understood may publish."""
     STATE_PUBLISHER = "state_publisher"
     """A latched topic that the value, a node, publishes once or on change, not ever again."""
+    SLOW_PUBLISHER = "slow_publisher"
+    """A topic that the value, a node, sends by a timer alone; others are its deadline and the
+    timer's period, which is longer, in seconds."""
     SENT_ONCE = "sent_once"
     """A node that is a `topic pub` of the launch and sends its message once, not ever again."""
     TRANSITION = "transition"

@@ -13,6 +13,8 @@ not connect them:
 | liveliness | automatic | manual by topic |
 | lease duration | none, or longer | shorter |
 
+Or a publisher offers a deadline that its own timer does not hold: each time it is missed.
+
 For example, a driver publishes `/scan` as sensor data (best effort), and a node subscribes it as
 reliable.
 
@@ -31,6 +33,7 @@ from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
+from rtron.findings.wiring_groups import fact_finding
 from rtron.vocabulary import (
     Certainty,
     Durability,
@@ -39,6 +42,8 @@ from rtron.vocabulary import (
     Liveliness,
     QoS,
     Reliability,
+    WiringFact,
+    WiringFactKind,
 )
 from rtron.wording import conjugate, join_names
 
@@ -63,6 +68,20 @@ def check(app: AppFacts) -> Iterator[Finding]:
         ]
         if mismatches:
             yield _finding(app, topic, mismatches)
+    yield from (_slow(f) for f in app.graph.wiring if f.kind is WiringFactKind.SLOW_PUBLISHER)
+
+
+def _slow(fact: WiringFact) -> Finding:
+    deadline, period, *_ = (*fact.others, "?", "?")
+    return fact_finding(
+        RULE.name,
+        fact,
+        summary=f"{fact.value} does not hold the deadline that it offers on {fact.subject}",
+        cause=f"the deadline is {deadline} s, and its timer sends every {period} s",
+        remedy="send more often, or offer and request a longer deadline",
+        nodes=(fact.value,),
+        topics=(fact.subject,),
+    )
 
 
 def _by_qos(endpoints: Iterable[Endpoint]) -> dict[QoS | None, list[Endpoint]]:

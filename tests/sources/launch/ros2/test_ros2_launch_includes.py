@@ -304,7 +304,7 @@ NEAR = '<arg name="map_file" default="y"/>'
 UNKNOWN = '<front><arg name="file" value="x"/></front>'
 
 
-@pytest.mark.parametrize("name", ["map_file", "file_path", "files"])
+@pytest.mark.parametrize("name", ["map_file", "files"])
 def test_an_argument_that_a_file_does_not_know_and_that_is_near_one(included, name):
     front = f'<arg name="{name}" default="y"/>'
     assert included(UNKNOWN, front=front) == [("undeclared_argument", "file", name)]
@@ -318,6 +318,8 @@ def test_an_argument_that_a_file_does_not_know_and_that_is_near_one(included, na
         f'{NEAR}<arg name="file" default="z" if="false"/>',
         f'{NEAR}<include file="$(find-pkg-share gone)/a.xml"/>',
         f'{NEAR}<include file="/gone.xml"/>',
+        f"{NEAR}<!-- launch_configurations of all -->",
+        '<arg name="file_path" default="y"/>',
         f'{NEAR}<include file="$(find-pkg-share pkg)/launch/inner.xml"/>',
     ],
 )

@@ -77,7 +77,8 @@ def facts(tmp_path):
         wiring = with_state_publishers(
             change(graph), Workspace({"robot": folder}, [tmp_path])
         ).wiring
-        assert {fact.kind for fact in wiring} <= {WiringFactKind.STATE_PUBLISHER}
+        kinds = {WiringFactKind.STATE_PUBLISHER, WiringFactKind.SLOW_PUBLISHER}
+        assert {fact.kind for fact in wiring} <= kinds
         return [(fact.subject, fact.value, fact.evidence == (place,)) for fact in wiring]
 
     return find
@@ -172,6 +173,31 @@ def test_a_publisher_that_sends_nothing_has_no_state(facts):
     files, program = cpp("tell(true);")
     text = files["src/board.cpp"].replace("state_->publish(m);", "")
     assert facts({**files, "src/board.cpp": text}, program) == []
+
+
+@pytest.mark.parametrize(
+    ("period", "more", "is_slow"),
+    [
+        ("0.5", "pass", True),
+        ("0.05", "pass", False),
+        ("self.period", "pass", False),
+        ("0.5, self.release); self.create_timer(0.01", "pass", False),
+        ("0.5", "def now(self): self.release()", False),
+        ("0.5", "def now(self): self.state.publish(Bool())", False),
+        ("0.5", "def now(self): self.sender = self.state", False),
+    ],
+)
+def test_a_deadline_that_the_only_timer_does_not_hold(facts, period, more, is_slow):
+    def change(graph):
+        sent, _ = graph.endpoints
+        return replace(graph, endpoints=(replace(sent, qos=QoS(deadline=10**8)),))
+
+    files, program = python(f"self.create_timer({period}, self.release)", more)
+    text = files["scripts/board.py"].replace("self.tell(False)", "self.state.publish(Bool())")
+    text = text.replace(
+        "def tell(self, stopped):\n        self.state.publish", "def tell(self, n):\n        print"
+    )
+    assert facts({"scripts/board.py": text}, program, change) == FOUND * is_slow
 
 
 STATE = """        self.p{0} = self.create_publisher(Bool, 's{0}_state', latched)

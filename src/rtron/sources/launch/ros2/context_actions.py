@@ -213,16 +213,16 @@ def note_undeclared(evaluator: LaunchEvaluator, site: ElementSite, file: FileInc
     unused = [] if UNKNOWN_NAME in declared else sorted(places.keys() - declared)
     for name in unused:
         near = [each for each in sorted(declared - places.keys()) if _is_near(name, each)]
-        if near and not any(_names_use(path, name) for path in file.paths()):
+        if near and not any(_may_use(path, name) for path in file.paths()):
             kind = WiringFactKind.UNDECLARED_ARGUMENT
             fact = WiringFact(kind=kind, subject=name, value=near[0], others=(file.path,))
             evaluator.wiring.append(replace(fact, evidence=(places[name],)))
 
 
 def _is_near(name: str, other: str) -> bool:
-    """Return whether one name has all words of the other at one end, or is spelled alike."""
+    """Return whether one name ends with the words of the other, or is spelled alike."""
     shorter, longer = sorted((name, other), key=len)
-    is_end = longer.startswith(f"{shorter}_") or longer.endswith(f"_{shorter}")
+    is_end = longer.endswith(f"_{shorter}")
     return is_end or bool(get_close_matches(name, [other], 1, _NEAR_RATIO))
 
 
@@ -239,3 +239,8 @@ def _names_use(path: str, name: str) -> bool:
     """Return whether a launch file itself says where it uses an argument."""
     use = rf"{_USE}\s*(?:\w+\s*=\s*)?['\"]?{re.escape(name)}\b"
     return re.search(use, read_text_file(path)) is not None
+
+
+def _may_use(path: str, name: str) -> bool:
+    """Return whether a launch file uses an argument, or looks into all that there are."""
+    return _names_use(path, name) or "launch_configurations" in read_text_file(path)

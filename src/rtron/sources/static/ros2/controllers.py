@@ -107,11 +107,12 @@ class ControllerParts:
         try:
             site = self._site(request)
         except InputError as error:
-            return _missing_controller(spawner, name, str(error))
+            return spawner.with_missing_note(f"controller {name}", str(error))
         args = spawner.node.site.args
         controller_type = option(args, _TYPE) or parameter_value(site, manager, f"{name}.type")
         if not isinstance(controller_type, str):
-            return _missing_controller(spawner, site.name, _missing_reason(manager, manager_node))
+            why = _missing_reason(manager, manager_node)
+            return spawner.with_missing_note(f"controller {site.name}", why)
         rules = (*_rules(args), *(manager_node.process_remap_rules if manager_node else ()))
         node = replace(spawner.node, site=site, type=controller_type, process_remap_rules=rules)
         node = replace(node, package=controller_type.partition("/")[0])
@@ -170,13 +171,6 @@ def _option_values(args: Iterable[str], options: Iterable[str]) -> list[str]:
 def _rules(args: Iterable[str]) -> Iterator[RemapRule]:
     for text in _option_values(args, _ARGUMENTS):
         yield from parse_remap_rules(text, in_ros_args=True)
-
-
-def _missing_controller(spawner: NodePart, name: str, why: str) -> NodePart:
-    """Return the spawner with a note of a controller instead of all that it declares."""
-    note = UnresolvedItem(what=f"controller {name}", why=why, evidence=(spawner.node.evidence,))
-    nodes = spawner.interface.nodes
-    return replace(spawner, interface=NodeInterface(nodes=nodes, unresolved=(note,)))
 
 
 def _unread_controller(node: AppNode) -> NodePart:

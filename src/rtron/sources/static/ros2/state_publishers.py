@@ -1,4 +1,4 @@
-"""Latched topics of ROS 2 whose publisher sends once, or when something changes, not ever again."""
+"""Publishers of ROS 2 that send what they latch once or on change, or hold no deadline."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -50,14 +50,15 @@ class _NodeSource:
     made: Mapping[tuple[str, int], set[str]]
     sent: set[str]
     handed_on: set[str]
+    periods: Mapping[str, float]
     users: Mapping[str, set[str]]
     started: frozenset[str]
 
 
 def with_state_publishers(graph: InteractionGraph, workspace: Workspace) -> InteractionGraph:
-    """Return a graph with a fact for each topic that a node latches and does not repeat.
+    """Return a graph with a fact for each topic that a node does not repeat, or not in time.
 
-    Only latched topics with a reader that asks for no history are looked at.
+    Of latched topics only those with a reader that asks for no history are looked at.
     """
     sources = WorkspaceSources(workspace)
     nodes = {node.name: node for node in graph.nodes}
@@ -69,6 +70,8 @@ def with_state_publishers(graph: InteractionGraph, workspace: Workspace) -> Inte
 
     candidates = [end for end in graph.endpoints if _is_candidate(graph, end)]
     facts = [fact for end in candidates for fact in _facts(end, source_of(end.node))]
+    timed = [end for end in graph.endpoints if _has_deadline(end)]
+    facts += [fact for end in timed for fact in _slow(end, source_of(end.node))]
     return replace(graph, wiring=(*graph.wiring, *facts))
 
 
@@ -86,16 +89,35 @@ def _is_candidate(graph: InteractionGraph, end: Endpoint) -> bool:
     return loses and end.resolution is not Resolution.MODEL and bool(end.evidence)
 
 
+def _has_deadline(end: Endpoint) -> bool:
+    is_own = end.direction is Direction.PUBLISH and end.resolution is not Resolution.MODEL
+    return is_own and end.qos is not None and end.qos.deadline > 0
+
+
+def _publisher(end: Endpoint, source: _NodeSource) -> str:
+    """Return the variable that alone has a publisher and sends, empty if that is not known."""
+    places = ((each.file, each.line) for each in end.evidence)
+    names = set[str]().union(*(source.made.get(place, set()) for place in places))
+    return "".join(names & source.sent) if len(names) == 1 else ""
+
+
 def _facts(end: Endpoint, source: _NodeSource) -> Iterator[WiringFact]:
-    names = set[str]().union(
-        *(source.made.get((each.file, each.line), set()) for each in end.evidence)
-    )
-    if len(names) != 1:
-        return
-    publisher = names.pop()
-    if publisher in source.sent and not _is_repeated(source, publisher):
+    publisher = _publisher(end, source)
+    if publisher and not _is_repeated(source, publisher):
         kind = WiringFactKind.STATE_PUBLISHER
         yield WiringFact(kind=kind, subject=end.topic, value=end.node, evidence=end.evidence)
+
+
+def _slow(end: Endpoint, source: _NodeSource) -> Iterator[WiringFact]:
+    """Yield a fact where one timer alone sends, with a period longer than the deadline."""
+    publisher, deadline = _publisher(end, source), (end.qos.deadline if end.qos else 0) / 1e9
+    user, *more = source.users.get(publisher) or [""]
+    period = source.periods.get(user, 0.0)
+    may_send_else = more or source.users.get(user) or publisher in source.handed_on
+    if period > deadline and not may_send_else:
+        kind, others = WiringFactKind.SLOW_PUBLISHER, (f"{deadline:g}", f"{period:g}")
+        fact = WiringFact(kind=kind, subject=end.topic, value=end.node, others=others)
+        yield replace(fact, evidence=end.evidence)
 
 
 def _node_source(units: Sequence[ir.Unit]) -> _NodeSource:
@@ -113,6 +135,7 @@ def _node_source(units: Sequence[ir.Unit]) -> _NodeSource:
         handed_on=set().union(
             *loops, *passed_on, (_name(each) for each in values if each is not None)
         ),
+        periods=_periods(calls),
         users=_users(named, mentions),
         started=_STARTED.union(*mentions.values()),
     )
@@ -127,6 +150,20 @@ def _made(units: Iterable[ir.Unit]) -> Mapping[tuple[str, int], set[str]]:
                 if isinstance(node, ir.Call) and _name(node.function) in _MAKERS:
                     found[unit.file, node.line].add(name)
     return found
+
+
+def _periods(calls: Iterable[ir.Call]) -> Mapping[str, float]:
+    """Return the period (s) of each method that Python gives one timer alone, as a number."""
+    found: dict[str, list[object]] = defaultdict(list)
+    for call in calls:
+        if _name(call.function) == "create_timer" and len(call.args) > 1:
+            period = call.args[0].value if isinstance(call.args[0], ir.Const) else None
+            found[_name(call.args[1])].append(period)
+    return {
+        name: float(only)
+        for name, (only, *more) in found.items()
+        if isinstance(only, (int, float)) and not more
+    }
 
 
 def _given(unit: ir.Unit) -> Iterator[tuple[str, object]]:
