@@ -20,7 +20,14 @@ from junit_report import read_report
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "build" / "tests"
 PYTHON, ROS2_PYTHON = ".venv/bin/python", ".venv-ros2/bin/python"
-COVERED = ("policies", "risks", "coherence", "vocabulary", "planning/plan_file")
+COVERED = (
+    "tests/policies/",
+    "tests/risks/",
+    "tests/coherence/",
+    "tests/vocabulary/",
+    "tests/planning/plan_file/test_read_",
+)
+"""How the paths of tests begin that run every branch of what they test."""
 COVERAGE = (
     *(f"--cov=rtron.{name}" for name in ("policies", "risks", "coherence", "vocabulary")),
     "--cov-branch",
@@ -67,18 +74,21 @@ class Result:
 
 
 def files_with(marker: str) -> list[str]:
-    """Return the files of tests in which a marker stands, sorted."""
+    """Return the files of tests in which a marker stands, or all, sorted."""
     paths = sorted((ROOT / "tests").rglob("test_*.py"))
-    return [str(path.relative_to(ROOT)) for path in paths if f"mark.{marker}" in path.read_text()]
+    text = f"mark.{marker}" if marker else ""
+    return [str(path.relative_to(ROOT)) for path in paths if text in path.read_text()]
 
 
 def all_groups(*, is_long: bool) -> list[Group]:
     """Return the groups in their order: those first that find most faults in a minute."""
     ros1, network = files_with("ros1"), files_with("network")
-    pure = ("tests", *_without(*ros1, *network, *STARTS_PROGRAMS))
+    covered = [path for path in files_with("") if path.startswith(COVERED)]
+    partly = {*files_with("timed"), *files_with("ros2")}
+    wholly = [path for path in covered if path not in partly]
+    pure = ("tests", *_without(*ros1, *network, *STARTS_PROGRAMS, *wholly))
     # what waits for the network begins first: the others run meanwhile
     service = (*network, *STARTS_PROGRAMS, *_without(*ros1))
-    covered = tuple(f"tests/{folder}" for folder in COVERED)
     rest = "not ros2 and not covered"
     ros = {"is_gate": False, "processes": ROS_PROCESSES}
     return [
@@ -137,8 +147,7 @@ def _tests(
     how = ("--hypothesis-profile=thorough",) if is_long else ()
     command = (
         *(python, "-m", "pytest", "-q", "-m", marks if is_long else f"({marks}) and not long"),
-        *("-n", str(processes), "--dist", "loadfile", "--no-loadscope-reorder"),
-        f"--junitxml={RESULTS / name}.xml",
+        *("--processes", str(processes), f"--junitxml={RESULTS / name}.xml"),
     )
     return Group(name, (*command, *how, *arguments), is_gate)
 

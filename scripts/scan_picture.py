@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from rtron.demos.runtime.app_files import first_party_packages, third_party_packages
+from rtron.demos.runtime.isolation import first_party_packages, third_party_packages
 
 PICTURE = Path(__file__).parent.parent / "docs" / "images" / "scan.svg"
 LAUNCH = ("--launch", "tb3_demo/tb3_demo.launch")

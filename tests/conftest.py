@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, settings
 
 from example_budget import SHORT, WHOLE
 
-pytest_plugins = ["shared_fixtures"]
+pytest_plugins = ["shared_fixtures", "parallel"]
 
 TESTS = Path(__file__).parent
 _NO_HELPERS = {"hardcases", "launch_double", "nodes"}
@@ -26,6 +26,8 @@ def _helper_folders():
 
 
 sys.path += sorted({*_helper_folders(), str(TESTS.parent), str(TESTS.parent / "scripts")})
+
+from run_tests import COVERED  # noqa: E402 - it is in one of those folders
 
 # Participants of one process of tests meet over the network, as those of an app do: within a
 # process Fast DDS 3.2 may never give one the endpoints of another, about once in two hundred.
@@ -47,19 +49,6 @@ settings.register_profile(
 settings.load_profile("default")
 
 
-COVERED = tuple(
-    str(TESTS / path)
-    for path in (
-        "policies/",
-        "risks/",
-        "coherence/",
-        "vocabulary/",
-        "planning/plan_file/test_read_",
-    )
-)
-"""Where the tests are that run every branch of what they test; `make coverage` runs them."""
-
-
 gc.set_threshold(100_000)  # thousands of tests live as long as the process: look for garbage seldom
 
 
@@ -73,7 +62,7 @@ def pytest_collection_finish():
 def pytest_itemcollected(item):
     """Mark what runs with coverage: all but what measures time, which coverage would change."""
     is_timed = item.get_closest_marker("timed") or item.get_closest_marker("ros2")
-    if str(item.path).startswith(COVERED) and not is_timed:
+    if item.nodeid.startswith(COVERED) and not is_timed:
         item.add_marker("covered")
 
 

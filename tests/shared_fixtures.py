@@ -1,6 +1,5 @@
 """Fixtures that tests of every folder use."""
 
-import os
 import shutil
 import signal
 from contextlib import ExitStack, closing
@@ -40,8 +39,7 @@ def runtime_folder():
 @pytest.fixture(scope="session")
 def programs_folder(tmp_path_factory):
     """Return the folder in which all processes of this run find what one has compiled."""
-    own = tmp_path_factory.getbasetemp()
-    return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+    return tmp_path_factory.getbasetemp()
 
 
 @pytest.fixture(scope="session")

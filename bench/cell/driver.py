@@ -12,7 +12,7 @@ from contextlib import suppress
 from bench.ros1.messages import MESSAGES
 from bench.ros1.subscribers import Subscribers
 from rtron.vocabulary import output_topic
-from rtron.wire.ros1.host_address import master_uri
+from rtron.wire.ros1.network import master_uri
 
 _LIMIT_S = 120
 _TWIST = MESSAGES["twist"]

@@ -16,7 +16,7 @@ from threading import Event
 from bench.ros1.messages import MESSAGES, PREFIX, WARM_UP, stamp
 from bench.ros1.publishers import Publishers
 from bench.ros1.subscribers import Subscribers
-from rtron.wire.ros1.host_address import master_uri
+from rtron.wire.ros1.network import master_uri
 
 _TWIST = MESSAGES["twist"]
 _FRAME = _TWIST.size + PREFIX.size

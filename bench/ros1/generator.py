@@ -18,7 +18,7 @@ from bench.common.arguments import to_send
 from bench.common.pubsub import wait_until
 from bench.ros1.messages import MESSAGES, WARM_UP, stamp
 from bench.ros1.publishers import Publishers
-from rtron.wire.ros1.host_address import master_uri
+from rtron.wire.ros1.network import master_uri
 
 _WARM_UP_S = 0.02
 _SECOND = 1_000_000_000

@@ -25,7 +25,7 @@ from bench.ros1.node import guard_pid
 from bench.ros1.publishers import Publishers
 from bench.ros1.subscribers import Subscribers
 from rtron.vocabulary import UNAPPROVED, flow_topic, output_topic
-from rtron.wire.ros1.host_address import master_uri
+from rtron.wire.ros1.network import master_uri
 
 TOPIC = "/cmd_vel"
 COMMANDER, BLOCKED, UNPLANNED = "/bench_pub", "/bench_blocked", f"/bench_{UNAPPROVED}"

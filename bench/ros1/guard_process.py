@@ -17,7 +17,7 @@ from rtron.guard.middleware import Ros1Middleware
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import CoordinationKind, Mode, PolicySettings, Stage, Stream, build_streams
-from rtron.wire.ros1.host_address import master_uri
+from rtron.wire.ros1.network import master_uri
 
 
 def main() -> None:

@@ -17,7 +17,7 @@ from bench.common.arguments import to_listen
 from bench.common.pubsub import LatencyRecorder
 from bench.ros1.messages import MESSAGES, PREFIX, STAMP, WARM_UP
 from bench.ros1.subscribers import Subscribers
-from rtron.wire.ros1.host_address import master_uri
+from rtron.wire.ros1.network import master_uri
 
 _SILENCE_S = 1.0
 _ROOM = 1 << 16

@@ -18,7 +18,7 @@ import time
 from bench.ros1.messages import MESSAGES
 from bench.ros1.publishers import Publishers
 from bench.ros1.subscribers import Subscribers
-from rtron.wire.ros1.host_address import master_uri
+from rtron.wire.ros1.network import master_uri
 
 _TWIST = MESSAGES["twist"]
 _FRAME = struct.Struct("<I6d")

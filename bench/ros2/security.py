@@ -19,14 +19,14 @@ from bench.common.testbed import ReportProgress, Testbed, end, last_errors, pyth
 from bench.ros2.messages import MESSAGES
 from bench.ros2.routes import direct, guard
 from figures.figure import Figure
-from rtron.security.access.client_library import node_rights
-from rtron.security.access.own_access import LAUNCH_PROCESS, guard_access
+from rtron.security.access.plan_rights import LAUNCH_PROCESS, guard_access
 from rtron.security.access.rights import (
     AccessRight,
     AppAccess,
     NodeAccess,
     ProcessAccess,
     RightKind,
+    node_rights,
 )
 from rtron.security.sros2.changes import KeystoreSettings, plan_changes
 from rtron.security.sros2.documents import Protection

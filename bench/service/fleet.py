@@ -25,7 +25,7 @@ from bench.common.testbed import ReportProgress, Testbed, end, python, start
 from bench.common.workload import FLEET_SECONDS, FLEETS, SETTLE_SECONDS
 from bench.service.service_process import ServiceProcess
 from figures.figure import Figure
-from rtron.service.domain.roles import AccessScope
+from rtron.service.domain.principal import AccessScope
 from rtron.service.store.accounts.tokens import TokenSpec, create_token
 from rtron.service.store.database import Database
 

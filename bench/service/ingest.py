@@ -24,7 +24,7 @@ from bench.service.ingest_service import FILE
 from figures.figure import Figure
 from rtron.service.store.database import Database
 from rtron.service.store.event_pages import EventFilter, event_page
-from rtron.service.store.event_rows import event_row
+from rtron.service.store.events import event_row
 from rtron.service.store.time_series import robot_time_series as stored_figures
 from rtron.vocabulary import GuardEventLevel
 

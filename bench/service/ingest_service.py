@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rtron.demos.runtime.isolation import free_port
 from rtron.service.config import ServiceConfig
-from rtron.service.domain.roles import AccessScope
+from rtron.service.domain.principal import AccessScope
 from rtron.service.server.app import create_app
 from rtron.service.server.http import serve
 from rtron.service.store.accounts.tokens import TokenSpec, create_token

@@ -22,8 +22,8 @@ from evaluation.common.function_corpora import HELD_OUT, read_repositories
 from evaluation.common.function_labels import CHECK, Label, half_of, read_labels
 from evaluation.common.reliability import Array, Reliability, reliability, reliability_lines
 from figures.figure import Figure
-from rtron.functions.classifier.confidence import FEATURES, features
 from rtron.functions.classifier.pipeline import classify, package_words, source_scores
+from rtron.functions.classifier.scores import FEATURES, features
 from rtron.functions.repository import SourceRepository
 from rtron.vocabulary import FunctionType
 

@@ -15,11 +15,10 @@ from figures.figure import Figure
 from rtron.errors import InputError
 from rtron.sources.launch.ros1.file_search import find_launch_files
 from rtron.sources.launch.ros1.reader import read_launch
-from rtron.sources.static.common.cache import open_cache
+from rtron.sources.static.common.cache import hash_workspace, open_cache
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.task import InterpretationTask, TaskResult
 from rtron.sources.static.common.worker_pool import WorkerPool
-from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros1.app import scan_app
 from rtron.sources.static.ros1.message_traffic import workspace_programs
 from rtron.sources.workspace import Workspace, read_workspace

@@ -15,7 +15,7 @@ from typing import Any
 from evaluation.common.datasets import Datasets, Reporter
 from figures.figure import Figure
 from rtron.sources.code.workspace_sources import WorkspaceSources
-from rtron.sources.launch.common.file_format import find_ros2_launch_files
+from rtron.sources.launch.common.launch_file import find_ros2_launch_files
 from rtron.sources.launch.ros2.app import read_app_launch
 from rtron.sources.launch.ros2.result import AppLaunch, IncludedFile, LaunchStart, StartKind
 from rtron.sources.static.common.worker import deep_recursion

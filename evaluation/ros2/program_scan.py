@@ -11,7 +11,7 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.declaration import NodeSite
-from rtron.sources.static.common.cache import open_cache
+from rtron.sources.static.common.cache import hash_workspace, open_cache
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.task import (
     InterpretationTask,
@@ -21,7 +21,6 @@ from rtron.sources.static.common.task import (
     executable_task,
 )
 from rtron.sources.static.common.worker_pool import WorkerPool
-from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_contents import TargetKind
 

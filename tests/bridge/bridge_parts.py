@@ -7,11 +7,10 @@ from rtron.bridge.common.message_types import MessageTypes
 from rtron.bridge.common.plan_topics import PlanTopics
 from rtron.bridge.protocol import effects
 from rtron.bridge.protocol.approvals import Approvals
-from rtron.bridge.protocol.rate_limit import ClientRates
+from rtron.bridge.protocol.client_state import ClientRates
 from rtron.bridge.protocol.session import ClientSession
 from rtron.bridge.rights.document import BridgeRights
-from rtron.bridge.rights.loader import parse_rights
-from rtron.bridge.rights.tokens import token_hash
+from rtron.bridge.rights.loader import parse_rights, token_hash
 from rtron.errors import SourceError
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.vocabulary import SECOND

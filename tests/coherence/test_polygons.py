@@ -6,7 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rtron.coherence.polygons import MAX_CORNERS, polygon_problem
+from rtron.coherence.msrcn import MAX_CORNERS, polygon_problem
 from rtron.vocabulary import Point
 
 

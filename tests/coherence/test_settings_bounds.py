@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from plans import grcn as grcn_of
 
 from rtron.coherence import EffectivePlan, SettingsMismatchError, grcn, msrcn, rsrcn
-from rtron.coherence.duration_bounds import LONGEST_SILENCE
-from rtron.coherence.settings_bounds import (
+from rtron.coherence.duration_bounds import (
+    LONGEST_SILENCE,
     MAX_BLOCKED_FLOWS,
     MAX_CONDITION_LENGTH,
     MAX_CONDITIONS_LENGTH,

@@ -16,8 +16,7 @@ from harness import LIMIT_S, wait_for
 from rtron.demos.cases import CASES
 from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected, run_demo
 from rtron.demos.experiment.study import ProgressListener
-from rtron.demos.metrics.case_run import Variant
-from rtron.demos.metrics.guard_events import decision_counts
+from rtron.demos.metrics.case_run import Variant, decision_counts
 
 SPEED = 3.0
 _MARK = "TEST_OF_ENDING"

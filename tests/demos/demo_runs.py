@@ -2,10 +2,8 @@
 
 from math import cos, pi, sin
 
-from rtron.demos.metrics.case_run import CaseRun, Variant
-from rtron.demos.metrics.deviation import measure_deviation
-from rtron.demos.metrics.guard_events import SECOND
-from rtron.demos.metrics.message_journal import Attack
+from rtron.demos.metrics.case_run import SECOND, CaseRun, Variant
+from rtron.demos.metrics.message_journal import Attack, measure_deviation
 from rtron.demos.world.ground_truth import GroundTruth
 from rtron.demos.world.scenes.scene import (
     Crossing,

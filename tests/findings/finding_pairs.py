@@ -185,6 +185,10 @@ PAIRS = {
         with_fact("leaked_argument", "topic", "front/scan", "rear.xml", "front.xml", "rear/scan"),
         small_graph(SCAN),
     ),
+    "undeclared_argument": (
+        with_fact("undeclared_argument", "file", "map_file", "/l/map.xml"),
+        small_graph(SCAN),
+    ),
     "bridge_mismatch": (
         with_fact("bridge_mismatch", "/model/bot/cmd_vel", "/cmd_vel", "/bridge"),
         small_graph(SCAN),

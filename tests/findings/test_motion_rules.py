@@ -421,6 +421,11 @@ class TestLostCommand:
         assert finding.remedy == "remap /cmd_vel to /base/cmd_vel"
         assert (finding.severity, finding.level) == (Severity.MEDIUM, FindingLevel.REGULAR)
 
+    def test_what_a_bridge_carries_for_another_model_of_gazebo_is_not_meant(self):
+        fact = WiringFact(kind=WiringFactKind.OTHER_MODEL, subject="/base/cmd_vel")
+        for rule in ("lost_command", "unmatched_topic"):
+            assert not found(rule, small_graph(self.LOST, wiring=(fact,)))
+
     def test_an_output_is_not_joined_to_the_input_that_it_is_made_of(self):
         mux = f"/mux mux own\n    sub /cmd_vel {TWIST}\n    pub /mixed {TWIST}\n"
         smoother = f"/smoother s own\n    sub /mixed {TWIST}\n    pub /base/cmd_vel {TWIST}\n"

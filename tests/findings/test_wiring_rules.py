@@ -665,6 +665,35 @@ class TestMissingManagedNode:
         )
         assert (finding.certainty, finding.level) == (Certainty.POSSIBLE, FindingLevel.PEDANTIC)
 
+    SLAM = small_graph(
+        MANAGER + "/laser laser own\n/slam slam_toolbox third_party\n",
+        clients=(ServiceClient(node="/manager", name="/laser/change_state"),),
+        services=(
+            Service(node="/laser", name="/laser/change_state"),
+            Service(node="/slam", name="/slam/change_state"),
+        ),
+    )
+
+    def test_a_lifecycle_node_that_no_manager_lists(self):
+        finding = the_finding("missing_managed_node", self.SLAM)
+        assert finding.summary == "nobody configures and activates /slam"
+        assert finding.cause == "the node_names of /manager are /laser"
+        assert finding.level is FindingLevel.REGULAR
+
+    @pytest.mark.parametrize(
+        "more",
+        [
+            {"clients": (ServiceClient(node="/slam", name="/slam/change_state"),)},
+            {"wiring": (WiringFact(kind=WiringFactKind.TRANSITION, subject="a.launch.py"),)},
+            {"unresolved": (UnresolvedItem(what="include x", why="?", hides=HiddenPart.NODES),)},
+            {"services": (Service(node="/laser", name="/map/change_state"),)},
+        ],
+    )
+    def test_a_lifecycle_node_that_something_else_may_activate(self, more):
+        added = {key: (*getattr(self.SLAM, key), *values) for key, values in more.items()}
+        added |= {"services": more["services"]} if "services" in more else {}
+        assert not found("missing_managed_node", replace(self.SLAM, **added))
+
     def test_nodes_that_are_there_and_names_known_in_part_are_none(self):
         calls = (ServiceClient(node="/manager", name="/{?}/change_state"), *self.CALLS)
         text = MANAGER + self.AMCL + "/recoveries nav own\n"
@@ -758,6 +787,13 @@ def test_an_argument_of_a_file_before(kind, before, said, level):
     assert (finding.subject, finding.level) == ("rear.xml:topic", level)
     assert finding.summary == f"rear.xml gets topic from {said}"
     assert f"topic is front/scan since {said}, and not rear/scan" in finding.cause
+
+
+def test_an_argument_that_a_file_does_not_know():
+    graph = with_fact("undeclared_argument", "file", "map_file", "/l/map.xml")
+    finding = the_finding("undeclared_argument", graph)
+    assert (finding.subject, finding.level) == ("map.xml:file", FindingLevel.REGULAR)
+    assert finding.cause == "launch drops it, and map_file of map.xml keeps its default"
 
 
 def test_a_loop_of_frames_is_one_finding_with_all_of_them():

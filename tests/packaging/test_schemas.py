@@ -14,8 +14,8 @@ from jsonschema import Draft202012Validator
 
 from rtron.demos.cases import CASES, RunConditions
 from rtron.demos.cases.case_study import merge_decisions
-from rtron.demos.runtime.app_files import first_party_packages, launch_file, third_party_packages
-from rtron.demos.runtime.plan_edits import write_decided_plan
+from rtron.demos.runtime.instrumentation import write_decided_plan
+from rtron.demos.runtime.isolation import first_party_packages, launch_file, third_party_packages
 from rtron.errors import InputError
 from rtron.planning import missions
 from rtron.planning.plan_file.json_schema import PLAN_SCHEMA_URL, plan_json_schema

@@ -32,6 +32,8 @@ _LOADED = (
     *("geometry_msgs.msg", "rosgraph_msgs.msg", "std_msgs.msg"),
 )
 """What nodes in Python load, but rospy: it takes names from the command line as it is loaded."""
+_TOOLS = ("rosmaster", "rosnode", "rosparam", "rostopic")
+"""Programs of ROS in Python, which are forked."""
 _ORDERLY = (sys.executable, "roslaunch", "sh")
 """Programs that have others to end, or files to leave in order."""
 
@@ -211,8 +213,8 @@ class Ros1:
         """Start a command; what it says goes to a file that its `log` gives."""
         log = self.folder / f"{len(self._processes)}_{Path(command[0]).name}.log"
         loaded = ()
-        if command[0] == "rosmaster":
-            command, loaded = (ROS_PYTHON, "/usr/bin/rosmaster", *command[1:]), _LOADED
+        if command[0] in _TOOLS:
+            command, loaded = (ROS_PYTHON, f"/usr/bin/{command[0]}", *command[1:]), _LOADED
         elif command[0] == ROS_PYTHON and Path(command[1]).parent == NODES:
             loaded = _LOADED
         process = Process(command, self.environ | environ, log, loaded)

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 from rtron.planning import parse_plan
 from rtron.service.controller.risk_controller import RiskController
 from rtron.service.domain.clock import SteadyClock
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import Principal, UserRole
 from rtron.service.store.database import Database
 from rtron.vocabulary import Plan, Settings
 from rtron.wire.common.link_protocol import Hello

@@ -8,11 +8,10 @@ from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 from server_thread import serve_app
 
 from rtron.service.config import ServiceConfig
-from rtron.service.domain.roles import AccessScope, UserRole
-from rtron.service.domain.signed_documents import DocumentSigner
+from rtron.service.domain.hash_chain import DocumentSigner
+from rtron.service.domain.principal import AccessScope, UserRole
 from rtron.service.server.app import create_app
-from rtron.service.server.connection_limit import ConnectionLimit
-from rtron.service.server.handshake_limit import HandshakeSocket
+from rtron.service.server.connection_limit import ConnectionLimit, HandshakeSocket
 from rtron.service.server.http import uvicorn_options
 from rtron.service.store.accounts.logins import SessionLifetime, begin_session
 from rtron.service.store.accounts.passwords import hash_password

@@ -10,8 +10,8 @@ from rtron.errors import SourceError
 from rtron.sources.workspace import share_workspaces, shared_workspace
 from rtron.survey import scan_server
 from rtron.survey.app_listing import AppToScan, ScanRequest, find_apps
-from rtron.survey.scan_client import ScanServers
 from rtron.survey.scan_server import WorkspaceSharing, raise_timeout, scan_forked
+from rtron.survey.survey_run import ScanServers
 from rtron.vocabulary import RiskKind
 
 

@@ -6,8 +6,7 @@ import pytest
 from survey_cases import HOSTILE, SURVEY
 
 from chromium import open_chromium
-from rtron.survey.reports import page_graph
-from rtron.survey.reports.page import survey_page
+from rtron.survey.reports.page import graph_picture, survey_page
 from rtron.survey.statistics import SurveyCounts
 from rtron.survey.survey_run import Survey
 from rtron.vocabulary import RiskKind
@@ -43,8 +42,8 @@ def test_a_survey_without_apps_is_a_page():
 
 def test_without_graphviz_the_page_says_so(monkeypatch):
     monkeypatch.setenv("PATH", "/nonexistent")
-    assert "needs Graphviz" in page_graph.graph_picture(
-        page_graph.SurveyCounts([result for result in SURVEY.results if result.survey])
+    assert "needs Graphviz" in graph_picture(
+        SurveyCounts([result for result in SURVEY.results if result.survey])
     )
 
 

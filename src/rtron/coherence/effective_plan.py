@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
+from rtron.coherence.duration_bounds import bound_problems
 from rtron.coherence.plan_checks import settable_problems
-from rtron.coherence.settings_bounds import bound_problems
 from rtron.errors import InputError, suggestion
 from rtron.vocabulary import (
     GRCN,

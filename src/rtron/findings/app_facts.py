@@ -140,9 +140,13 @@ class AppFacts:
 
     @cached_property
     def obeyed_topics(self) -> tuple[str, ...]:
-        """The motion topics that somebody reads; none where many make names tell little."""
-        obeyed = tuple(topic for topic in self.motion_topics if self.readers(topic))
+        """The motion topics that the app's own obey; none where many make names tell little."""
+        own = (topic for topic in self.motion_topics if not self._is_of_other_model(topic))
+        obeyed = tuple(topic for topic in own if self.readers(topic))
         return obeyed if len(obeyed) <= _MOST_COMPARED else ()
+
+    def _is_of_other_model(self, topic: str) -> bool:
+        return any(fact.subject == topic for fact in self._wiring[WiringFactKind.OTHER_MODEL])
 
     def is_motion(self, topic: str) -> bool:
         """Return whether a topic commands motion, by its type and its name."""
@@ -247,10 +251,12 @@ class AppFacts:
 
         What only the readers of the topic publish, or what is made of it, is not what they wait
         for. Nor is a command on its way through another node, which a remap would lead past. Where
-        the topic may have a publisher whose name is not known, none is near.
+        the topic may have a publisher whose name is not known, or is of another model of Gazebo,
+        none is near.
         """
         types = tuple(types)
-        if any(self._may_be(each, topic) for each in self._open_names[Direction.PUBLISH]):
+        is_open = any(self._may_be(each, topic) for each in self._open_names[Direction.PUBLISH])
+        if is_open or self._is_of_other_model(topic):
             return []
         sent = [self._sent[type] for type in types if type in self._sent]
         if sum(map(len, sent)) > _MOST_COMPARED:

@@ -12,7 +12,7 @@ from functools import cache
 
 from rtron.functions.interactions.typical_messages import typical_traffic
 from rtron.functions.node_functions import NodeFunctions, functions_of_nodes
-from rtron.functions.package_data import load_package_yaml
+from rtron.functions.repository import load_package_yaml
 from rtron.functions.traffic_rules import (
     NodeTraffic,
     TrafficRule,

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from rtron.functions.classifier.pipeline import classify_name
 from rtron.functions.domains import DOMAIN_BY_TYPE
-from rtron.functions.package_data import load_package_yaml
+from rtron.functions.repository import load_package_yaml
 from rtron.functions.traffic_rules import (
     NodeTraffic,
     filter_plausible,

@@ -1,7 +1,12 @@
 """A repository as the classifier sees it: names, manifests' descriptions and README."""
 
 from dataclasses import dataclass, field
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
+from typing import Any
+
+import yaml
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,3 +32,13 @@ class SourceRepository:
     packages: tuple[SourcePackage, ...] = ()
     readme: str = ""
     url: str = ""
+
+
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@cache
+def load_package_yaml(package: str, name: str) -> Any:  # noqa: ANN401 - any YAML value
+    """Return what a YAML file of a package of ours holds; raise FileNotFoundError if none is."""
+    text = (files(package) / name).read_text(encoding="utf-8")
+    return yaml.load(text, Loader=_LOADER)  # noqa: S506 - a safe loader

@@ -12,7 +12,7 @@ from rtron.functions.interactions.typical_messages import (
     is_informative,
     typical_traffic,
 )
-from rtron.functions.package_data import load_package_yaml
+from rtron.functions.repository import load_package_yaml
 from rtron.vocabulary import (
     ActionRole,
     Endpoint,

@@ -4,9 +4,9 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from rtron.coherence.duration_bounds import MAX_RULES
+from rtron.coherence.flows import self_fulfilling_problems
 from rtron.coherence.msrcn import MAX_EFLOWS, MAX_EXPRESSIONS, blocked_types
-from rtron.coherence.required_flows import self_fulfilling_problems
-from rtron.coherence.settings_bounds import MAX_RULES
 from rtron.errors import InputError
 from rtron.messages.common.definition import Definition
 from rtron.messages.common.definition_parser import parse_definition

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.service.domain.oidc import OidcConfig
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 from rtron.service.store.retention import RetentionLimits
 
 _HOUR = 3_600_000_000_000

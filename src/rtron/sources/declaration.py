@@ -13,6 +13,7 @@ from rtron.vocabulary import (
     QoS,
     Resolution,
     StringEnum,
+    UnresolvedCause,
     UnresolvedItem,
 )
 from rtron.vocabulary.enums import HiddenPart
@@ -178,11 +179,11 @@ class RuntimeStart:
     args: tuple[str, ...] = ()
     evidence: tuple[Evidence, ...] = ()
 
-    def unread(self, owner: str, why: str) -> UnresolvedItem:
+    def unread(self, owner: str, why: str, cause: UnresolvedCause | None = None) -> UnresolvedItem:
         """Return the note that a launch file is not read which a node starts, its owner."""
         package, slash, _ = self.path.partition("/")
         what = f"launch {self.path} that {owner} starts"
-        note = UnresolvedItem(what=what, why=why, package=package if slash else "")
+        note = UnresolvedItem(what=what, why=why, package=package if slash else "", cause=cause)
         return replace(note, hides=HiddenPart.NODES, evidence=self.evidence)
 
 
@@ -238,6 +239,17 @@ class LastMessageUse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MessageFlow:
+    """Where a subscription is made, and where the publishers are that it leads to.
+
+    `requests` are the services and actions. Where it leads to nothing, what it gets is not used.
+    """
+
+    evidence: tuple[Evidence, ...]
+    requests: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MistypedParameter:
     """A parameter of ROS 2 that is given another type than its node declares: that throws."""
 
@@ -286,6 +298,7 @@ class NodeInterface:
     plugins: tuple[LoadedPlugin, ...] = ()
     mistyped: tuple[MistypedParameter, ...] = ()
     last_messages: tuple[LastMessageUse, ...] = ()
+    message_flows: tuple[MessageFlow, ...] = ()
     gazebo_topics: tuple[GazeboTopic, ...] = ()
 
     def with_location(self, location: Evidence) -> "NodeInterface":

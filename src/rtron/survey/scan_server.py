@@ -22,8 +22,8 @@ from rtron.errors import RTronError
 from rtron.functions.node_functions import with_functions
 from rtron.sources.models import ROS2_LIBRARY, load_models
 from rtron.sources.models.packages import known_packages
+from rtron.sources.static.common.cache import hash_workspace
 from rtron.sources.static.common.parent_process import follow_parent
-from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros2.app import read_ros2_workspace
 from rtron.sources.workspace import Workspace, read_workspace, share_workspaces
 from rtron.survey.app_listing import REQUEST_ADAPTER, AppToScan, ScanRequest

@@ -1,19 +1,21 @@
 """A survey: the apps of a folder that have no result yet are scanned, several at a time."""
 
+import subprocess
+import sys
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from contextlib import closing
-from dataclasses import dataclass
+from contextlib import closing, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic
+from typing import IO, cast
 
-from rtron.errors import InputError
+from rtron.errors import InputError, SourceError
 from rtron.functions.reading.skipped_entries import SkippedEntry
 from rtron.sources.static.common.scan_options import Progress, default_workers
-from rtron.survey.app_listing import AppToScan, ScanRequest, find_apps
-from rtron.survey.app_survey import AppResult
+from rtron.survey.app_listing import REQUEST_ADAPTER, AppToScan, ScanRequest, find_apps
+from rtron.survey.app_survey import RESULT_ADAPTER, AppResult
 from rtron.survey.results_file import ResultsFile, results_file
-from rtron.survey.scan_client import ScanServers
 
 DEFAULT_SECONDS = 120.0
 
@@ -132,3 +134,60 @@ def _result(request: ScanRequest, future: "Future[AppResult]") -> AppResult:
         error=reason,
         is_final=False,
     )
+
+
+_COMMAND = (sys.executable, "-m", "rtron.survey.scan_server")
+
+
+class _ScanServer:
+    """A process that scans; a session of its own keeps a terminal's Ctrl-C from it."""
+
+    def __init__(self) -> None:
+        self._process = subprocess.Popen(  # noqa: S603 - our own command
+            _COMMAND,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        self._requests = cast("IO[bytes]", self._process.stdin)
+        self._answers = cast("IO[bytes]", self._process.stdout)
+
+    def scan(self, request: ScanRequest) -> AppResult:
+        """Return what became of an app; raise SourceError if the process has ended."""
+        with suppress(BrokenPipeError):  # then there is no answer
+            self._requests.write(REQUEST_ADAPTER.dump_json(request) + b"\n")
+            self._requests.flush()
+        answer = self._answers.readline()
+        if not answer.endswith(b"\n"):
+            raise SourceError("the process that scans apps ended")
+        return RESULT_ADAPTER.validate_json(answer)
+
+    def end(self) -> None:
+        """End the process and the scan that it is at."""
+        with suppress(BrokenPipeError), self._process:  # a request that it never read is left
+            self._process.kill()
+
+
+@dataclass(slots=True)
+class ScanServers:
+    """As many processes that scan as there are scans at a time; each is started when needed."""
+
+    _idle: list[_ScanServer] = field(default_factory=list)
+    _started: list[_ScanServer] = field(default_factory=list)
+
+    def scan(self, request: ScanRequest) -> AppResult:
+        """Return what became of an app; raise SourceError if the process that scans it ended."""
+        try:
+            server = self._idle.pop()
+        except IndexError:
+            server = _ScanServer()
+            self._started.append(server)
+        result = server.scan(request)
+        self._idle.append(server)
+        return result
+
+    def close(self) -> None:
+        """End all processes, and with them the scans that are under way."""
+        for server in self._started:
+            server.end()

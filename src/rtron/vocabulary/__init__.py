@@ -49,6 +49,7 @@ from rtron.vocabulary.enums import (
     StreamKind,
     StringEnum,
     Trust,
+    UnresolvedCause,
     WhenUnknown,
 )
 from rtron.vocabulary.event import (

@@ -19,6 +19,26 @@ class HiddenPart(StringEnum):
     """A call that joins a node which is not known to a topic or a service."""
 
 
+class UnresolvedCause(StringEnum):
+    """What kind of thing could not be read: what somebody can do about it hangs on this."""
+
+    MISSING_SOURCE = "missing_source"
+    """A package or a program whose source is not here."""
+    UNSET_VARIABLE = "unset_variable"
+    ARGUMENT = "argument"
+    """A launch argument that nobody gives, or that is given and not declared."""
+    MISSING_CODE = "missing_code"
+    """A library, plugin or base class that may add endpoints."""
+    SYNTAX_ERROR = "syntax_error"
+    PARTLY_READ = "partly_read"
+    RUN_TIME = "run_time"
+    """What only the running app decides."""
+    UNREACHED = "unreached"
+    """Functions that nothing which is seen calls."""
+    INCOMPLETE_DESCRIPTION = "incomplete_description"
+    """Follows from a file that a robot description includes and that is not here."""
+
+
 class Domain(StringEnum):
     """The part of the robot's workflow a topic or function belongs to (paper, table of repos)."""
 

@@ -16,6 +16,7 @@ from rtron.vocabulary.enums import (
     Reliability,
     Resolution,
     Trust,
+    UnresolvedCause,
 )
 from rtron.vocabulary.evidence import Evidence
 from rtron.vocabulary.wiring import WiringFact
@@ -141,7 +142,7 @@ class UnresolvedItem:
 
     `missing` is what was looked for and is not there: a file, or PACKAGE/PROGRAM; `nearest` says
     what may be meant instead, for people. `hides` is what of the app may be behind it, `package`
-    the one whose files would tell.
+    the one whose files would tell. Without a `cause` it is code that is not followed.
     """
 
     what: str
@@ -150,6 +151,7 @@ class UnresolvedItem:
     nearest: str = ""
     package: str = ""
     hides: HiddenPart | None = None
+    cause: UnresolvedCause | None = None
     evidence: tuple[Evidence, ...] = ()
 
 

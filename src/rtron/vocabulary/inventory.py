@@ -80,9 +80,10 @@ class Mover:
 
     `drivers` are the nodes next to the hardware, none if they are not in the app. `hardware` says
     what their source opens. `arbiters` stand in the way of commands, the last one first. `doors`
-    let others than ROS nodes in. `stop` says why it stops or does not. `unread` are the nodes that
-    were not read, one of which may obey what no driver does; where the app is not `is_whole`, one
-    may send what nobody does.
+    let others than ROS nodes in, `operators` are nodes that a person commands beside ROS, with
+    what. `stop` says why it stops or does not. `unread` are the nodes that were not read, one of
+    which may obey what no driver does; where the app is not `is_whole`, one may send what nobody
+    does.
     """
 
     thing: Thing
@@ -91,6 +92,7 @@ class Mover:
     hardware: tuple[str, ...] = ()
     arbiters: tuple[str, ...] = ()
     doors: tuple[str, ...] = ()
+    operators: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
     is_whole: bool = True
     stops: Stops = Stops.UNKNOWN

@@ -34,9 +34,13 @@ class WiringFactKind(StringEnum):
     value it is, and its own default."""
     POSSIBLE_LEAKED_ARGUMENT = "possible_leaked_argument"
     """The same, where it may be meant: a switch, or what another file was given."""
+    UNDECLARED_ARGUMENT = "undeclared_argument"
+    """An argument that others, a file, are given and do not know; the value is a near one."""
     BRIDGE_MISMATCH = "bridge_mismatch"
     """A topic of Gazebo that others, bridges, carry where they should carry the value, or in the
     wrong direction if it is the same."""
+    OTHER_MODEL = "other_model"
+    """A topic of Gazebo that others, bridges, carry, and that is of no model which is spawned."""
     TOPIC_PARAMETER = "topic_parameter"
     """A parameter whose value is a topic that nobody uses; others are near topics in use."""
     MISSPELT_PARAMETER = "misspelt_parameter"
@@ -65,18 +69,25 @@ class WiringFactKind(StringEnum):
     """A latched topic that the value, a node, publishes once or on change, not ever again."""
     SENT_ONCE = "sent_once"
     """A node that is a `topic pub` of the launch and sends its message once, not ever again."""
+    TRANSITION = "transition"
+    """A launch file that changes states of lifecycle nodes itself, or has an event for it."""
     DISTRIBUTION = "distribution"
     """The ROS distribution that the user gave for the scan; what is only guessed is no fact."""
     DEVICE = "device"
     """A node whose source opens hardware; the value says what: a serial port, CAN."""
     SOCKET = "socket"
     """A node whose source joins a network beside ROS; the value says how: MQTT, a web server."""
+    OPERATOR = "operator"
+    """A node whose source reads what a person does; the value says how: a joystick, a keyboard."""
     COMMAND_AGE = "command_age"
     """A node whose source has a name that tells of how old a command is."""
     LAST_MESSAGE = "last_message"
     """A node with a subscription at the first place; the value is a `LastMessageFate`, others are
     the seconds after which, and the second place where; of what is repeated, the further places
     are those of the publishers, if they are known."""
+    MESSAGE_FLOW = "message_flow"
+    """A node with a subscription at the first place, whose messages lead to the publishers at the
+    further places, and to others, its services and actions; without both they are not used."""
 
 
 class LastMessageFate(StringEnum):

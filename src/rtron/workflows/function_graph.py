@@ -7,6 +7,7 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.folders import is_folder
 from rtron.functions.app_categories import AppProfile, app_profile
+from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import Classification
 from rtron.functions.interactions.abstract_graph import (
     AbstractGraph,
@@ -14,14 +15,14 @@ from rtron.functions.interactions.abstract_graph import (
     abstract_graph,
 )
 from rtron.functions.reading import SkippedEntry, SkippedHandler, read_repositories
+from rtron.functions.reading.package_code import read_code
 from rtron.functions.repository import SourcePackage, SourceRepository
 from rtron.sources.bounded_file import STDIN
 from rtron.sources.graph_json import read_graph
-from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.sources.static.common.scan_options import Progress, ScanOptions
 from rtron.sources.static.ros1.message_traffic import PackageTraffic, WorkspaceTraffic, read_traffic
 from rtron.sources.workspace.package_files import is_regular
 from rtron.vocabulary import FunctionType
-from rtron.workflows.classification import classify_repositories
 
 _NO_TRAFFIC = PackageTraffic()
 
@@ -144,3 +145,21 @@ def _graph_files(path: Path, note_skipped: SkippedHandler) -> list[Path]:
         help = "write them with `rtron scan … --format graph -o app.json`"
         raise InputError("has no *.json", path=str(path), help=help)
     return found
+
+
+def classify_repositories(
+    repositories: Sequence[SourceRepository], note_skipped: SkippedHandler, progress: Progress
+) -> Iterator[tuple[SourceRepository, Classification]]:
+    """Yield repositories with their classes; the code of those that are folders is read.
+
+    A repository that fails costs itself only, and goes to `note_skipped`.
+    """
+    for done, repository in enumerate(repositories, 1):
+        progress(done, len(repositories), repository.name)
+        try:
+            found = classify(read_code(repository))
+        except Exception as error:  # noqa: BLE001 - one of thousands must not end the others
+            reason = f"{type(error).__name__}: {error}"
+            note_skipped(SkippedEntry(location=repository.name, reason=reason))
+        else:
+            yield repository, found

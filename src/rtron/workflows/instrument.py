@@ -16,10 +16,9 @@ from rtron.planning.instrument import (
     write_guarded_launch,
 )
 from rtron.planning.instrument.common.cells import Cell, plan_cells
-from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
 from rtron.planning.instrument.ros2.enclaves import Enclaves
-from rtron.planning.plan_file.loader import parse_plan
-from rtron.planning.plan_file.yaml_parser import read_text
+from rtron.planning.plan_file.loader import parse_plan, read_text
 from rtron.planning.problem import PlanProblem
 from rtron.sources.graph_json import graph_to_json, read_graph
 from rtron.sources.launch.common.environment import LaunchEnvironment

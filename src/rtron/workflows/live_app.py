@@ -68,7 +68,7 @@ class LiveApp:
 
     def _ros_from_address(self) -> RosGeneration | None:
         """Return the ROS whose address differs from that of the environment."""
-        from rtron.wire.ros1.host_address import master_uri  # noqa: PLC0415 - not for a command's help
+        from rtron.wire.ros1.network import master_uri  # noqa: PLC0415 - not for a command's help
 
         master, domain = self.master != master_uri(), self.domain is not None
         if master and domain:

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rtron.bridge.protocol.client_state import RefusalCounter, TokenBucket, message_bucket
 from rtron.bridge.protocol.outbox import MAX_ANSWERS, Outbox
-from rtron.bridge.protocol.rate_limit import RefusalCounter, TokenBucket, message_bucket
 from rtron.bridge.protocol.subscriptions import MAX_SUBSCRIPTIONS, SubscribeOptions, TopicReader
 from rtron.bridge.rights.document import SubscribeRight
 from rtron.errors import WireError

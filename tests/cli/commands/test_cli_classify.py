@@ -131,7 +131,7 @@ def test_an_item_that_fails_is_told(rtron, corpus, monkeypatch):
     def failing(_):
         raise ValueError("x")
 
-    monkeypatch.setattr("rtron.workflows.classification.classify", failing)
+    monkeypatch.setattr("rtron.workflows.function_graph.classify", failing)
     ran = rtron("classify", corpus)
     assert (ran.code, ran.out) == (0, "")
     assert ran.err.splitlines()[1] == "left out: zzz: ValueError: x"

@@ -19,7 +19,7 @@ from rtron.cli.commands import rollout
 from rtron.cli.support.rollout_report import PROBLEMS, rollout_line
 from rtron.service.config import ServiceConfig
 from rtron.service.controller.handshake import perform_handshake
-from rtron.service.domain.rollouts.states import Problem
+from rtron.service.domain.rollouts.schemas import Problem
 from rtron.service.server.app import create_app
 from rtron.service.store.database import Database
 from rtron.service.store.fleet.labels import replace_members

@@ -13,8 +13,7 @@ from harness import LIMIT_S, wait_for
 
 from rtron.demos.apps.logic.demo_logic.rosbridge import Rosbridge
 from rtron.demos.cases import AGENT
-from rtron.demos.runtime.app_files import APPS, LOGIC
-from rtron.demos.runtime.isolation import free_port
+from rtron.demos.runtime.isolation import APPS, LOGIC, free_port
 
 PLACE = [2.0, 1.0]
 LEASE = "/rtron/leases/base/request"

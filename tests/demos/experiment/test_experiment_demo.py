@@ -6,12 +6,10 @@ from types import SimpleNamespace
 import pytest
 from demo_runs import CORRIDOR, make_run, runs_by_variant
 
-from rtron.cli.commands.demo import CaseName, demo
-from rtron.cli.support import demo_session
+from rtron.cli.commands.demo import CaseName, choose_ros, demo, require_demo_packages, show_console
 from rtron.demos.cases import GR, RunConditions
-from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected
+from rtron.demos.experiment.demonstration import DemoRequest, are_as_expected, demo_text
 from rtron.demos.experiment.results import results_document, write_results
-from rtron.demos.experiment.terminal_report import demo_text
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.metrics.message_journal import Attack
 from rtron.demos.runtime import ros_installation
@@ -135,9 +133,11 @@ def test_what_is_said_has_the_risk_and_the_table(fake_study):
 
 
 def test_it_says_which_packages_are_missing(monkeypatch):
-    monkeypatch.setattr(demo_session, "find_spec", lambda name: None if name == "irsim" else 1)
+    monkeypatch.setattr(
+        "rtron.cli.commands.demo.find_spec", lambda name: None if name == "irsim" else 1
+    )
     with pytest.raises(InputError, match="the demo needs irsim") as caught:
-        demo_session.require_demo_packages()
+        require_demo_packages()
     assert caught.value.help == 'pip install "rtron[demo]"'
 
 
@@ -146,7 +146,7 @@ def test_it_says_which_packages_are_missing(monkeypatch):
 )
 def test_ros_2_is_taken_before_ros_1(monkeypatch, lacks, chosen):
     monkeypatch.setattr(ros_installation, "missing_requirements", lambda: lacks)
-    assert demo_session.choose_ros(RosGeneration.AUTO) == chosen
+    assert choose_ros(RosGeneration.AUTO) == chosen
 
 
 def test_without_any_ros_it_says_what_is_lacking(monkeypatch):
@@ -154,7 +154,7 @@ def test_without_any_ros_it_says_what_is_lacking(monkeypatch):
         ros_installation, "missing_requirements", lambda: {1: "no ROS 1", 2: "no ROS 2"}
     )
     with pytest.raises(SourceError, match="no ROS 2; no ROS 1"):
-        demo_session.choose_ros(RosGeneration.AUTO)
+        choose_ros(RosGeneration.AUTO)
 
 
 def test_the_console_shows_only_what_was_guarded():
@@ -169,7 +169,7 @@ def test_the_console_is_opened_where_there_is_a_screen(monkeypatch, screen):
     monkeypatch.setenv("DISPLAY", screen)
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("threading.Event.wait", lambda _: None)
-    demo_session.show_console(SimpleNamespace(page="http://here/", password="word"))
+    show_console(SimpleNamespace(page="http://here/", password="word"))
     assert opened == (["http://here/"] if screen else [])
 
 
@@ -181,7 +181,7 @@ def test_the_console_is_told_beside_what_a_program_reads(capsys, monkeypatch, as
     monkeypatch.setattr("threading.Event.wait", interrupt)
     monkeypatch.setattr("webbrowser.open", lambda _: True)
     service = SimpleNamespace(page="http://here/#/robots/tb3/events", password="word")
-    demo_session.show_console(service, to_stderr=aside)
+    show_console(service, to_stderr=aside)
     message, other = capsys.readouterr() if not aside else reversed(capsys.readouterr())
     assert "http://here/#/robots/tb3/events" in message
     assert "password word" in message

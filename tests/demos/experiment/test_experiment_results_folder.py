@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from rtron.cli.support.demo_session import preserve_logs
-from rtron.demos.experiment import results_folder
-from rtron.demos.experiment.results_folder import (
+from rtron.cli.commands.demo import preserve_logs
+from rtron.demos.experiment import results
+from rtron.demos.experiment.results import (
     copy_logs,
     prepare_results_folder,
     remove_earlier_results,
@@ -53,9 +53,7 @@ def test_other_files_are_refused(out, results):
 
 def test_earlier_results_are_not(out):
     (out / "mine").write_text("mine")
-    (out / "results.json").write_text(
-        json.dumps({"schema": results_folder.SCHEMA, "ros": 1}, indent=1)
-    )
+    (out / "results.json").write_text(json.dumps({"schema": results.SCHEMA, "ros": 1}, indent=1))
     assert prepare_results_folder(out) == out
 
 
@@ -63,7 +61,7 @@ def test_that_it_can_be_written_to_is_tried(out, monkeypatch):
     def refused(**_):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(results_folder, "TemporaryFile", refused)
+    monkeypatch.setattr(results, "TemporaryFile", refused)
     with pytest.raises(InputError, match="out: Permission denied"):
         prepare_results_folder(out)
 

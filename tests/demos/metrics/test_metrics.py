@@ -13,10 +13,8 @@ from demo_runs import (
     runs_by_variant,
 )
 
-from rtron.demos.metrics.case_run import Variant
-from rtron.demos.metrics.deviation import measure_deviation
-from rtron.demos.metrics.guard_events import decision_counts, first_stop
-from rtron.demos.metrics.message_journal import Attack, read_attack
+from rtron.demos.metrics.case_run import Variant, decision_counts, first_stop
+from rtron.demos.metrics.message_journal import Attack, measure_deviation, read_attack
 from rtron.demos.metrics.table import cells, columns
 
 LINE = ((0.0, 0.0), (4.0, 0.0))

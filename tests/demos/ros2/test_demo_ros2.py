@@ -9,9 +9,9 @@ from demo_battery import SPEED, DemoBattery, run_study
 from harness import wait_for
 from rmw_marks import RMW
 
-from rtron.demos.runtime.app_files import launch_file
 from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import demo_environment
+from rtron.demos.runtime.isolation import launch_file
 
 pytestmark = [pytest.mark.ros2, pytest.mark.long, pytest.mark.timeout(600)]
 OWN_SEGMENT = re.compile(r"(/dev/shm/fastdds_[0-9a-f]{16})_el")

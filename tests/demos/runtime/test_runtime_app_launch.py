@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from rtron.demos.runtime.app_files import first_party_packages, launch_file, third_party_packages
 from rtron.demos.runtime.app_launch import node_commands, node_names
+from rtron.demos.runtime.isolation import first_party_packages, launch_file, third_party_packages
 from rtron.errors import InputError
 from rtron.planning.instrument import instrument_ros2, write_guarded_launch
-from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.sources.launch.ros2.reader import read_ros2_launch
 

@@ -4,7 +4,7 @@ import pytest
 import yaml
 from demo_runs import PROPOSED
 
-from rtron.demos.runtime.plan_edits import apply_decisions, write_decided_plan
+from rtron.demos.runtime.instrumentation import apply_decisions, write_decided_plan
 from rtron.errors import InputError
 from rtron.planning.plan_file.loader import read_plan
 from rtron.vocabulary import Mode, PolicyName

@@ -113,11 +113,15 @@ def test_who_has_ended_is_told_with_what_it_said(processes):
         started.check()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-@pytest.mark.parametrize("ignored", [False, True], ids=["as usual", "ignored by the shell"])
-def test_an_interrupted_runner_leaves_nothing_behind(tmp_path, number, ignored):
-    text = RUNNER.format(commands=[SLEEP, LEFT_BEHIND, SLEEP], sleep=SLEEP)
-    text = IGNORE * ignored + text
+@pytest.mark.parametrize(
+    ("number", "before"),
+    [
+        *[(each, "") for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)],
+        *[(each, IGNORE) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)],
+    ],
+)
+def test_a_runner_that_ends_leaves_nothing_behind(tmp_path, number, before):
+    text = before + RUNNER.format(commands=[SLEEP, LEFT_BEHIND, SLEEP], sleep=SLEEP)
     runner = subprocess.Popen(
         [sys.executable, "-c", text, str(tmp_path)],
         stdout=subprocess.PIPE,
@@ -134,7 +138,7 @@ def test_an_interrupted_runner_leaves_nothing_behind(tmp_path, number, ignored):
 
 
 def test_an_interrupted_runner_says_that_it_ends():
-    text = "from rtron.demos.runtime.signals import interrupt_on_signals\n"
+    text = "from rtron.demos.runtime.processes import interrupt_on_signals\n"
     text += "import signal\nwith interrupt_on_signals(): signal.raise_signal(signal.SIGTERM)\n"
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, check=False)
     assert done.returncode == -signal.SIGINT
@@ -142,7 +146,7 @@ def test_an_interrupted_runner_says_that_it_ends():
 
 
 def test_whom_nohup_started_outlives_its_terminal():
-    text = "from rtron.demos.runtime.signals import defer_signals, interrupt_on_signals\n"
+    text = "from rtron.demos.runtime.processes import defer_signals, interrupt_on_signals\n"
     text += "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
     text += "with interrupt_on_signals(), defer_signals(): signal.raise_signal(signal.SIGHUP)\n"
     text += "print('on')"

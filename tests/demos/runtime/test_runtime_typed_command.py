@@ -2,8 +2,8 @@
 
 from types import SimpleNamespace
 
-from rtron.demos.runtime.app_files import first_party_packages, launch_file, third_party_packages
 from rtron.demos.runtime.environment import DemoEnvironment
+from rtron.demos.runtime.isolation import first_party_packages, launch_file, third_party_packages
 from rtron.demos.runtime.processes import CompletedCommand
 
 

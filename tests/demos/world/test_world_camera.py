@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from rtron.demos.world import camera, lidar
+from rtron.demos.world import camera, ray_casting
 from rtron.demos.world.ray_casting import scene_surfaces
 from rtron.demos.world.robot_base import PEDESTRIAN_RADIUS
 from rtron.demos.world.scenes.scene import PolygonObstacle, RoundObstacle, Scene, room_walls
@@ -32,7 +32,7 @@ def pixels_of(image, colour):
 
 def scanned(*obstacles, pose=EYE, people=()):
     everything = scene_surfaces(scene(*obstacles)).with_discs(people, PEDESTRIAN_RADIUS)
-    return np.frombuffer(lidar.scan(everything, pose), dtype="<f4")
+    return np.frombuffer(ray_casting.scan(everything, pose), dtype="<f4")
 
 
 def test_an_empty_room_is_grey():

@@ -5,7 +5,7 @@ from math import atan2, cos, dist, pi
 
 import pytest
 
-from rtron.demos.world import device_streams, robot_base
+from rtron.demos.world import robot_base, server
 from rtron.demos.world.robot_base import VelocityCommand
 from rtron.demos.world.simulation import RobotSimulation
 
@@ -184,10 +184,10 @@ def test_the_light_is_red_then_green(world):
 
 
 def test_the_battery_empties_and_never_below_nothing():
-    assert device_streams.battery_percentage(0.0) == 1.0
-    assert device_streams.battery_percentage(4500.0) == pytest.approx(0.5)
-    assert device_streams.battery_percentage(1e6) == 0.0
-    assert device_streams.battery_voltage(1e6) == pytest.approx(11.1)
+    assert server.battery_percentage(0.0) == 1.0
+    assert server.battery_percentage(4500.0) == pytest.approx(0.5)
+    assert server.battery_percentage(1e6) == 0.0
+    assert server.battery_voltage(1e6) == pytest.approx(11.1)
 
 
 def test_who_sends_more_often_has_a_larger_share_of_a_step():

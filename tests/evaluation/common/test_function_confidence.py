@@ -19,7 +19,7 @@ from evaluation.common.function_confidence import (
 from evaluation.common.function_corpora import HELD_OUT, SECOND, LabelledCorpus, read_repositories
 from evaluation.common.function_labels import Label, read_labels
 from evaluation.common.reliability import reliability
-from rtron.functions.classifier.confidence import FEATURES
+from rtron.functions.classifier.scores import FEATURES
 from rtron.functions.repository import SourcePackage, SourceRepository
 from rtron.vocabulary import FunctionType
 

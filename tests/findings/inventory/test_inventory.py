@@ -10,6 +10,8 @@ from rtron.findings import app_facts, take_inventory
 from rtron.findings.inventory.stopping import stopping
 from rtron.findings.motion import command_timeout
 from rtron.vocabulary import (
+    Action,
+    ActionRole,
     Evidence,
     NodeParameter,
     Service,
@@ -461,15 +463,6 @@ def test_what_somebody_sends_goes_before_what_nobody_sends():
     assert names(the_mover(text).commands) == ["/motor/rpm", "/motor/cmd", "/motor/brake"]
 
 
-def test_what_nodes_of_several_parts_obey_is_called_after_none_of_them():
-    text = "/mission own own\n    pub /units/command own/Command\n"
-    lift = "/lift_unit own own\n    sub /units/command own/Command\n"
-    facts = tuple(fact("device", node, "CAN") for node in ("/lift_unit", "/wheel_unit"))
-    assert the_mover(text + lift, wiring=facts[:1]).thing is Thing.TOOL
-    both = text + lift + lift.replace("lift", "wheel")
-    assert the_mover(both, wiring=facts).thing is Thing.DEVICE
-
-
 def test_a_stop_is_asked_for_where_nobody_here_obeys_what_is_made_of_it():
     text = "/safety p own\n    sub /estop_request std_msgs/Bool\n    pub /estop std_msgs/Bool\n"
     mover = the_mover(text)
@@ -765,11 +758,12 @@ def test_of_two_that_hear_velocities_the_one_with_odometry_drives():
 
 
 def test_what_a_driver_tells_is_no_command_behind_another():
-    text = f"/watch watch own\n    sub /base/drive_events x/Drive\n    pub /other_vel {TWIST}\n"
+    wrench = "    pub /wrench geometry_msgs/msg/Wrench\n"
+    text = f"/watch watch own\n    sub /base/drive_events x/Drive\n{wrench}"
     base = BASE + "    pub /base/drive_events x/Drive\n    sub /commands/drive x/Drive\n"
     movers = inventory(text + base, wiring=(fact("device", "/base", "CAN"),))
-    other = next(each for each in movers if "/other_vel" in names(each.commands))
-    assert names(other.commands) == ["/other_vel"]
+    other = next(each for each in movers if "/wrench" in names(each.commands))
+    assert names(other.commands) == ["/wrench"]
 
 
 def test_a_launch_file_that_was_not_read_may_start_who_obeys():
@@ -1002,10 +996,11 @@ def test_a_controller_of_no_base_moves_the_arm_beside_it(package, thing):
     arm = "/arm a own\n    sub /arm/joint_trajectory trajectory_msgs/msg/JointTrajectory\n"
     graph = with_program(small_graph(text + arm), "/twist", package, f"{package}/Controller")
     graph = with_program(graph, "/arm", *JOINTS)
-    movers = {each.drivers: each.thing for each in take_inventory(app_facts(graph))}
-    assert movers == {("/twist",): thing, ("/arm",): Thing.ARM}
+    movers = [(each.drivers, each.thing) for each in take_inventory(app_facts(graph))]
+    assert {(("/twist",), thing), (("/arm",), Thing.ARM)} <= {*movers}
     graph = with_program(small_graph(TWO_DRIVERS + arm), "/arm", *JOINTS)
-    assert [each.thing for each in take_inventory(app_facts(graph))] == [Thing.BASE, Thing.ARM]
+    things = [each.thing for each in take_inventory(app_facts(graph))]
+    assert things == [Thing.BASE, Thing.ARM, Thing.LIMITS]
 
 
 @pytest.mark.parametrize(
@@ -1085,6 +1080,12 @@ def set_bool(node, name):
 def test_services_of_what_only_sees_or_shows_move_nothing(node):
     services = (set_bool(node, SERVED_BY_OTHERS[node]),)
     assert inventory(f"{node} own own\n", services=services) == ()
+
+
+def test_who_calls_a_service_of_his_own_leaves_it_open():
+    sides = {"node": "/base", "name": "/set_motor_power", "type": "std_srvs/srv/SetBool"}
+    (mover,) = inventory(BASE, services=(Service(**sides),), clients=(ServiceClient(**sides),))[1:]
+    assert names(mover.open_commands) == ["/set_motor_power"]
 
 
 def test_a_vague_service_of_who_commands_or_was_not_read_moves_something():
@@ -1349,3 +1350,140 @@ def test_a_pose_on_a_path_is_what_its_follower_is_told():
     poses = "    sub /path_pose geometry_msgs/Pose\n    sub /robot_pose geometry_msgs/Pose\n"
     mover = the_mover(f"/go own own\n{poses}    pub /cmd_vel {TWIST}\n" + BASE)
     assert names(mover.commands) == ["/cmd_vel", "/path_pose"]
+
+
+KEYED = f"""
+/gate gate own
+    sub /nav_vel {TWIST}
+    sub /state_json std_msgs/msg/String
+    pub /cmd_vel {TWIST}
+/mission mission own
+    pub /state_json std_msgs/msg/String
+"""
+
+
+def flowing(text, *flows):
+    """Return the only thing that moves, where each topic leads to others by its node's source."""
+    graph = small_graph(text)
+    places = {each: Evidence(file="n.py", line=n) for n, each in enumerate(graph.endpoints)}
+    at = {(e.topic, e.direction.value): place for e, place in places.items()}
+    facts = tuple(
+        replace(
+            fact("message_flow", "/n", ""),
+            evidence=(at[topic, "subscribe"], *(at[each, "publish"] for each in led)),
+        )
+        for topic, *led in flows
+    )
+    ends = tuple(replace(each, evidence=(place,)) for each, place in places.items())
+    return take_inventory(app_facts(replace(graph, endpoints=ends, wiring=facts)))
+
+
+def test_what_makes_a_node_send_commands_is_behind_them():
+    (mover,) = flowing(KEYED + BASE, ("/state_json", "/cmd_vel"))
+    assert names(mover.commands) == ["/cmd_vel", "/nav_vel", "/state_json"]
+    assert mover.commands[2].senders == ("/mission",)
+    (mover,) = flowing(KEYED + BASE)
+    assert names(mover.commands) == ["/cmd_vel", "/nav_vel"]
+
+
+def test_what_a_driver_answers_is_behind_no_command():
+    answer = KEYED.replace("/mission mission", "/base base").replace(
+        "    pub /state_json", f"    sub /cmd_vel {TWIST}\n    pub /state_json"
+    )
+    (mover,) = flowing(answer, ("/state_json", "/cmd_vel"))
+    assert names(mover.commands) == ["/cmd_vel", "/nav_vel"]
+
+
+def test_what_is_not_used_is_no_way_in():
+    (mover,) = flowing(KEYED + BASE, ("/nav_vel",))
+    assert names(mover.commands) == ["/cmd_vel"]
+    second = BASE.replace("/base base", "/idle idle")
+    (mover,) = flowing(KEYED + second, ("/cmd_vel",))
+    assert mover.drivers == ()
+
+
+def test_what_makes_a_node_call_a_service_is_behind_it():
+    text = "/gate gate own\n    sub /order_json std_msgs/msg/String\n"
+    sides = {"name": "/set_blade", "type": "x/srv/SetBlade"}
+    graph = small_graph(
+        text,
+        services=(Service(node="/base", **sides),),
+        clients=(ServiceClient(node="/gate", **sides),),
+    )
+    ends = tuple(replace(each, evidence=PLACE) for each in graph.endpoints)
+    flow = replace(fact("message_flow", "/gate", ""), others=("/set_blade",))
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=(flow,))))
+    assert names(mover.commands) == ["/set_blade", "/order_json"]
+    (mover,) = take_inventory(app_facts(replace(graph, endpoints=ends)))
+    assert names(mover.commands) == ["/set_blade"]
+
+
+DEAD_END = f"""
+/behaviors behaviors third_party
+    pub /cmd_vel_blocked {TWIST}
+/nav nav own
+    pub /cmd_vel {TWIST}
+"""
+
+
+def test_a_velocity_that_nobody_obeys_beside_a_driver_is_a_dead_end():
+    spin = Action(
+        node="/behaviors", name="/spin", type="nav2_msgs/action/Spin", role=ActionRole.SERVER
+    )
+    mover = the_mover(DEAD_END + BASE, actions=(spin,), wiring=(DRIVER,))
+    assert names(mover.commands) == ["/cmd_vel"]
+    both = inventory(DEAD_END + BASE, actions=(spin,))  # the base may be elsewhere
+    assert {"/cmd_vel_blocked", "/spin"} <= {c.name for each in both for c in each.commands}
+
+
+def test_one_order_for_the_parts_of_a_robot_is_a_line_for_each():
+    text = "/mission own own\n    pub /units/command own/Command\n"
+    lift = "/lift_unit own own\n    sub /units/command own/Command\n"
+    facts = tuple(fact("device", node, "CAN") for node in ("/lift_unit", "/wheel_unit"))
+    assert the_mover(text + lift, wiring=facts[:1]).thing is Thing.TOOL
+    both = text + lift + lift.replace("lift", "wheel")
+    found = {each.thing: each.drivers for each in inventory(both, wiring=facts)}
+    assert found == {Thing.DEVICE: ("/wheel_unit",), Thing.TOOL: ("/lift_unit",)}
+
+
+@pytest.mark.parametrize(
+    ("topics", "thing"),
+    [
+        ("", Thing.DEVICE),
+        ("    sub /arm_control x/msg/Arm\n", Thing.ARM),
+        ("    sub /arm_control x/msg/Arm\n    sub /drive_train x/msg/DriveTrain\n", Thing.BASE),
+    ],
+)
+def test_what_servos_move_is_what_stands_behind_them(topics, thing):
+    text = f"/mixer mixer own\n    pub /servo_commands x/msg/ServoCommand\n{topics}"
+    text += "/servos servos own\n    sub /servo_commands x/msg/ServoCommand\n"
+    assert the_mover(text, wiring=(fact("device", "/servos", "I2C"),)).thing is thing
+
+
+def test_who_is_commanded_by_a_person_is_said():
+    facts = (fact("operator", "/teleop", "joystick"), fact("operator", "/other", "window"))
+    mover = the_mover(TWO_DRIVERS + BASE + "/other other own\n", wiring=facts)
+    assert mover.operators == ("/teleop (joystick)",)
+    pilot = (fact("device", "/pilot", "vehicle link"), fact("operator", "/pilot", "keyboard"))
+    assert the_mover("/pilot pilot own\n", wiring=pilot).operators == ("/pilot (keyboard)",)
+
+
+@pytest.mark.parametrize(
+    ("signal", "found"),
+    [("/state", True), ("/imu/override", True), ("/led", False), ("/record", False)],
+)
+def test_a_signal_to_a_driver_from_who_commands_it_is_a_command(signal, found):
+    text = f"/pad pad own\n    pub /cmd_vel {TWIST}\n    pub {signal} std_msgs/msg/Bool\n"
+    sub = f"    sub {signal} std_msgs/msg/Bool\n"
+    mover = the_mover(text + BASE + sub, wiring=(DRIVER,))
+    assert (signal in names(mover.last_commands)) is found
+    stranger = text.replace("    pub /state", "/other other own\n    pub /state")
+    if signal == "/state":
+        assert names(the_mover(stranger + BASE + sub, wiring=(DRIVER,)).commands) == ["/cmd_vel"]
+
+
+def test_a_controller_of_trajectories_takes_its_gains_while_it_runs():
+    topic = "/arm/joint_trajectory trajectory_msgs/msg/JointTrajectory"
+    text = f"/arm joint_trajectory_controller third_party\n    sub {topic}\n"
+    limits = inventory(text)[-1]
+    assert (limits.thing, names(limits.commands)) == (Thing.LIMITS, ["/arm/set_parameters"])

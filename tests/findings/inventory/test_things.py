@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.findings.inventory.things import may_be_command, thing_of
+from rtron.findings.inventory.things import may_be_command, thing_of, vagueness
 from rtron.vocabulary.inventory import Means, Thing
 
 TWIST, FLOAT, BOOL = "geometry_msgs/msg/Twist", "std_msgs/msg/Float64", "std_msgs/msg/Bool"
@@ -175,3 +175,20 @@ def test_a_service_of_nav2_moves_nothing_but_its_goals_do():
 )
 def test_what_a_driver_hears_may_be_a_command(name, type, may_be):
     assert may_be_command(name, type) is may_be
+
+
+def test_what_sets_actuators_is_before_a_goal_and_a_head_is_last():
+    found = (
+        ("/m/setpoint_raw/attitude", "mavros_msgs/AttitudeTarget", TOPIC),
+        ("/m/setpoint_position/local", "geometry_msgs/PoseStamped", TOPIC),
+        ("/m/mission/push", "mavros_msgs/WaypointPush", SERVICE),
+        ("/m/cmd/command_int", "mavros_msgs/CommandInt", SERVICE),
+        ("/m/mount_control/command", "mavros_msgs/MountControl", TOPIC),
+    )
+    ranks = [vagueness(*each) for each in found]
+    assert ranks == sorted(set(ranks))
+
+
+@pytest.mark.parametrize("type", ["StatusText", "CommandAck", "CommandTriggerControl", "Tunnel"])
+def test_what_mavros_only_tells_on_moves_nothing(type):
+    assert thing_of("/mavros/x/send_command", f"mavros_msgs/{type}", TOPIC) is None

@@ -2,10 +2,14 @@
 
 import pytest
 
-from rtron.functions.classifier.confidence import FEATURES, features, function_probabilities
 from rtron.functions.classifier.pipeline import classify
 from rtron.functions.classifier.result import DecisionSource, InformationSource
-from rtron.functions.classifier.scores import FunctionScores
+from rtron.functions.classifier.scores import (
+    FEATURES,
+    FunctionScores,
+    features,
+    function_probabilities,
+)
 from rtron.functions.repository import SourcePackage, SourceRepository
 from rtron.vocabulary import FunctionType
 

@@ -1,6 +1,6 @@
 import pytest
 
-from rtron.functions.classifier import paper_counts
+from rtron.functions.classifier import tables
 from rtron.functions.classifier.result import (
     Classification,
     DecisionSource,
@@ -41,39 +41,37 @@ def classification(decided_by, *functions, evidence=()):
 
 def test_the_papers_tables_tell_of_the_same_repositories():
     assert (
-        set(paper_counts.REPOSITORIES_BY_TYPE)
-        == set(paper_counts.CLASSIFICATION_COUNTS)
-        == set(paper_counts.AUTOMATION_BY_TYPE)
+        set(tables.REPOSITORIES_BY_TYPE)
+        == set(tables.CLASSIFICATION_COUNTS)
+        == set(tables.AUTOMATION_BY_TYPE)
         == set(FunctionType)
     )
     assert {
-        type: tally.total for type, tally in paper_counts.CLASSIFICATION_COUNTS.items()
-    } == paper_counts.REPOSITORIES_BY_TYPE
-    assert sum(paper_counts.REPOSITORIES_BY_TYPE.values()) == 1135
+        type: tally.total for type, tally in tables.CLASSIFICATION_COUNTS.items()
+    } == tables.REPOSITORIES_BY_TYPE
+    assert sum(tables.REPOSITORIES_BY_TYPE.values()) == 1135
 
 
 @pytest.mark.parametrize("domain", Domain)
 def test_the_papers_shares_are_those_of_its_numbers(domain):
-    share = 100 * sum_domains(paper_counts.CLASSIFICATION_COUNTS, (domain,)).total / 1135
+    share = 100 * sum_domains(tables.CLASSIFICATION_COUNTS, (domain,)).total / 1135
     assert round(share, 1) == DOMAIN_SHARES[domain]
 
 
 @pytest.mark.parametrize("type", FunctionType)
 def test_the_papers_rates_are_those_of_its_numbers(type):
     assert (
-        round(100 * paper_counts.CLASSIFICATION_COUNTS[type].automation, 2)
-        == paper_counts.AUTOMATION_BY_TYPE[type]
+        round(100 * tables.CLASSIFICATION_COUNTS[type].automation, 2)
+        == tables.AUTOMATION_BY_TYPE[type]
     )
 
 
 def test_the_papers_function_nodes_are_the_sum_of_the_first_14():
-    found = sum_function_nodes(paper_counts.CLASSIFICATION_COUNTS)
-    assert found == paper_counts.FUNCTION_NODE_COUNTS
-    assert round(100 * found.automation, 2) == paper_counts.FUNCTION_NODE_AUTOMATION
+    found = sum_function_nodes(tables.CLASSIFICATION_COUNTS)
+    assert found == tables.FUNCTION_NODE_COUNTS
+    assert round(100 * found.automation, 2) == tables.FUNCTION_NODE_AUTOMATION
     assert (
-        sum(
-            DOMAIN_BY_TYPE[type] is not Domain.OTHERS for type in paper_counts.CLASSIFICATION_COUNTS
-        )
+        sum(DOMAIN_BY_TYPE[type] is not Domain.OTHERS for type in tables.CLASSIFICATION_COUNTS)
         == 14
     )
 

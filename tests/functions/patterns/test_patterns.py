@@ -3,9 +3,8 @@
 import pytest
 
 from rtron.errors import InputError
-from rtron.functions.patterns.index import PatternIndex
 from rtron.functions.patterns.parser import parse_pattern
-from rtron.functions.patterns.syntax_tree import matches_at
+from rtron.functions.patterns.syntax_tree import PatternIndex, matches_at
 from rtron.functions.text.tokens import tokenize
 
 LISTS = {"maker": parse_pattern("velodyne | point grey", {})}

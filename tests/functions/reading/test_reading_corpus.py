@@ -6,11 +6,10 @@ from types import SimpleNamespace
 import pytest
 
 from rtron.errors import InputError
-from rtron.functions.reading import fields, read_repositories
 from rtron.functions.reading import json_lines as lines_module
+from rtron.functions.reading import read_repositories
 from rtron.functions.reading import repositories as read_module
-from rtron.functions.reading.fields import MAX_NAME, MAX_TEXT
-from rtron.functions.reading.json_lines import MAX_LINE
+from rtron.functions.reading.json_lines import MAX_LINE, MAX_NAME, MAX_TEXT
 from rtron.functions.reading.skipped_entries import MAX_SKIPPED
 from rtron.functions.repository import SourcePackage, SourceRepository
 from rtron.sources.bounded_file import STDIN
@@ -184,7 +183,7 @@ def test_a_file_has_a_size_and_a_number_of_repositories(read, monkeypatch):
 
 
 def test_the_packages_of_a_line_are_bounded(read, skipped_entries, monkeypatch):
-    monkeypatch.setattr(fields, "MAX_PACKAGES", 2)
+    monkeypatch.setattr(lines_module, "MAX_PACKAGES", 2)
     packages = [{"name": name} for name in "ab"]
     assert len(read({"repo": "r", "packages": packages})[0].packages) == 2
     assert skipped_entries == []

@@ -4,7 +4,7 @@ import pytest
 import yaml
 
 from rtron.errors import InputError
-from rtron.functions.reading import distribution, fields, read_repositories
+from rtron.functions.reading import distribution, read_repositories
 from rtron.functions.reading.distribution import YAML_RULES
 from rtron.functions.repository import SourcePackage, SourceRepository
 
@@ -113,7 +113,7 @@ def test_levels_up_to_the_bound_are_read(read):
 
 
 def test_the_packages_of_a_release_are_bounded(read, skipped_entries, monkeypatch):
-    monkeypatch.setattr(fields, "MAX_PACKAGES", 2)
+    monkeypatch.setattr("rtron.functions.reading.json_lines.MAX_PACKAGES", 2)
     (found,) = read("repositories: {r: {release: {packages: [a, b, c]}}}")
     assert [each.name for each in found.packages] == ["a", "b"]
     assert skipped_entries == ["file: r: has more than 2 packages; the others are left out"]

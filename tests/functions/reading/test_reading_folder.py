@@ -4,9 +4,9 @@ from pathlib import Path
 import pytest
 
 from rtron.errors import InputError
-from rtron.functions.reading import fields, read_repositories
 from rtron.functions.reading import folder as folder_module
-from rtron.functions.reading.fields import MAX_TEXT
+from rtron.functions.reading import read_repositories
+from rtron.functions.reading.json_lines import MAX_TEXT
 from rtron.functions.repository import SourcePackage
 
 BOMB = """<?xml version="1.0"?>
@@ -249,10 +249,10 @@ def test_folders_and_packages_are_bounded(read, write, skipped_entries, monkeypa
     write("r/.git/HEAD")
     for name in "abc":
         write(f"r/{name}/package.xml", manifest(name))
-    monkeypatch.setattr(fields, "MAX_PACKAGES", 2)
+    monkeypatch.setattr("rtron.functions.reading.json_lines.MAX_PACKAGES", 2)
     assert names(read()) == {"r": ["a", "b"]}
     assert skipped_entries == ["r: has more than 2 packages; the others are left out"]
-    monkeypatch.setattr(fields, "MAX_PACKAGES", 3)
+    monkeypatch.setattr("rtron.functions.reading.json_lines.MAX_PACKAGES", 3)
     assert names(read()) == {"r": ["a", "b", "c"]}
     monkeypatch.setattr(folder_module, "MAX_FOLDERS", 4)
     assert names(read()) == {"r": ["a", "b", "c"]}

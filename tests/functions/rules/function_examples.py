@@ -10,7 +10,7 @@ from rtron.functions.text.prose import split_sentences
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rtron.functions.rules.rule import FunctionRule
+    from rtron.functions.rules.code_rules import FunctionRule
     from rtron.functions.text.tokens import Tokens
 
 _MOST_SENTENCES = 3

@@ -3,8 +3,7 @@
 import pytest
 
 from rtron.functions.text import prose
-from rtron.functions.text.descriptions import description_tokens
-from rtron.functions.text.prose import clean_readme, readme_tokens
+from rtron.functions.text.prose import clean_readme, description_tokens, readme_tokens
 
 
 def words_of(parts):

@@ -16,7 +16,7 @@ from rtron.wire.common.link_protocol import (
     PlanRequest,
     plan_document_digest,
 )
-from rtron.workflows.plan_text import read_checked_plan
+from rtron.workflows.plan import read_checked_plan
 
 START = """\
 schema: rtron.plan/1

@@ -19,7 +19,7 @@ from rtron.guard.supervision.plan_trial import (
 )
 from rtron.guard.supervision.supervisor_fsm import GuardObservation, GuardPhase, SupervisorFsm
 from rtron.vocabulary import Plan, Supervision
-from rtron.workflows.plan_text import read_checked_plan
+from rtron.workflows.plan import read_checked_plan
 
 KILLED = -9
 

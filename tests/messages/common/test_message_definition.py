@@ -12,8 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from rtron.errors import InputError
 from rtron.messages import DefinitionRegistry, Field, parse_definition
-from rtron.messages.common.definition_lines import MAX_FIELDS, MAX_VALUES
-from rtron.messages.common.definition_parser import MAX_DEPTH, MAX_TEXT
+from rtron.messages.common.definition_parser import MAX_DEPTH, MAX_FIELDS, MAX_TEXT, MAX_VALUES
 from rtron.messages.common.definition_registry import standard_text
 from rtron.vocabulary import MessageDefinition
 

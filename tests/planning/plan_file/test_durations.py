@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtron.planning.plan_file.durations import MAX_DURATION, parse_duration, write_duration
+from rtron.planning.plan_file.quantities import MAX_DURATION, parse_duration, write_duration
 from rtron.vocabulary import SECOND
 
 

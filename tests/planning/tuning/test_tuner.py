@@ -6,8 +6,8 @@ import pytest
 
 from rtron.coherence import coherence_problems
 from rtron.planning.tuning import tune_plan, tuned_yaml
-from rtron.planning.tuning.duration_fit import MAX_SILENCE, MIN_DURATION
 from rtron.planning.tuning.formatting import count_text, round_up, round_up_value, short_duration
+from rtron.planning.tuning.run_statistics import MAX_SILENCE, MIN_DURATION
 from rtron.planning.tuning.velocity_limits import ENOUGH_VELOCITIES, MAX_WINDOW
 from rtron.vocabulary import (
     GRCN,

@@ -11,7 +11,7 @@ from rtron.coherence import coherence_problems
 from rtron.coherence.duration_bounds import DURATION_RANGES, LONGEST_SILENCE
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.planning.tuning import tune_plan, tuned_yaml
-from rtron.planning.tuning.duration_fit import MAX_SILENCE, MIN_SAMPLES
+from rtron.planning.tuning.run_statistics import MAX_SILENCE, MIN_SAMPLES
 from rtron.vocabulary import (
     SECOND,
     DurationStatistics,

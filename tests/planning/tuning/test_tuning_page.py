@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rtron.planning.tuning import duration_fit, flow_priorities, velocity_limits
+from rtron.planning.tuning import flow_priorities, run_statistics, velocity_limits
 from rtron.vocabulary import PROPOSALS_SCHEMA, RUN_SCHEMA, SECOND
 
 PAGE = " ".join((Path(__file__).parents[3] / "docs" / "tuning.md").read_text().split())
@@ -13,10 +13,10 @@ PAGE = " ".join((Path(__file__).parents[3] / "docs" / "tuning.md").read_text().s
 @pytest.mark.parametrize(
     "told",
     [
-        f"from {duration_fit.MIN_SAMPLES} samples on (goals: {duration_fit.MIN_GOALS})",
-        f"from {duration_fit.ENOUGH_SAMPLES} on (goals: {duration_fit.ENOUGH_GOALS})",
-        f"longer than {duration_fit.MAX_SILENCE // SECOND} s",
-        f"shorter than {duration_fit.MIN_DURATION / SECOND} s",
+        f"from {run_statistics.MIN_SAMPLES} samples on (goals: {run_statistics.MIN_GOALS})",
+        f"from {run_statistics.ENOUGH_SAMPLES} on (goals: {run_statistics.ENOUGH_GOALS})",
+        f"longer than {run_statistics.MAX_SILENCE // SECOND} s",
+        f"shorter than {run_statistics.MIN_DURATION / SECOND} s",
         f"from {velocity_limits.ENOUGH_VELOCITIES} velocities",
         RUN_SCHEMA,
         PROPOSALS_SCHEMA,

@@ -3,7 +3,7 @@
 import pytest
 from finding_cases import HIGH, LOW, MEDIUM, PLACES, TRIAGE, finding
 
-from rtron.reports.app.finding_list import finding_list, findings_verdict, triage_notes
+from rtron.reports.app.scan_text import finding_list, findings_verdict, triage_notes
 from rtron.reports.text_layout import Report
 from rtron.vocabulary import Evidence, FindingLevel, Triage
 

@@ -29,6 +29,7 @@ BASE = Mover(
     hardware=("serial port",),
     arbiters=("/mux",),
     doors=("/bridge (any client)",),
+    operators=("/nav (joystick)",),
     stops=Stops.NO,
     stop="nothing in it looks",
     evidence=(Evidence(file="base.py", line=3),),
@@ -40,6 +41,7 @@ What can move this robot
                   sent by /nav through /mux; the first of /joy_vel (20),
                   /nav_vel (1) wins
                   open: nobody in this launch sends /joy_vel; any node can
+                  a person commands it by /nav (joystick)
                   reached from a network through /bridge (any client)
                   stops when commands end: no; nothing in it looks
 """
@@ -81,6 +83,9 @@ def test_what_was_not_read():
     pilot = {"commands": (), "drivers": ("/pilot",), "hardware": ("vehicle link",)}
     (row,) = rows(thing=Thing.VEHICLE, **pilot)
     assert row.startswith("/pilot (vehicle link) moves it by itself, or obeys a device or link of")
+    row, by = rows(thing=Thing.VEHICLE, operators=("/pilot (joystick)",), **pilot)
+    assert row == "/pilot (vehicle link) moves it as its operator says: no topic commands it"
+    assert by == "a person commands it by /pilot (joystick)"
 
 
 def test_a_topic_that_nobody_here_obeys_or_sends():
@@ -113,7 +118,11 @@ def test_who_tells_a_sender_without_an_arbiter():
         means=Means.TOPIC, name="/joy", receivers=("/teleop",), senders=("/joy_node",), hops=1
     )
     found = rows(thing=Thing.BASE, commands=(command, joy), drivers=("/b",))
-    assert found == ["/b obeys /cmd_vel", "sent by /teleop, told by /joy_node"]
+    assert found == [
+        "/b obeys /cmd_vel",
+        "sent by /teleop, told by /joy_node",
+        "behind it: /joy; any node can send there, too",
+    ]
 
 
 def test_who_goes_past_an_arbiter_is_said_apart():
@@ -162,8 +171,9 @@ def test_who_tells_those_that_call_is_said():
 
 
 def test_many_names_are_counted_and_names_known_in_part_are_not_open():
-    found = tuple(service(f"/s{number}") for number in range(6))
-    assert rows(thing=Thing.MODE, commands=found)[0].startswith("services /s0, /s1, /s2 and 3 more")
+    found = tuple(service(f"/s{number}") for number in range(9))
+    row, *_ = rows(thing=Thing.MODE, commands=found)
+    assert row.startswith("services /s0, /s1, /s2, /s3, /s4, /s5, /s6 and 2 more of")
     part = Command(means=Means.TOPIC, name="/{robot}/cmd_vel")
     assert not any("open" in row for row in rows(thing=Thing.BASE, commands=(part,)))
 
@@ -186,6 +196,7 @@ def test_as_json():
         "commands": [],
         "arbiters": ["/mux"],
         "doors": ["/bridge (any client)"],
+        "operators": ["/nav (joystick)"],
         "unread": [],
         "stops": "no",
         "why": "nothing in it looks",

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.reports.app.node_functions import MOST_NAMES, node_functions
+from rtron.reports.app.node_endpoints import MOST_NAMES, node_functions
 from rtron.reports.text_layout import Report
 from rtron.vocabulary import Domain, FunctionType, Node
 

@@ -10,8 +10,12 @@ from jsonschema import Draft4Validator
 from report_cases import CMD_VEL, CONTENDED, GRAPH, REPORT, report_of, risk, speaks
 
 from example_budget import examples
-from rtron.reports.app.sarif import FINDING_FINGERPRINT, FINGERPRINT, risks_to_sarif
-from rtron.reports.app.sarif_locations import physical_location
+from rtron.reports.app.sarif import (
+    FINDING_FINGERPRINT,
+    FINGERPRINT,
+    physical_location,
+    risks_to_sarif,
+)
 from rtron.risks import discover_risks
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import (

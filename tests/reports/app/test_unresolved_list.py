@@ -1,19 +1,13 @@
 """What could not be read, as text: grouped by cause, with what to do."""
 
-from pathlib import Path
-
 import pytest
 
-import rtron.sources
 from rtron.reports.app.unresolved_list import MOST_CAUSES, nodes_read, unresolved_list
 from rtron.reports.text_layout import Report
-from rtron.sources.code.reachability import UNREACHED
-from rtron.vocabulary import Evidence, InteractionGraph, Node, UnresolvedItem
+from rtron.vocabulary import Evidence, InteractionGraph, Node, UnresolvedCause, UnresolvedItem
 
 NO_SOURCE = "no source of it is here, and no model"
-NO_PACKAGE = "its package is not here: give the folder of its source too"
 CALL = "its name comes from a service call"
-REST = "  Not followed in the source"
 
 GROUPED = """\
 
@@ -34,63 +28,39 @@ def text_of(printed):
     return lambda items, **keys: printed(Report(lambda page: unresolved_list(items, page)), **keys)
 
 
-def items(*names, why, evidence=()):
-    return tuple(UnresolvedItem(what=name, why=why, evidence=evidence) for name in names)
+def items(*names, why, **keys):
+    return tuple(UnresolvedItem(what=name, why=why, **keys) for name in names)
 
 
 def test_items_are_grouped_by_their_cause(text_of):
     call = items("a publisher of /odd", why=CALL, evidence=(Evidence(file="odd.cpp", line=12),))
     nodes = [f"node /{name} (p/{name})" for name in "abcd"]
-    missing = items(*nodes, why=NO_SOURCE, evidence=(Evidence(file="a.launch", line=1),))
+    place = (Evidence(file="a.launch", line=1),)
+    missing = items(*nodes, why=NO_SOURCE, cause=UnresolvedCause.MISSING_SOURCE, evidence=place)
     one = items("a file", why="why not", evidence=(Evidence(file="c.yaml"),))
     assert text_of(call + one + call + missing) == GROUPED
 
 
 def test_what_somebody_can_give_comes_first_each_kind_with_its_remedy(text_of):
-    notes = [
-        *items("x", why=CALL),
-        *items("f()", why="may join nodes, but nothing that is seen calls it"),
-        *items("join()", why="its code is not here, and it gets the node /n"),
-        *items("environment variable HOME", why="is not given"),
-        *items("node /n (p/n)", why=NO_PACKAGE),
-        UnresolvedItem(what="node /m (q/m)", why="none of this name", missing="q/m"),
-    ]
+    causes = [*reversed(UnresolvedCause), None]
+    notes = [UnresolvedItem(what=f"{cause}", why="so", cause=cause) for cause in causes]
+    notes.append(UnresolvedItem(what="node /m (q/m)", why="none of this name", missing="q/m"))
     rows = text_of(notes, width=200).splitlines()
-    titles = [row for row in rows if row.endswith("(1)")]
+    titles = [row for row in rows if row.endswith(("(1)", "(2)"))]
     assert titles == [
         "  The app names what is not there (1)",
         "  Source that is not here (1)",
-        "  Values that are not given (1)",
+        "  Values that are not given (2)",
         "  Code that is not here and may add endpoints (1)",
+        "  Errors in the source (1)",
+        "  Programs that are read in part only (1)",
+        "  Known only while the app runs (1)",
         "  Functions that nothing which is seen calls (1)",
-        f"{REST} (1)",
+        "  Not followed in the source (1)",
+        "  In robot descriptions, because files that they include are not here (1)",
     ]
     assert [rows[rows.index(title) + 1][:7] for title in titles] == ["    -> "] * len(titles)
-
-
-def test_what_follows_from_a_missing_part_of_a_robot_description_is_counted(text_of):
-    def of(what, why, file="robot.urdf.xacro"):
-        return UnresolvedItem(what=what, why=why, evidence=(Evidence(file=file, line=1),))
-
-    missing = of("include $(find base)/base.xacro", "package 'base' is not found")
-    follows = of("<xacro:wheel>", "there is no macro of this name")
-    others = [of("<box> size: ${w}", "`w`: property 'w' is not defined"), follows]
-    elsewhere = of("<xacro:wheel>", follows.why, "world.sdf")
-    rows = text_of([missing, *others, elsewhere], width=200).splitlines()
-    assert rows[2] == "  Source that is not here (1)"
-    assert rows[5].startswith(REST)
-    assert rows[8:] == [
-        "  In robot descriptions, because files that they include are not here (2)",
-        "    -> nothing to do here: give these files",
-    ]
-    assert f"{REST} (2)" in text_of(others).splitlines()
-
-
-def test_these_causes_are_spelled_as_the_sources_spell_them():
-    path = Path(rtron.sources.__file__).parent / "static" / "common" / "node_part.py"
-    source = path.read_text(encoding="utf-8")
-    assert all(f'"{why}"' in source for why in (NO_SOURCE, NO_PACKAGE))
-    assert UNREACHED == "may join nodes, but nothing that is seen calls it"
+    assert rows[-1] == "    -> nothing to do here: give these files"
 
 
 def test_causes_are_in_order_of_frequency(text_of):

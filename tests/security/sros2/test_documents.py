@@ -18,7 +18,7 @@ from rtron.security.sros2.documents import (
     parse_permissions,
     permissions_xml,
 )
-from rtron.security.sros2.policy_file import policy_xml
+from rtron.security.sros2.writer import policy_xml
 
 NOW = datetime(2026, 3, 1, 12, 30, tzinfo=timezone.utc)
 TEXT = st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Cs", "Z")), min_size=1)

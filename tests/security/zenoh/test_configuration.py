@@ -7,8 +7,8 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.security.access.app_access import app_access
+from rtron.security.zenoh.access_control import DomainKeys
 from rtron.security.zenoh.configuration import TlsFiles, ZenohRouter, router_config, session_config
-from rtron.security.zenoh.key_expressions import DomainKeys
 from rtron.vocabulary import InteractionGraph
 
 FOLDER = PurePosixPath("/etc/rtron/keystore")

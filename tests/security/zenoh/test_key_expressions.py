@@ -4,7 +4,7 @@ import pytest
 from rmw_zenoh_keys import CACHE, data_key, endpoint_token, node_token
 
 from rtron.errors import InputError
-from rtron.security.zenoh.key_expressions import DomainKeys
+from rtron.security.zenoh.access_control import DomainKeys
 
 zenoh = pytest.importorskip("zenoh", reason="needs eclipse-zenoh (extra `dev`)")
 

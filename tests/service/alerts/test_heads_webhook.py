@@ -5,7 +5,7 @@ from service_app import open_app
 from webhook_receiver import run_receiver
 
 from rtron.service.config import ServiceConfig
-from rtron.service.domain.signed_documents import HEADS_SCHEMA, verify_document
+from rtron.service.domain.hash_chain import HEADS_SCHEMA, verify_document
 
 
 @pytest.fixture

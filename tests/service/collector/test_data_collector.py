@@ -25,8 +25,7 @@ from rtron.service.collector.close_codes import CloseCode
 from rtron.service.collector.state_throttle import MAX_STATE_BYTES
 from rtron.service.controller.risk_controller import RiskController
 from rtron.service.domain.clock import SteadyClock
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import Principal, UserRole
 from rtron.service.live.hub import Hub
 from rtron.service.store.database import Database
 from rtron.service.store.event_pages import EventFilter, event_page

@@ -5,7 +5,7 @@ from collections import deque
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtron.service.collector.event_receipts import EventReceipts
+from rtron.service.collector.event_writer import EventReceipts
 from rtron.vocabulary import EventKind, GuardEvent
 from rtron.wire.common.link_protocol import EventsRefused, Stored
 

@@ -11,8 +11,7 @@ from websockets.exceptions import ConnectionClosed
 
 from rtron.service.collector.close_codes import CloseCode
 from rtron.service.domain.audit_events import AuditEvent
-from rtron.service.domain.hash_chain import Head
-from rtron.service.domain.signed_documents import DocumentSigner
+from rtron.service.domain.hash_chain import DocumentSigner, Head
 from rtron.service.store.audit import record_event
 from rtron.service.store.chains import chain_heads
 from rtron.service.store.robots import register_robot

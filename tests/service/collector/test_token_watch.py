@@ -2,7 +2,7 @@
 
 from cancelled_tasks import assert_ends_when_cancelled
 
-from rtron.service.collector.token_watch import TokenWatch
+from rtron.service.collector.token_renewal import TokenWatch
 
 
 def test_it_ends_at_whatever_moment_a_token_is_revoked():

@@ -5,10 +5,12 @@ import time
 from contextlib import contextmanager
 
 from service_app import FakeLink
+from sqlalchemy import insert, select
 
 from rtron.planning import parse_plan
 from rtron.service.controller.handshake import perform_handshake
 from rtron.service.domain.schemas import SettingsOutcome
+from rtron.service.store.tables import AppRow, CoordinationNodeRow, RobotRow, SettingsRow
 from rtron.vocabulary import Alarm, AlarmKind, GuardState, Mode, StreamState
 from rtron.wire.common.link_protocol import Hello
 
@@ -28,16 +30,31 @@ grcn:
       - {name: flow1, publisher: /teleop, priority: 2}
       - {name: flow2, publisher: /planner, priority: 1}
 """
+_ROWS = {
+    RobotRow: ("id", "app_id"),
+    AppRow: ("id", "robot_id"),
+    CoordinationNodeRow: ("app_id",),
+    SettingsRow: ("app_id",),
+}
+"""What a hello stores of a robot, and the columns that count robots."""
 
 
 def store_robots(database, names, now):
-    """Put robots whose guards have said hello into a database."""
+    """Put robots whose guards have said hello into an empty database: the first, and its copies."""
     plan = parse_plan(_PLAN)
     with database.write_session() as session:
-        for name in names:
-            hello = Hello(app=plan.app, plan=plan, run=name, began=1, version="1")
-            handshake = perform_handshake(session, name, hello, now)
-            handshake.row.outcome = SettingsOutcome.APPLIED
+        hello = Hello(app=plan.app, plan=plan, run=names[0], began=1, version="1")
+        perform_handshake(session, names[0], hello, now).row.outcome = SettingsOutcome.APPLIED
+        session.flush()
+        for table, keys in _ROWS.items():
+            row = session.execute(select(*table.__table__.columns)).mappings().one()
+            copies = [_copy(row, keys, names, number) for number in range(1, len(names))]
+            session.execute(insert(table), copies)
+
+
+def _copy(row, keys, names, number):
+    own = {key: row[key] + number for key in keys}
+    return {**row, **own, "name": names[number]} if row.get("name") == names[0] else {**row, **own}
 
 
 class Fleet:

@@ -1,6 +1,6 @@
 import pytest
 
-from rtron.service.console.bundle import bundle, script
+from rtron.service.console.routes import bundle, script
 
 
 def names(modules, entry="main.js", loaded=()):

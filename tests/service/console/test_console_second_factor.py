@@ -5,7 +5,7 @@ import time
 from service_app import PASSWORD
 
 from rtron.service.domain.one_time_codes import code_at, step_at
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 
 
 def test_codes_are_enrolled_and_then_asked_for(console, page):

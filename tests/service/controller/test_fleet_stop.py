@@ -13,7 +13,7 @@ from rtron.errors import SourceError
 from rtron.service.controller.fleet_stop import FleetStop
 from rtron.service.controller.robot_snapshot import load_snapshot
 from rtron.service.domain.errors import ForbiddenError, NotFoundError
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 from rtron.service.domain.schemas import SettingsChange
 from rtron.service.store.chain_check import check_database
 from rtron.service.store.database import Database

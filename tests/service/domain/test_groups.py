@@ -5,12 +5,13 @@ import pytest
 from rtron.errors import InputError
 from rtron.service.domain.errors import ForbiddenError
 from rtron.service.domain.principal import (
+    AccessScope,
     Principal,
+    UserRole,
     check_group_limit,
     check_reach,
     is_within_reach,
 )
-from rtron.service.domain.roles import AccessScope, UserRole
 
 
 @pytest.mark.parametrize(

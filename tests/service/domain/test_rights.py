@@ -7,6 +7,7 @@ import pytest
 from controller_setup import PLAN, plan, plan_with
 
 from rtron.coherence import EffectivePlan
+from rtron.service.domain.principal import Right, UserRole
 from rtron.service.domain.rights import (
     coordination_kinds,
     granted_rights,
@@ -14,7 +15,6 @@ from rtron.service.domain.rights import (
     missing_rights,
     needed_rights,
 )
-from rtron.service.domain.roles import Right, UserRole
 from rtron.vocabulary import (
     CoordinationKind,
     FlowSettings,

@@ -2,7 +2,7 @@
 
 from controller_setup import ControllerSetup, caller, hello, plan
 
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 from rtron.service.domain.rollouts.schemas import NewRollout, RobotSelection, RolloutCancellation
 from rtron.service.live.live_robots import LiveRobot
 from rtron.service.rollouts.changes import RobotChanges

@@ -9,7 +9,7 @@ from rollout_setup import ANN, RolloutSetup
 from rtron.errors import InputError, PlanError
 from rtron.service.controller.robot_snapshot import load_snapshot
 from rtron.service.domain.errors import ForbiddenError
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 from rtron.service.domain.rollouts.schemas import NewRollout, RobotSelection
 from rtron.service.domain.schemas import SettingsChange
 from rtron.service.store.accounts.users import add_user, get_user, set_disabled

@@ -8,14 +8,11 @@ from sqlalchemy import select
 from rtron.errors import InputError
 from rtron.service.controller.robot_snapshot import load_snapshot
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import UserRole
-from rtron.service.domain.rollouts.schemas import RobotSelection
-from rtron.service.domain.rollouts.states import Problem
+from rtron.service.domain.principal import Principal, UserRole
+from rtron.service.domain.rollouts.schemas import Problem, RobotSelection
 from rtron.service.domain.schemas import SettingsChange
 from rtron.service.store.accounts.users import get_user, set_groups
-from rtron.service.store.chain_check import check_database
-from rtron.service.store.chain_entries import all_chains, snapshot
+from rtron.service.store.chain_check import all_chains, check_database, snapshot
 from rtron.service.store.database import Database
 from rtron.service.store.settings import list_settings, settings_view
 from rtron.service.store.tables import AuditRow

@@ -5,7 +5,6 @@ import shutil
 import sys
 
 import pytest
-from old_database import old_database
 from service_app import AccountFactory, ManualClock
 from sqlalchemy import text
 from store_data import make_verdict, new_robot, store_events
@@ -18,9 +17,8 @@ from rtron.service.domain.hash_chain import GENESIS
 from rtron.service.server.app import create_app
 from rtron.service.server.audit_key import HEADS_FILE, load_signer
 from rtron.service.store.audit import record_event
-from rtron.service.store.chain_entries import all_chains
+from rtron.service.store.chain_check import all_chains
 from rtron.service.store.chains import chain_heads
-from rtron.service.store.database import Database
 
 
 @pytest.fixture
@@ -183,18 +181,6 @@ def test_a_key_is_made_once_for_its_owner_alone(database, audit_dir):
     load_signer(audit_dir)
     assert key.read_bytes() == before
     assert sorted(each.name for each in audit_dir.iterdir()) == ["key.pem", "public.pem"]
-
-
-def test_a_database_of_before_the_chains_begins_one(empty_place):
-    values = "(5, 'mary', '', 'login', 'mary', '{\"count\": 3, \"a\": 1.0}', 'done')"
-    columns = "(at, who, address, action, target, detail, outcome)"
-    with old_database(empty_place, "0008") as connection:
-        for _ in range(2):
-            connection.exec_driver_sql(f"INSERT INTO audit_log {columns} VALUES {values}")
-    database = Database(empty_place)
-    with database.session() as session:
-        assert chain_heads(session)["service"].number == 2
-    database.close()
 
 
 def test_public_keys_in_the_folder_may_have_signed(rtron, database, audit_dir):

@@ -20,7 +20,7 @@ from websockets.sync.client import connect
 from rtron.service.api.routes import monitoring
 from rtron.service.config import ServiceConfig, Tls
 from rtron.service.console.routes import digest
-from rtron.service.server import connection_limit, handshake_limit, http, http_protocol
+from rtron.service.server import connection_limit, http, http_protocol
 from rtron.service.server.app import create_app
 from rtron.service.server.connection_limit import ConnectionLimit
 
@@ -113,11 +113,11 @@ def test_silent_connections_before_the_handshake_make_room(tls_config, certifica
 
 
 def test_a_handshake_has_its_time(tls_config, monkeypatch):
-    monkeypatch.setattr(handshake_limit, "HANDSHAKE_TIMEOUT_S", 0.5)
+    monkeypatch.setattr(connection_limit, "HANDSHAKE_TIMEOUT_S", 0.5)
     with serve_in_thread(create_app(tls_config), tls_config) as port, ExitStack() as stack:
         silent = silent_connections(stack, port, 20)
         wait_for(lambda: all(map(has_ended, silent)))
-        assert not handshake_limit._handshaking
+        assert not connection_limit._handshaking
 
 
 def test_an_address_has_so_many_handshakes(tls_config, monkeypatch):

@@ -17,15 +17,19 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.link.link_client import LinkClient
 from rtron.service.config import ServiceConfig
 from rtron.service.domain.audit_events import AuditEvent
-from rtron.service.domain.hash_chain import GENESIS, next_head
-from rtron.service.domain.signed_documents import HEADS_SCHEMA, heads_of, verify_document
+from rtron.service.domain.hash_chain import (
+    GENESIS,
+    HEADS_SCHEMA,
+    heads_of,
+    next_head,
+    verify_document,
+)
 from rtron.service.live.hub import Hub
 from rtron.service.server.app import create_app
 from rtron.service.server.audit_check import check_audit_log
-from rtron.service.server.head_publisher import HeadPublisher
-from rtron.service.server.heads_journal import HeadsJournal
+from rtron.service.server.heads_journal import HeadPublisher, HeadsJournal
 from rtron.service.store.audit import record_event
-from rtron.service.store.chain_entries import all_chains, chain_links
+from rtron.service.store.chain_check import all_chains, chain_links
 from rtron.service.store.database import Database
 from rtron.service.store.tables import AuditRow, ChainLinkRow
 from rtron.vocabulary import GuardState

@@ -6,7 +6,7 @@ import pytest
 
 from rtron.cli.main import main
 from rtron.errors import InputError
-from rtron.service.server.instance_lock import hold_instance_lock
+from rtron.service.server.database_setup import hold_instance_lock
 from rtron.service.store.database import Database
 
 

@@ -2,7 +2,7 @@ import pytest
 
 from rtron.errors import InputError
 from rtron.service.domain.oidc import OidcConfig
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 from rtron.service.server.oidc_setup import read_client_secret, read_oidc_config
 
 GOOD = """

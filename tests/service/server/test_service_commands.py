@@ -20,7 +20,7 @@ from rtron.errors import InputError
 from rtron.service.config import ServiceConfig
 from rtron.service.domain.one_time_codes import code_at, step_at
 from rtron.service.server.app import create_app
-from rtron.service.server.instance_lock import hold_instance_lock
+from rtron.service.server.database_setup import hold_instance_lock
 from rtron.service.store.accounts.passwords import verify_password
 from rtron.service.store.accounts.users import get_user
 

@@ -5,11 +5,9 @@ from sqlalchemy import delete, select, text, update
 from store_data import age_partitions, make_event, make_verdict, new_robot, prune, store_events
 
 from rtron.service.domain.audit_events import AuditEvent
-from rtron.service.domain.hash_chain import GENESIS, Head, Witness, next_head
-from rtron.service.domain.signed_documents import DocumentSigner
+from rtron.service.domain.hash_chain import GENESIS, DocumentSigner, Head, Witness, next_head
 from rtron.service.store.audit import record_event, record_repeatable
-from rtron.service.store.chain_check import check_database
-from rtron.service.store.chain_entries import all_chains, chain_links, snapshot
+from rtron.service.store.chain_check import all_chains, chain_links, check_database, snapshot
 from rtron.service.store.chains import chain_heads
 from rtron.service.store.retention import RetentionLimits
 from rtron.service.store.tables import AuditRow, ChainLinkRow, ChainRow, EventRow, RobotRow

@@ -4,15 +4,13 @@ from threading import Event, Thread
 
 import pytest
 from harness import wait_for
-from old_database import old_database
 from service_app import SIGNER
 from sqlalchemy import func, select, text
 from sqlalchemy.exc import DBAPIError
 from store_data import SECOND, age_partitions, make_event, new_robot, prune, store_events
 
 from rtron.service.store import event_pages
-from rtron.service.store.chain_check import check_database
-from rtron.service.store.chain_entries import snapshot
+from rtron.service.store.chain_check import check_database, snapshot
 from rtron.service.store.database import Database
 from rtron.service.store.event_pages import EventFilter, event_page
 from rtron.service.store.partitions import partition_pruning
@@ -248,26 +246,6 @@ def test_a_search_goes_on_over_partitions(database, robot, monkeypatch, span):
         before, calls = page.next, calls + 1
         assert calls <= 8
     assert found == list(range(7, 0, -1))
-
-
-def test_events_that_are_there_are_the_first_partition(postgresql):
-    url = postgresql.empty_database()
-    columns = "robot_id, run, number, at, stored, kind, level, node, topic, flow, publisher, policy"
-    values = "1, 'run', n, n, 1, 'owner', 'info', '', '', '', '', ''"
-    with old_database(url, "0011") as connection:
-        connection.exec_driver_sql("INSERT INTO robots (name, created) VALUES ('robot', 1)")
-        connection.exec_driver_sql(
-            f"INSERT INTO events ({columns}, decision, reason, revision, values) "
-            f"SELECT {values}, '', '', 0, '{{}}' FROM generate_series(1, 50) AS n"
-        )
-    database = Database(url)
-    assert numbers(database) == list(range(1, 51))
-    assert [row["number"] for row in store(database, 1, *range(40, 56))] == [51, 52, 53, 54, 55]
-    age_partitions(database)
-    store(database, 1, 56, now=DAY)
-    assert sum(forget(database, 3 * DAY)) == 55
-    assert numbers(database) == [56]
-    database.close()
 
 
 class Writer:

@@ -5,8 +5,7 @@ from sqlalchemy import delete, update
 from store_data import age_partitions, make_verdict, new_robot, prune, store_events
 
 from rtron.service.domain.hash_chain import Head
-from rtron.service.store.chains import chain_heads
-from rtron.service.store.held_heads import contradicted_heads
+from rtron.service.store.chains import chain_heads, contradicted_heads
 from rtron.service.store.retention import RetentionLimits
 from rtron.service.store.tables import ChainLinkRow, ChainRow
 

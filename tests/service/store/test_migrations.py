@@ -1,3 +1,4 @@
+import shutil
 import sqlite3
 from contextlib import closing
 from functools import partial
@@ -58,16 +59,73 @@ def test_migrating_again_changes_nothing(database):
         assert session.scalar(text("SELECT count(*) FROM robots")) == 1
 
 
-@pytest.mark.parametrize("kind", ["sqlite", "postgresql"])
-def test_services_that_start_at_once_migrate_in_turn(kind, request, tmp_path):
+NEXT = """
+import sqlalchemy as sa
+from alembic import op
+
+revision = "9998"
+down_revision = "{before}"
+branch_labels = depends_on = None
+
+
+def upgrade():
+    op.add_column("robots", sa.Column("note", sa.String(10), server_default="old"))
+{then}"""
+
+
+@pytest.fixture
+def add_migration(tmp_path, monkeypatch):
+    """Let RTron have one more migration than the database, which ends with some lines."""
+    folder = tmp_path / "migrations"
+    shutil.copytree(schema_migration._SCRIPT_FOLDER, folder)
+
+    def add(then=""):
+        (folder / "versions/r9998_next.py").write_text(NEXT.format(before=head, then=then))
+
+    head = head_revision()
+    monkeypatch.setattr(schema_migration, "_SCRIPT_FOLDER", folder)
+    schema_migration._scripts.cache_clear()
+    yield add
+    schema_migration._scripts.cache_clear()
+
+
+def columns_of_robots(database):
+    with database.engine.connect() as connection:
+        return {column["name"] for column in inspect(connection).get_columns("robots")}
+
+
+def test_an_older_schema_is_upgraded_with_what_is_in_it(database, where, add_migration):
+    with database.session() as session:
+        session.execute(text("INSERT INTO robots (name, created) VALUES ('r', 1)"))
+    add_migration()
+    upgraded = Database(where)
+    with upgraded.session() as session:
+        assert session.execute(text("SELECT name, note FROM robots")).one() == ("r", "old")
+        assert session.scalar(text("SELECT version_num FROM alembic_version")) == "9998"
+    upgraded.close()
+
+
+def test_an_upgrade_that_fails_leaves_the_older_schema(database, where, add_migration):
+    add_migration('    raise RuntimeError("killed")\n')
+    with pytest.raises(RuntimeError, match="killed"):
+        Database(where)
+    assert "note" not in columns_of_robots(database)
+
+
+def test_live_guards_are_unlogged(postgresql):
+    database = Database(postgresql.new_database())
+    query = "SELECT relname FROM pg_class WHERE relpersistence = 'u' AND relkind = 'r'"
+    with database.session() as session:
+        assert session.scalars(text(query)).all() == ["live_guards"]
+    database.close()
+
+
+def test_services_that_start_at_once_migrate_in_turn(empty_place):
     failures = []
-    where = tmp_path / "rtron.db"
-    if kind == "postgresql":
-        where = request.getfixturevalue("postgresql").empty_database()
 
     def open_it():
         try:
-            Database(where).close()
+            Database(empty_place).close()
         except Exception as error:  # noqa: BLE001
             failures.append(error)
 
@@ -86,11 +144,11 @@ def test_an_old_postgresql_is_refused(postgresql, monkeypatch):
     assert "use PostgreSQL 99, or newer" in raised.value.help
 
 
-def test_a_newer_schema_is_refused(database, where):
+def test_an_unknown_schema_is_refused(database, where):
     with database.session() as session:
         session.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(
-        InputError, match=f"9999 is newer than this RTron's {head_revision()}"
+        InputError, match=f"9999 is unknown to this RTron, which has {head_revision()}"
     ) as raised:
         Database(where)
     assert "newest RTron" in raised.value.help

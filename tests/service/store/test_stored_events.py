@@ -8,10 +8,12 @@ from store_data import SECOND, make_event, make_verdict, new_robot, store_events
 
 from rtron.errors import WireError
 from rtron.service.store.event_pages import EventFilter, event_page
-from rtron.service.store.event_rows import MAX_RUN_LENGTH, MAX_VALUES_LENGTH, check_event
 from rtron.service.store.events import (
+    MAX_RUN_LENGTH,
+    MAX_VALUES_LENGTH,
     EventBatch,
     add_events,
+    check_event,
     lost_event_count,
     lost_events_by_robot,
 )

@@ -30,11 +30,10 @@ from hypothesis import strategies as st
 
 from example_budget import examples
 from rtron.errors import InputError
-from rtron.sources.bag.common import limits
 from rtron.sources.bag.common.compression import decompress, decompress_zstd
 from rtron.sources.bag.formats import open_bag
 from rtron.sources.bag.mcap import record as mcap_record_module
-from rtron.sources.bag.ros1 import chunk, reader
+from rtron.sources.bag.ros1 import reader
 from rtron.sources.bag.ros1 import record as ros1_record_module
 from rtron.sources.bag.ros2 import sqlite
 from rtron.sources.bag.ros2.offered_qos import parse_offered_qos
@@ -120,7 +119,7 @@ def test_an_index_that_lies(tmp_path, damage, said):
         (chunk1(b"x" * 10, size=11), "does not unpack to the 11 bytes"),
         (chunk1(b"x" * 10, compression=b"bz2"), "no bz2"),
         (chunk1(b"x" * 10, compression=b"lz4"), "no lz4"),
-        (chunk1(b"x" * 10, size=limits.MAX_CHUNK_BYTES + 1), "more than 268435456"),
+        (chunk1(b"x" * 10, size=reader.MAX_CHUNK_BYTES + 1), "more than 268435456"),
         (chunk1(ros1_message_record(0, 1, b"xyz")[:-1]), "longer than its chunk"),
         (chunk1(ros1_message_record(0, 1, b"xyz") + b"\0" * 3), "wrong size"),
         (chunk1(b"\xff" * 50), "longer than its chunk"),
@@ -150,7 +149,7 @@ def test_a_bomb_unpacks_no_further_than_it_says(compression):
     bomb = packed_by(compression, bytes(64 * MEBIBYTE))
     tracemalloc.start()
     for size in (0, MEBIBYTE):
-        with pytest.raises(limits.DamageError, match="does not unpack"):
+        with pytest.raises(reader.DamageError, match="does not unpack"):
             decompress(compression, bomb, size)
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
@@ -161,7 +160,7 @@ def test_a_bomb_unpacks_no_further_than_it_says(compression):
 def test_a_packed_message_unpacks_to_its_limit():
     packed = zstd().compress(b"x" * 100)
     assert decompress_zstd(packed, 100) == b"x" * 100
-    with pytest.raises(limits.DamageError, match="more than 99 bytes"):
+    with pytest.raises(reader.DamageError, match="more than 99 bytes"):
         decompress_zstd(packed, 99)
 
 
@@ -187,10 +186,10 @@ def test_a_bag_may_unpack_to_so_many_times_its_size(tmp_path, monkeypatch):
     packed = bz2.compress(data)
     chunks = [chunk1(packed, compression=b"bz2", size=len(data))] * 5
     path = write_ros1_records(tmp_path / "x.bag", chunks)
-    monkeypatch.setattr(limits, "_MIN_BUDGET_BYTES", 5 * len(data))
-    monkeypatch.setattr(limits, "_MAX_RATIO", 10)
+    monkeypatch.setattr("rtron.sources.bag.common.reader._MIN_BUDGET_BYTES", 5 * len(data))
+    monkeypatch.setattr("rtron.sources.bag.common.reader._MAX_RATIO", 10)
     assert len(list(open_bag(path))) == 5000
-    monkeypatch.setattr(limits, "_MIN_BUDGET_BYTES", 5 * len(data) - 1)
+    monkeypatch.setattr("rtron.sources.bag.common.reader._MIN_BUDGET_BYTES", 5 * len(data) - 1)
     assert "10 times its size" in fault(path)
 
 
@@ -203,10 +202,10 @@ def test_messages_in_a_chunk_are_counted(tmp_path, monkeypatch):
         summary,
         chunks=[(1, mcap_chunk_record(1, mcap_message_record(1, 1, b"") * 4))],
     )
-    for module in (chunk, mcap_record_module):
+    for module in (reader, mcap_record_module):
         monkeypatch.setattr(module, "MAX_CHUNK_MESSAGES", 5)
     assert len(list(open_bag(ros1_path))) == len(list(open_bag(mcap_path))) == 4
-    for module in (chunk, mcap_record_module):
+    for module in (reader, mcap_record_module):
         monkeypatch.setattr(module, "MAX_CHUNK_MESSAGES", 3)
     assert "more than 3 messages" in fault(ros1_path)
     assert "more than 3 messages" in fault(mcap_path)

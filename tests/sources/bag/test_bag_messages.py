@@ -33,7 +33,6 @@ from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import Reader as Reader2
 
 from rtron.errors import InputError
-from rtron.sources.bag.common import time_order
 from rtron.sources.bag.file_type import is_bag
 from rtron.sources.bag.formats import open_bag
 from rtron.vocabulary import Durability, QoS, Reliability
@@ -227,9 +226,9 @@ def test_what_waits_for_later_chunks_is_bounded(tmp_path, monkeypatch):
     path = ros1_bag(tmp_path / "run.bag", times, chunk=500)
     in_chunk = max(Counter(each.chunk_pos for each in indexed(path)).values())
     most = (in_chunk + 1) * (len(twist(0)) + 200)
-    monkeypatch.setattr(time_order, "MAX_PENDING_BYTES", most)
+    monkeypatch.setattr("rtron.sources.bag.common.reader.MAX_PENDING_BYTES", most)
     assert len(read(path)) == 50
-    monkeypatch.setattr(time_order, "MAX_PENDING_BYTES", most - 1)
+    monkeypatch.setattr("rtron.sources.bag.common.reader.MAX_PENDING_BYTES", most - 1)
     with pytest.raises(InputError, match="overlap by more than"):
         read(path)
 

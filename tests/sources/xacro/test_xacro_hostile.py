@@ -4,6 +4,7 @@ import pytest
 
 from rtron.errors import InputError
 from rtron.sources.xacro import evaluate_xacro
+from rtron.vocabulary import UnresolvedCause
 
 ROBOT = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro">\n{}\n<end/></robot>'
 
@@ -126,11 +127,12 @@ def test_an_include_that_comes_back_is_noted_once_with_its_place(evaluated, tmp_
 
 @pytest.mark.parametrize("name", ["absent.xacro", "/dev/zero", ".", "/*/*/*", "$(find nowhere)/a"])
 def test_an_include_that_cannot_be_read_leaves_the_rest(name, evaluated, tmp_path):
-    result = evaluated(f'<a/>\n<xacro:include filename="{name}"/>')
-    (note,) = result.unresolved
+    result = evaluated(f'<a/>\n<xacro:include filename="{name}"/>\n<xacro:wheel/><b c="${{w}}"/>')
+    note, *others = result.unresolved
+    assert [each.cause for each in others] == [UnresolvedCause.INCOMPLETE_DESCRIPTION] * 2
     assert (note.evidence[0].file, note.evidence[0].line) == (str(tmp_path / "robot.xacro"), 3)
     assert note.hides == "nodes"
-    assert [element.tag for element in result.root.elements()] == ["a", "end"]
+    assert [element.tag for element in result.root.elements()] == ["a", "b", "end"]
 
 
 @pytest.mark.parametrize(

@@ -2,29 +2,29 @@
 
 import pytest
 
-from rtron.wire.ros1 import host_address
+from rtron.wire.ros1 import network
 
 
 def test_the_master_is_the_one_of_the_environment_or_the_default():
-    assert host_address.master_uri({"ROS_MASTER_URI": "http://robot:1"}) == "http://robot:1"
-    assert host_address.master_uri({"ROS_MASTER_URI": ""}) == host_address.DEFAULT_MASTER
-    assert host_address.master_uri({}) == "http://localhost:11311"
+    assert network.master_uri({"ROS_MASTER_URI": "http://robot:1"}) == "http://robot:1"
+    assert network.master_uri({"ROS_MASTER_URI": ""}) == network.DEFAULT_MASTER
+    assert network.master_uri({}) == "http://localhost:11311"
 
 
 def test_the_hostname_goes_before_the_ip():
-    assert host_address.advertised_host({"ROS_HOSTNAME": "robot", "ROS_IP": "10.0.0.1"}) == "robot"
-    assert host_address.advertised_host({"ROS_HOSTNAME": "", "ROS_IP": "10.0.0.1"}) == "10.0.0.1"
+    assert network.advertised_host({"ROS_HOSTNAME": "robot", "ROS_IP": "10.0.0.1"}) == "robot"
+    assert network.advertised_host({"ROS_HOSTNAME": "", "ROS_IP": "10.0.0.1"}) == "10.0.0.1"
 
 
 def test_without_either_it_is_this_machine_if_others_can_find_it(monkeypatch):
-    monkeypatch.setattr(host_address.socket, "gethostname", lambda: "localhost")
-    assert host_address.advertised_host({}) == "localhost"
+    monkeypatch.setattr(network.socket, "gethostname", lambda: "localhost")
+    assert network.advertised_host({}) == "localhost"
 
 
 @pytest.mark.parametrize("name", ["nobody.invalid", "a" * 64, "a..b"])
 def test_a_machine_whose_name_cannot_be_resolved_is_known_by_loopback(monkeypatch, name):
-    monkeypatch.setattr(host_address.socket, "gethostname", lambda: name)
-    assert host_address.advertised_host({}) == "127.0.0.1"
+    monkeypatch.setattr(network.socket, "gethostname", lambda: name)
+    assert network.advertised_host({}) == "127.0.0.1"
 
 
 @pytest.mark.parametrize(
@@ -38,4 +38,4 @@ def test_a_machine_whose_name_cannot_be_resolved_is_known_by_loopback(monkeypatc
     ],
 )
 def test_loopback_is_bound_only_to_loopback(host, bound):
-    assert host_address.bind_address(host) == bound
+    assert network.bind_address(host) == bound

@@ -9,8 +9,7 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 import pytest
 
 from rtron.errors import SourceError, WireError
-from rtron.wire.ros1.service_client import ServiceCall, call_service
-from rtron.wire.ros1.tcpros import decode_header, encode_header
+from rtron.wire.ros1.tcpros import ServiceCall, call_service, decode_header, encode_header
 
 LIMIT_S = 20
 HEADER = encode_header({"callerid": "/lamp", "md5sum": "x"})

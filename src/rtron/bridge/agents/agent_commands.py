@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtron.bridge.agents.app_client import AppClient
 from rtron.bridge.agents.refusals import Answer, CallRefusedError
-from rtron.bridge.protocol.rate_limit import TokenBucket
+from rtron.bridge.protocol.client_state import TokenBucket
 from rtron.errors import RTronError, SourceError, WireError
 from rtron.vocabulary import GRCN, SECOND, PolicyName, Stream, lease_topic
 

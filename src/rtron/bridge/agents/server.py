@@ -72,7 +72,7 @@ def check_agent(plan: Plan, node: str) -> None:
         for problem in _problems(stream, node)
     ]
     if problems:
-        help = "docs/agents.md shows a plan for agents"
+        help = "docs/leases.md shows a plan with leases"
         raise InputError("\n".join(problems), help=help)
 
 

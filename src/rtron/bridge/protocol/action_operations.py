@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
+from rtron.bridge.protocol.client_state import TokenBucket, message_bucket
 from rtron.bridge.protocol.effects import CancelGoal, SendAnswer, SendGoal, SendMessage
 from rtron.bridge.protocol.frames import (
     Document,
@@ -18,7 +19,6 @@ from rtron.bridge.protocol.frames import (
     split_frame,
     whole_number,
 )
-from rtron.bridge.protocol.rate_limit import TokenBucket, message_bucket
 from rtron.bridge.rights.document import ActionRight, same_type
 from rtron.errors import RTronError, WireError
 from rtron.messages.common.json_decoder import decode_json, decode_response

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
+from rtron.bridge.protocol.client_state import message_bucket
 from rtron.bridge.protocol.effects import (
     ParameterVerb,
     RequestParameter,
@@ -24,7 +25,6 @@ from rtron.bridge.protocol.frames import (
     split_frame,
     whole_number,
 )
-from rtron.bridge.protocol.rate_limit import message_bucket
 from rtron.bridge.protocol.rosapi import ROSAPI, RosApi
 from rtron.bridge.rights.document import CallRight, matches_name, same_type
 from rtron.errors import RTronError, WireError

@@ -9,7 +9,13 @@ from collections.abc import Callable
 from rtron.bridge.common.plan_topics import PlanTopics
 from rtron.bridge.protocol.action_operations import ActionOperations
 from rtron.bridge.protocol.approvals import Approvals
-from rtron.bridge.protocol.client_state import ClientState, KnownTypes, StatusLevel
+from rtron.bridge.protocol.client_state import (
+    ClientRates,
+    ClientState,
+    KnownTypes,
+    StatusLevel,
+    TokenBucket,
+)
 from rtron.bridge.protocol.effects import CloseSession, Effect
 from rtron.bridge.protocol.frames import (
     Document,
@@ -18,7 +24,6 @@ from rtron.bridge.protocol.frames import (
     frame_id,
     size_of,
 )
-from rtron.bridge.protocol.rate_limit import ClientRates, TokenBucket
 from rtron.bridge.protocol.service_operations import ServiceOperations
 from rtron.bridge.protocol.topic_operations import TopicOperations
 from rtron.bridge.rights.document import ClientRights

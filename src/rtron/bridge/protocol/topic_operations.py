@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from rtron.bridge.common.plan_topics import published_topics, subscribed_topics
 from rtron.bridge.protocol.cbor import encode_cbor
-from rtron.bridge.protocol.client_state import ClientState
+from rtron.bridge.protocol.client_state import ClientState, TokenBucket, message_bucket
 from rtron.bridge.protocol.effects import (
     AdvertiseTopic,
     LeaveTopic,
@@ -23,7 +23,6 @@ from rtron.bridge.protocol.frames import (
     split_frame,
     text_of,
 )
-from rtron.bridge.protocol.rate_limit import TokenBucket, message_bucket
 from rtron.bridge.protocol.subscriptions import SubscribeOptions, TopicReader
 from rtron.bridge.rights.document import PublishRight, SubscribeRight, same_type
 from rtron.errors import WireError

@@ -29,7 +29,7 @@ from rtron.guard.transport.common.protocol import (
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.messages.ros1.service_types import service_md5sum
 from rtron.vocabulary import SECOND, normalise_type
-from rtron.wire.ros1.service_client import ServiceCall, call_service
+from rtron.wire.ros1.tcpros import ServiceCall, call_service
 from rtron.wire.ros1.xmlrpc import RefusalError, ros_call
 
 _METHODS = {

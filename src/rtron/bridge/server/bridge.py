@@ -7,36 +7,32 @@ host (RFC 6455, section 10.2; DNS rebinding).
 
 import logging
 import socket
+from collections.abc import Iterable
+from dataclasses import dataclass
+from http import HTTPStatus
+from ipaddress import ip_address
 from typing import TYPE_CHECKING
+from urllib.parse import parse_qs, urlsplit
+
+from websockets.datastructures import Headers
+from websockets.http11 import Request
 
 from rtron.bridge.common.plan_topics import PlanTopics
 from rtron.bridge.protocol.approvals import Approvals
-from rtron.bridge.protocol.rate_limit import ClientRates
+from rtron.bridge.protocol.client_state import ClientRates
 from rtron.bridge.protocol.session import ClientSession
-from rtron.bridge.rights.tokens import SignIn
+from rtron.bridge.rights.document import BridgeRights
+from rtron.bridge.rights.loader import SignIn
 from rtron.bridge.server.client_connection import ClientConnection
 from rtron.errors import SourceError, WireError
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.service.server.connection_limit import ConnectionLimit
 
 if TYPE_CHECKING:
-    from websockets.http11 import Request
-
     from rtron.bridge.common.client_node import NodeFactory
     from rtron.bridge.common.message_types import MessageTypes
-    from rtron.bridge.rights.document import BridgeRights
     from rtron.guard.core.event_loop import EventLoop
     from rtron.vocabulary import Plan
-from collections.abc import Iterable
-from dataclasses import dataclass
-from http import HTTPStatus
-from ipaddress import ip_address
-from urllib.parse import parse_qs, urlsplit
-
-from websockets.datastructures import Headers
-from websockets.http11 import Request
-
-from rtron.bridge.rights.document import BridgeRights
 
 _LOOPBACK = "localhost"
 _MAX_PARAMETERS = 8

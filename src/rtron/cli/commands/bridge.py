@@ -117,7 +117,7 @@ def token(
 
     Exit code: 0 made, 2 not a name.
     """
-    from rtron.bridge.rights.tokens import new_token, rights_entry
+    from rtron.bridge.rights.loader import new_token, rights_entry
 
     secret = new_token()
     try:

@@ -50,7 +50,7 @@ def classify(
     Exit code: 0 classified, 2 nothing can be read.
     """
     from rtron.functions.reading import read_repositories
-    from rtron.workflows.classification import classify_repositories
+    from rtron.workflows.function_graph import classify_repositories
 
     with report_skipped() as note_skipped, show_progress() as progress:
         repositories = read_repositories(source, readmes, note_skipped)

@@ -227,7 +227,7 @@ def guard(  # noqa: PLR0913 - one for each option
 
 def _plan_folder(folder: Path | None, start: "Plan", service: str) -> "PlanFolder | None":
     from rtron.guard.link.plan_folder import PlanFolder
-    from rtron.workflows.plan_text import read_checked_plan
+    from rtron.workflows.plan import read_checked_plan
 
     if folder is None:
         return None

@@ -207,7 +207,7 @@ def remaps(
     """
     from rtron.planning.instrument.common.remaps import planned_remaps
     from rtron.planning.plan_file.loader import read_plan
-    from rtron.reports.plan.remaps import remaps_text, remaps_to_json
+    from rtron.reports.plan.instrumentation import remaps_text, remaps_to_json
 
     read = read_plan(plan)
     listed = planned_remaps(read, node)

@@ -66,7 +66,7 @@ def master(
     from rtron.guard.log_format import start_logging
     from rtron.guard.master_proxy.process import run_master
     from rtron.planning.plan_file.loader import read_plan
-    from rtron.wire.ros1.host_address import advertised_host
+    from rtron.wire.ros1.network import advertised_host
 
     start_logging(log_level.value.upper())
     known = read_plan(plan)
@@ -75,7 +75,7 @@ def master(
 
 
 def _master_port() -> int:
-    from rtron.wire.ros1.host_address import master_uri
+    from rtron.wire.ros1.network import master_uri
     from rtron.wire.ros1.xmlrpc import split_uri
 
     try:

@@ -40,7 +40,7 @@ def override(
 
     Exit code: 0 granted, 2 not.
     """
-    from rtron.planning.plan_file.durations import parse_duration, write_duration
+    from rtron.planning.plan_file.quantities import parse_duration, write_duration
 
     try:
         nanoseconds = parse_duration(duration)

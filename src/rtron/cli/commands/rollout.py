@@ -271,7 +271,7 @@ def _change(
     plan: Path | None,
 ) -> dict[str, Any]:
     """Return what goes out: settings of a node, or a plan."""
-    from rtron.planning.plan_file.yaml_parser import read_text
+    from rtron.planning.plan_file.loader import read_text
 
     if (plan is None) == (not assignments) or (plan and node):
         raise InputError("what goes out?", help="give NODE KEY=VALUE..., or --plan FILE")
@@ -292,7 +292,7 @@ def _selection(group: str | None, app: str | None, names: list[str] | None) -> d
 
 
 def _seconds(option: str, text: str) -> float:
-    from rtron.planning.plan_file.durations import parse_duration
+    from rtron.planning.plan_file.quantities import parse_duration
 
     try:
         return parse_duration(text) / 1e9

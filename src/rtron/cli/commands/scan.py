@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rtron.cli.support.app_options import with_app_options
-from rtron.cli.support.options import NameLists, Output
+from rtron.cli.support.options import NameLists, Output, with_app_options
 from rtron.cli.support.outcome import STDOUT, Outcome
 
 if TYPE_CHECKING:

@@ -12,8 +12,7 @@ from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json
 from rtron.errors import InputError
 
 if TYPE_CHECKING:
-    from rtron.reports.plan.keystore import KeystoreReport
-    from rtron.reports.plan.zenoh_files import ZenohReport
+    from rtron.reports.plan.keystore import KeystoreReport, ZenohReport
     from rtron.workflows.secure import SecureResult
 
 _LONGEST_DAYS = 3600
@@ -21,7 +20,7 @@ _LONGEST_DAYS = 3600
 
 def _complete_enclave(ctx: typer.Context, incomplete: str) -> list[str]:
     """Return the enclaves of the keystore on the line."""
-    from rtron.security.access.names import is_legal_name
+    from rtron.security.access.rights import is_legal_name
     from rtron.security.sros2.layout import Keystore
 
     keystore = ctx.params.get("output")
@@ -170,7 +169,7 @@ def secure(  # noqa: PLR0913 - one for each option
 
 
 def _policy(plan: Path, graph: Path, output: Path, *, operator: bool) -> Outcome:
-    from rtron.security.sros2.policy_file import policy_xml
+    from rtron.security.sros2.writer import policy_xml
     from rtron.workflows.secure import read_access
 
     policy = policy_xml(read_access(plan, graph, operator=operator))
@@ -216,7 +215,7 @@ def _is_key_lost(result: "SecureResult") -> bool:
 
 
 def _zenoh_report(result: "SecureResult") -> "ZenohReport | None":
-    from rtron.reports.plan.zenoh_files import ZenohReport
+    from rtron.reports.plan.keystore import ZenohReport
 
     changes = result.zenoh
     if changes is None:

@@ -101,7 +101,7 @@ def serve(  # noqa: PLR0913 - one for each option
     require_service_packages()
     _load_service()
     from rtron.service.config import ServiceConfig
-    from rtron.service.domain.roles import UserRole
+    from rtron.service.domain.principal import UserRole
     from rtron.service.server.oidc_setup import read_oidc_config
     from rtron.service.store.retention import RetentionLimits
 
@@ -149,9 +149,8 @@ def _configure_logging(level: LogLevel) -> None:
 
 def _run_service(config: "ServiceConfig") -> None:
     from rtron.service.server.app import create_app
-    from rtron.service.server.database_setup import add_first_admin
+    from rtron.service.server.database_setup import add_first_admin, hold_instance_lock
     from rtron.service.server.http import serve as run
-    from rtron.service.server.instance_lock import hold_instance_lock
 
     with hold_instance_lock(config.database):
         app = create_app(config)

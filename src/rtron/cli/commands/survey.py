@@ -114,7 +114,7 @@ def _html(found: "Survey") -> str:
 
 
 def _table(found: "Survey") -> "Report":
-    from rtron.survey.reports.tables import survey_text
+    from rtron.survey.reports.files import survey_text
 
     return survey_text(found)
 

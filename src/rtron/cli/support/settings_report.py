@@ -145,7 +145,7 @@ def _row(name: str, key: str, now: _View, planned: _View) -> tuple[str, str, str
 
 
 def _format_value(key: str, value: Any) -> str:  # noqa: ANN401 - JSON
-    from rtron.planning.plan_file.durations import write_duration
+    from rtron.planning.plan_file.quantities import write_duration
 
     if value is None:
         return "none"

@@ -11,13 +11,12 @@ from rtron.demos.cases import Case, Decisions, RunConditions
 from rtron.demos.cases.case_study import merge_decisions
 from rtron.demos.experiment.incident import CaseIncident, wait_for_incident
 from rtron.demos.experiment.session import AppSession
-from rtron.demos.metrics.case_run import CaseRun, RunsByVariant, Variant
-from rtron.demos.metrics.deviation import measure_deviation
-from rtron.demos.metrics.guard_events import SECOND, Event, first_stop
-from rtron.demos.runtime.app_files import APP_NAME, launch_file
+from rtron.demos.metrics.case_run import SECOND, CaseRun, Event, RunsByVariant, Variant, first_stop
+from rtron.demos.metrics.message_journal import measure_deviation
 from rtron.demos.runtime.app_launch import launch_app
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.instrumentation import InstrumentationPipeline
+from rtron.demos.runtime.isolation import APP_NAME, launch_file
 from rtron.demos.runtime.service import DemoService
 from rtron.demos.world.scenes.generator import make_scene
 from rtron.demos.world.simulation import CAMERA_RATE

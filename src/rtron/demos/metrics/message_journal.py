@@ -3,8 +3,13 @@
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import dist
 from pathlib import Path
 from typing import Any
+
+import shapely
+
+from rtron.demos.world.ground_truth import Position
 
 IsMalicious = Callable[[str, Sequence[float]], bool]
 """Tells by its topic and value whether a message that arrived is malicious."""
@@ -38,3 +43,34 @@ def read_attack(folder: Path, times: tuple[float, float], is_malicious: IsMalici
 def _complete_entries(path: Path) -> Iterator[Mapping[str, Any]]:
     complete_lines, _, _ = path.read_text(encoding="utf-8").rpartition("\n")
     return map(json.loads, complete_lines.splitlines())
+
+
+_STEP = 0.02
+"""Places of a way nearer to each other than this (m) count as one: a rest does not weigh."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrajectoryDeviation:
+    """The largest and the mean distance (m) of a way's places from another way."""
+
+    largest: float
+    mean: float
+
+
+def measure_deviation(
+    trajectory: Sequence[Position], reference: Sequence[Position]
+) -> TrajectoryDeviation | None:
+    """Return the distances of `trajectory` from the line `reference`; None if either is empty."""
+    if not trajectory or not reference:
+        return None
+    line = shapely.LineString([*reference, reference[-1]])
+    distances = shapely.distance(line, shapely.points(_without_rests(trajectory)))
+    return TrajectoryDeviation(float(distances.max()), float(distances.mean()))
+
+
+def _without_rests(trajectory: Sequence[Position]) -> list[Position]:
+    thinned = [trajectory[0]]
+    for position in trajectory:
+        if dist(position, thinned[-1]) >= _STEP:
+            thinned.append(position)
+    return thinned

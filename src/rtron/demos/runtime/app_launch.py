@@ -7,12 +7,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtron.demos.runtime.app_files import first_party_packages, third_party_packages
 from rtron.demos.runtime.environment import DemoEnvironment
+from rtron.demos.runtime.isolation import first_party_packages, third_party_packages
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import Command, ProcessGroup, StartedProcess
 from rtron.errors import InputError, SourceError
-from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT
+from rtron.planning.instrument.common.guarded_launch import GUARD_SCRIPT
 from rtron.planning.plan_file.loader import read_plan
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch

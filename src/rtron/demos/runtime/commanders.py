@@ -12,10 +12,9 @@ from pathlib import Path
 
 from shapely import LineString, Point
 
-from rtron.bridge.rights.tokens import new_token, token_hash
-from rtron.demos.runtime.app_files import APPS
+from rtron.bridge.rights.loader import new_token, token_hash
 from rtron.demos.runtime.environment import DemoEnvironment
-from rtron.demos.runtime.isolation import free_port
+from rtron.demos.runtime.isolation import APPS, free_port
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import Command, StartedProcess
 from rtron.demos.world.ground_truth import GroundTruth

@@ -11,13 +11,14 @@ from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import getnode
 
-from rtron.demos.runtime.app_files import APPS, third_party_packages
 from rtron.demos.runtime.isolation import (
+    APPS,
     free_port,
     reserve_domain,
     ros1_environ,
     ros2_environ,
     shared_environ,
+    third_party_packages,
 )
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import Command, CompletedCommand, ProcessGroup, StartedProcess

@@ -1,14 +1,34 @@
-"""From the app to the guarded app, with RTron's own commands: scan, plan, check, instrument."""
+"""From the app to the guarded app, with RTron's own commands: scan, plan, check, instrument.
 
+Decisions are plain data with the words of the plan's file. What they do not mention stays as it
+was proposed.
+
+{"app": "tb3_demo",
+     "grcn": {"/cmd_vel": {"policy": "Preemption", "flows": {"/move_base": {"priority": 2}}}},
+     "rsrcn": {"policy": "Constrain", "max_vel_limit": "0.22 m/s", "vflows": ["/control/max_vel"]},
+     "msrcn": {"aflows": ["/goal"], "areas": […], "rules": […]},
+     "fps_monitor": [{"node": "/recogniser", "topic": "/detect/objects"}],
+     "clients": {"/teleop/cmd_vel": ["/bridge/assistant"]},
+     "leases": […], "incidents": {…}}
+
+`flows` of a GRCN are by publisher. `vflows` and `aflows` name those that are left of the proposed.
+`clients` are nodes that no scan sees, since they come over a bridge; each gets a flow on a topic.
+"""
+
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rtron.demos.runtime.app_files import first_party_packages, launch_file, third_party_packages
+import yaml
+
 from rtron.demos.runtime.environment import DemoEnvironment
-from rtron.demos.runtime.plan_edits import write_decided_plan
+from rtron.demos.runtime.isolation import first_party_packages, launch_file, third_party_packages
 from rtron.demos.runtime.processes import CompletedCommand
+from rtron.errors import InputError
+from rtron.planning.plan_file.loader import parse_plan, read_text
+from rtron.planning.plan_file.writer import write_plan
 
 _SCAN_EXIT_CODES = (0, 1)
 """A scan ends with 1 when it found risks."""
@@ -91,3 +111,65 @@ class InstrumentationPipeline:
 
     def _rtron(self, *arguments: str | Path, codes: Sequence[int] = (0,)) -> None:
         self.commands.append(self.environment.run_rtron(*arguments, codes=codes))
+
+
+PlanSection = dict[str, Any]
+_FLOWS = {"rsrcn": "vflows", "msrcn": "aflows"}
+_WHOLE = ("app", "leases", "incidents")
+_COMMAND = {"domain": "Control", "kind": "command", "sharing": "contend"}
+
+
+def write_decided_plan(plan: Path, out: Path, decisions: Mapping[str, Any]) -> None:
+    """Write `plan` with the decisions in it to `out`.
+
+    InputError if a decision names what the plan does not have, PlanError if no plan comes out.
+    """
+    decided = yaml.safe_load(read_text(plan))
+    apply_decisions(decided, plain_copy(decisions))
+    text = yaml.safe_dump(plain_copy(decided), sort_keys=False)
+    out.write_text(write_plan(parse_plan(text, str(out))), encoding="utf-8")
+
+
+def plain_copy(data: Any) -> Any:  # noqa: ANN401 - JSON
+    """Return a copy in which nothing occurs in two places: as YAML it has no aliases."""
+    return json.loads(json.dumps(data))
+
+
+def apply_decisions(plan: PlanSection, decisions: PlanSection) -> None:
+    """Change a plan, as its file has it, by the decisions."""
+    for topic, clients in decisions.get("clients", {}).items():
+        _add_clients(plan, topic, clients)
+    for topic, decision in decisions.get("grcn", {}).items():
+        grcn = _entry(plan["grcn"], "topic", topic)
+        for publisher, change in decision.pop("flows", {}).items():
+            _entry(grcn["flows"], "publisher", publisher).update(change)
+        grcn.update({"mode": "enforce", **decision})
+    for kind in _FLOWS.keys() & decisions.keys():
+        _decide_node(plan[kind], _FLOWS[kind], decisions[kind])
+    if "fps_monitor" in decisions:
+        plan["fps_monitor"] = [
+            _entry(plan["fps_monitor"], "node", each["node"]) | each
+            for each in decisions["fps_monitor"]
+        ]
+    plan.update({name: decisions[name] for name in _WHOLE if name in decisions})
+
+
+def _add_clients(plan: PlanSection, topic: str, clients: Sequence[str]) -> None:
+    """Let clients publish a topic of the MSRCN, which gets a GRCN."""
+    aflow = _entry(plan["msrcn"]["aflows"], "topic", topic)
+    aflow["flows"] += [{"name": node.rpartition("/")[2], "publisher": node} for node in clients]
+    added = {"id": f"grcn{topic.replace('/', '_')}", **_COMMAND, **aflow}
+    plan["grcn"].append(plain_copy(added))
+
+
+def _decide_node(node: PlanSection, flows: str, decision: PlanSection) -> None:
+    """Change the RSRCN or MSRCN; of its topics those stay that the decision names."""
+    guarded = [_entry(node[flows], "topic", topic) for topic in decision[flows]]
+    node.update({"mode": "enforce", **decision, flows: guarded})
+
+
+def _entry(entries: Sequence[PlanSection], key: str, value: str) -> PlanSection:
+    for entry in entries:
+        if entry[key] == value:
+            return entry
+    raise InputError(f"the plan has no {key} {value}", help="`rtron plan` shows what it has")

@@ -1,22 +1,24 @@
 """Starts processes and ends them again, whatever happens; touches no others.
 
-A mark tells what our processes have started themselves, wherever it has gone.
+A mark tells what our processes have started themselves, wherever it has gone. Run as a program it
+reads marks, a line each, until whoever writes them is gone, and kills what has one of them.
 """
 
 import os
 import shlex
 import signal
 import subprocess
+import sys
 import time
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from signal import SIGINT, SIGKILL, SIGTERM
-from types import TracebackType
+from types import FrameType, TracebackType
+from typing import Any
 from uuid import uuid4
 
-from rtron.demos.runtime.signals import defer_signals, interrupt_on_signals
 from rtron.errors import SourceError
 
 Environ = Mapping[str, str]
@@ -63,7 +65,7 @@ class ProcessGroup:
 
     Each has a session of its own, so that ^C reaches this process only, and this one ends the
     others. SIGTERM and a closed terminal end this process as ^C does; nothing is heard while
-    processes are being ended.
+    processes are being ended. If this process is killed, a watchdog kills them.
     To be entered in the main thread.
     """
 
@@ -75,6 +77,13 @@ class ProcessGroup:
 
     def __enter__(self) -> "ProcessGroup":  # noqa: PYI034 - `Self` is not in Python 3.10
         self._signal_handling.__enter__()
+        self._watchdog = subprocess.Popen(
+            [sys.executable, "-m", "rtron.demos.runtime.processes"],
+            cwd=self._folder,
+            stdin=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
         return self
 
     def __exit__(
@@ -86,6 +95,7 @@ class ProcessGroup:
         try:
             self.end(tuple(self._running))
         finally:
+            self._watchdog.communicate()
             self._signal_handling.__exit__(kind, error, trace)
 
     def start(self, command: Command, environ: Environ, name: str = "") -> StartedProcess:
@@ -93,6 +103,7 @@ class ProcessGroup:
         self._count += 1
         log = self._folder / f"{self._count:02}-{name or Path(command[0]).name}.log"
         mark = uuid4().hex
+        print(mark, file=self._watchdog.stdin, flush=True)
         with log.open("wb") as output, defer_signals():
             popen = subprocess.Popen(  # noqa: S603 - the commands are the demo's own
                 [str(word) for word in command],
@@ -203,3 +214,71 @@ def _has_marker(folder: Path, markers: Collection[bytes]) -> bool:
         return not set((folder / "environ").read_bytes().split(b"\0")).isdisjoint(markers)
     except OSError:
         return False
+
+
+if __name__ == "__main__":
+    _kill_descendants(sys.stdin.read().split())
+
+
+_TERMINATION_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_STANDARD_ERROR = 2
+_NOTICE = "\nending what was started…\n".encode()
+_Handler = Callable[[int, FrameType | None], Any] | int | None
+
+
+@contextmanager
+def interrupt_on_signals() -> Iterator[None]:
+    """Let each raise KeyboardInterrupt within the block, also where a shell had it ignored.
+
+    It is said on standard error, since the end may take a while.
+
+    Only a SIGHUP that is ignored stays so: that is what nohup is for.
+    """
+    with _install_handler(_interrupt):
+        yield
+
+
+@contextmanager
+def defer_signals() -> Iterator[None]:
+    """Let none interrupt the block; one that comes counts when the block is over."""
+    pending: list[int] = []
+    try:
+        with _install_handler(lambda number, _: pending.append(number)):
+            yield
+    finally:
+        for number in pending[:1]:
+            signal.raise_signal(number)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    with suppress(OSError):  # a terminal that is closed
+        os.write(_STANDARD_ERROR, _NOTICE)  # Python's own stream may be in the midst of a line
+    signal.default_int_handler(number, frame)
+
+
+@contextmanager
+def _install_handler(handler: _Handler) -> Iterator[None]:
+    with _block_signals():
+        before = {number: signal.signal(number, handler) for number in _handled_signals()}
+    try:
+        yield
+    finally:
+        with _block_signals():
+            for number, old in before.items():
+                signal.signal(number, old)
+
+
+def _handled_signals() -> Iterator[signal.Signals]:
+    for number in _TERMINATION_SIGNALS:
+        if number is not signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:
+            yield number
+
+
+@contextmanager
+def _block_signals() -> Iterator[None]:
+    """Let them wait until the block is over, so that no handler is left half way."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _TERMINATION_SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

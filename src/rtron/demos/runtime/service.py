@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rtron.demos.metrics.guard_events import SECOND, Event
+from rtron.demos.metrics.case_run import SECOND, Event
 from rtron.demos.runtime.isolation import free_port
 from rtron.demos.runtime.polling import wait_for
 from rtron.demos.runtime.processes import ProcessGroup, StartedProcess

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import pi
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rtron.demos.world.ground_truth import Position
-from rtron.demos.world.scenes.scene import RoundObstacle, Scene
+from rtron.demos.world.scenes.scene import Pose, RoundObstacle, Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -74,3 +75,18 @@ def _to_discs(discs: Floats, at: Floats, rays: Floats) -> Floats:
 def _cross(a: Floats, b: Floats) -> Floats:
     crossed: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     return crossed
+
+
+RANGE_MIN, RANGE_MAX = 0.12, 3.5
+"""m."""
+RAYS = 360
+INCREMENT = 2 * pi / RAYS
+"""rad, counter-clockwise; the first ray goes straight ahead."""
+_ANGLES = np.linspace(0.0, 2 * pi, RAYS, endpoint=False)
+
+
+def scan(surfaces: Surfaces, pose: Pose) -> bytes:
+    """Return 360 ranges as little-endian float32, m; infinite where nothing is within reach."""
+    ranges = cast_rays(surfaces, pose[:2], pose[2] + _ANGLES).min(axis=1)
+    clipped = np.where(ranges > RANGE_MAX, np.inf, np.maximum(ranges, RANGE_MIN))
+    return clipped.astype("<f4").tobytes()

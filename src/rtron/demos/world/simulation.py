@@ -1,19 +1,20 @@
 """The world: one robot in one scene at a time, in steps of simulated time. It knows no sockets."""
 
+from dataclasses import dataclass
+from enum import Enum
 from math import dist
 
 import shapely
 from shapely import LineString, Point, Polygon
 
-from rtron.demos.world import camera, lidar, robot_base
+from rtron.demos.world import camera, ray_casting, robot_base
 from rtron.demos.world.ground_truth import GroundTruth, Position
 from rtron.demos.world.irsim_backend import IrSimBackend
-from rtron.demos.world.pedestrian import Pedestrian
 from rtron.demos.world.ray_casting import scene_surfaces
 from rtron.demos.world.robot_base import ZERO_VELOCITY, VelocityCommand
 from rtron.demos.world.scenes import geometry
 from rtron.demos.world.scenes.generator import make_scene
-from rtron.demos.world.scenes.scene import Scene
+from rtron.demos.world.scenes.scene import Crossing, Scene
 
 CAMERA_RATE = 10.0
 """Images a simulated second, if nobody asks for another rate."""
@@ -105,7 +106,7 @@ class RobotSimulation:
     def lidar_scan(self) -> bytes:
         """Return what the laser scanner measures now."""
         visible = self._surfaces.with_discs(self.people, robot_base.PEDESTRIAN_RADIUS)
-        return lidar.scan(visible, self._simulator.pose)
+        return ray_casting.scan(visible, self._simulator.pose)
 
     def camera_image(self) -> bytes:
         """Return what the camera sees now, rgb8."""
@@ -141,3 +142,85 @@ class RobotSimulation:
             dist(self._robot, position) - robot_base.PEDESTRIAN_RADIUS for position in self.people
         ]
         return max(0.0, min(around, *others, float("inf")) - robot_base.RADIUS)
+
+
+_NEAREST, _BEYOND = 0.6, 0.25
+"""How far from the nominal place a pedestrian may stand: this share of the walk, and m."""
+
+
+class WalkPhase(Enum):
+    """Where in the walk a pedestrian is."""
+
+    HIDDEN = "before"
+    APPROACHING = "coming"
+    PAUSING = "standing"
+    RETURNING = "leaving"
+    DONE = "gone"
+
+
+@dataclass(slots=True)
+class Pedestrian:
+    """A walk that happens once a run."""
+
+    crossing: Crossing
+    route: LineString
+    goal: Position
+    phase: WalkPhase = WalkPhase.HIDDEN
+    walked: float = 0.0
+    """m from the door."""
+    target_distance: float = 0.0
+    """m from the door to where the pedestrian will stand."""
+    paused: float = 0.0
+    """s."""
+
+    @property
+    def position(self) -> Position | None:
+        """Where the pedestrian is; None before and after the walk."""
+        if self.phase in {WalkPhase.HIDDEN, WalkPhase.DONE}:
+            return None
+        share = self.walked / self._length
+        (ax, ay), (bx, by) = self.crossing.start, self.crossing.stand
+        return ax + share * (bx - ax), ay + share * (by - ay)
+
+    def step(self, seconds: float, robot: Position) -> None:
+        """Live on for some seconds, with the robot at a place."""
+        if self.phase is WalkPhase.HIDDEN:
+            self._check_start(robot)
+        elif self.phase is WalkPhase.APPROACHING:
+            self._walk(seconds)
+        elif self.phase is WalkPhase.PAUSING:
+            self._pause(seconds)
+        elif self.phase is WalkPhase.RETURNING:
+            self._walk(-seconds)
+
+    @property
+    def _length(self) -> float:
+        return dist(self.crossing.start, self.crossing.stand)
+
+    def _check_start(self, robot: Position) -> None:
+        robot_progress = self.route.project(Point(robot))
+        stand_progress = self.route.project(Point(self.crossing.stand))
+        if stand_progress - self.crossing.trigger_distance <= robot_progress < stand_progress:
+            self.target_distance = self._crossing_distance(robot)
+            self.phase = WalkPhase.APPROACHING
+
+    def _walk(self, seconds: float) -> None:
+        self.walked += self.crossing.pace * seconds
+        if self.walked >= self.target_distance:
+            self.walked, self.phase = self.target_distance, WalkPhase.PAUSING
+        elif self.walked <= 0.0:
+            self.phase = WalkPhase.DONE
+
+    def _pause(self, seconds: float) -> None:
+        self.paused += seconds
+        if self.paused >= self.crossing.pause:
+            self.phase = WalkPhase.RETURNING
+
+    def _crossing_distance(self, robot: Position) -> float:
+        """Return how far it is to where the walk crosses the robot's line to its goal, m."""
+        (dx, dy), (sx, sy) = self.crossing.start, self.crossing.stand
+        gx, gy = self.goal[0] - robot[0], self.goal[1] - robot[1]
+        along = gx * (sy - dy) - gy * (sx - dx)
+        away = gy * (dx - robot[0]) - gx * (dy - robot[1])
+        distance = self._length * (away / along if along else 1.0)
+        return max(_NEAREST * self._length, min(self._length + _BEYOND, distance))

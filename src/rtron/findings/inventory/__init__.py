@@ -7,7 +7,7 @@ from dataclasses import replace
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.command_topics import STOPPING
 from rtron.findings.inventory.commands import AppCommands
-from rtron.findings.inventory.doors import doors
+from rtron.findings.inventory.doors import doors, operators
 from rtron.findings.inventory.limits import limits
 from rtron.findings.inventory.node_roles import (
     FIRMWARE_PACKAGES,
@@ -16,7 +16,7 @@ from rtron.findings.inventory.node_roles import (
     may_drive_unread,
 )
 from rtron.findings.inventory.stopping import Stopping, stopping
-from rtron.findings.inventory.things import vagueness
+from rtron.findings.inventory.things import part_of_name, vagueness
 from rtron.findings.measurement_names import moves_nothing
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
@@ -38,6 +38,8 @@ MOST_MOVERS = 12
 """With more lines, those of one thing are one."""
 _HOLDING = SWITCHES | {Thing.HEAD, Thing.GRIPPER, Thing.HORN}
 """What is told once, or holds what it was told: whether it stops when commands end says nothing."""
+_PLAIN = {Thing.BASE: Thing.DEVICE}
+"""What is more than nothing says."""
 _APART = SWITCHES | {Thing.DEVICE}
 
 
@@ -99,7 +101,14 @@ def _uncommanded_hardware(app: AppFacts, roles: NodeRoles, movers: list[Mover]) 
         ):
             thing = Thing.VEHICLE if roles.is_autopilot(node) else Thing.DEVICE
             links = doors(app, (node,))
-            yield Mover(thing=thing, commands=(), drivers=(node,), hardware=hardware, doors=links)
+            yield Mover(
+                thing=thing,
+                commands=(),
+                drivers=(node,),
+                hardware=hardware,
+                doors=links,
+                operators=operators(app, {node}),
+            )
 
 
 def _merged(
@@ -162,7 +171,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     senders = _nodes(each.senders for each in everything)
     endpoints = [end for each in topics for end in app.graph.subscribers(each.name)]
     return Mover(
-        thing=thing,
+        thing=_named(thing, topics, everything),
         commands=everything,
         drivers=drivers,
         hardware=tuple(dict.fromkeys(fact.value for fact in opened)),
@@ -170,12 +179,23 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
             dict.fromkeys(node for node, _ in behind if commands.forwarding.decides(node))
         ),
         doors=doors(app, drivers, senders),
+        operators=operators(app, {*drivers, *senders}),
         unread=unread,
         is_whole=not set(app.unread_nodes).difference(bridges(app)),
         stops=end.stops if end else Stops.UNKNOWN,
         stop=_why_it_stops(end, is_seen=is_seen) if end else "",
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),
     )
+
+
+def _named(thing: Thing, last: list[Command], commands: Iterable[Command]) -> Thing:
+    """Return what is moved: where the last topics do not say it, what stands behind them does."""
+    if thing in NO_MOTION or not last or any(part_of_name(c.name, c.type) for c in last):
+        return thing
+    behind = [part_of_name(c.name, c.type) for c in commands if c.hops and c.means is Means.TOPIC]
+    behind += [part_of_name(node, "") for each in last for node in each.senders]
+    named = set(filter(None, behind))
+    return next((each for each in Thing if each in named), _PLAIN.get(thing, thing))
 
 
 def _why_it_stops(end: Stopping, *, is_seen: bool) -> str:
@@ -196,9 +216,10 @@ def _distinct(commands: Iterable[Command]) -> tuple[Command, ...]:
 def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
     """Return commands in the order of harm, since reports tell the first of many only.
 
-    What is nearer to the hardware goes first, and of requests those that lead to most others, then
+    What is next to the hardware goes first, and of requests those that lead to most others, then
     to most topics; of topics those that somebody sends. Then comes what says more clearly that it
-    moves something. Mere signals come last, those that stop after those that start.
+    moves something, which comes first of what is behind. Mere signals come last, those that stop
+    after those that start.
     """
     sent: dict[str, list[Command]] = defaultdict(list)
     for each in commands:
@@ -212,10 +233,11 @@ def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
         is_topic = command.means is Means.TOPIC
         led = [] if is_topic else _led(command, sent)
         requests = sum(each.means is not Means.TOPIC for each in led)
-        first = (is_signal, is_signal and is_end, command.hops, order.index(command.means))
-        is_open = is_topic and not command.senders
         vague = vagueness(command.name, command.type, command.means)
-        return *first, -requests, -len(led), is_open, vague
+        first = (is_signal, is_signal and is_end, bool(command.hops), vague * bool(command.hops))
+        is_open = is_topic and not command.senders
+        last = (-requests, -len(led), is_open, vague)
+        return *first, command.hops, order.index(command.means), *last
 
     return tuple(sorted(commands, key=harm))
 

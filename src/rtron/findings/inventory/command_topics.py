@@ -8,10 +8,13 @@ from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.derived_commands import DerivedCommands
+from rtron.findings.inventory.message_flows import MessageFlows
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import (
     COMMAND_NAMES,
+    ORDERS,
     may_be_command,
+    may_switch,
     thing_of,
     thing_of_node,
 )
@@ -24,7 +27,6 @@ from rtron.vocabulary.names import snake_case
 
 _SURE_SWITCHES = frozenset({Thing.STOP, Thing.ARMING})
 _SIGNAL_SWITCHES = _SURE_SWITCHES | {Thing.POWER}
-_ORDERS = SIGNALS | {"std_msgs/String"}
 _RELEASES = re.compile(
     r"^(?:control_)?(?:en|dis)able$|^(?:stop|cancel|abort)_|heart_?beat|keep_?alive|dead_?man"
 )
@@ -35,7 +37,7 @@ _OF_BASE = re.compile(
     "drive|steer|wheel|base|chassis|omni|mecanum|ackermann|tricycle|bicycle", re.IGNORECASE
 )
 """Words in the classes of controllers that move a base: beside an arm, others move that."""
-_TWIST = "geometry_msgs/Twist"
+TWIST = "geometry_msgs/Twist"
 _JOY = "sensor_msgs/Joy"
 _HANDS = frozenset({"visualization_msgs/InteractiveMarkerFeedback"})
 """What a person does: with a joystick, and with a marker in a viewer."""
@@ -50,12 +52,12 @@ class CommandTopics:
 
     def command(self, topic: str, hops: int = 0) -> Command:
         """Return the command that a topic is."""
-        facts = self.app.facts.topic(topic)
+        facts, readers = self.app.facts.topic(topic), self._deriving.receivers(topic)
         return Command(
             means=Means.TOPIC,
             name=topic,
             type=facts.type,
-            receivers=self._deriving.receivers(topic),
+            receivers=tuple(n for n in readers if not self.flows.is_unused(n, topic)),
             senders=facts.publishers,
             hops=hops,
         )
@@ -96,6 +98,11 @@ class CommandTopics:
         return is_controlled and not any(map(_OF_BASE.search, programs))
 
     @cached_property
+    def flows(self) -> MessageFlows:
+        """What the messages lead to that nodes get."""
+        return MessageFlows(self.app)
+
+    @cached_property
     def ranks(self) -> dict[str, dict[str, str]]:
         """The priorities of the inputs of each arbiter."""
         return {node: priorities(self.app, node) for node in arbiters(self.app)}
@@ -105,7 +112,8 @@ class CommandTopics:
         """What each node that commands motion is itself commanded by."""
         found: dict[str, set[str]] = defaultdict(set)
         for end in self.app.graph.endpoints:
-            if end.direction is Direction.SUBSCRIBE and self._is_input(end):
+            is_unused = self.flows.is_unused(end.node, end.topic)
+            if end.direction is Direction.SUBSCRIBE and self._is_input(end) and not is_unused:
                 found[end.node].add(end.topic)
         return {node: tuple(sorted(topics)) for node, topics in found.items()}
 
@@ -125,7 +133,7 @@ class CommandTopics:
         """Return what a topic moves: a velocity that a driver obeys is no measurement."""
         type = self.app.facts.topic(topic).type
         is_obeyed = any(map(self.roles.may_obey, self.app.readers(topic)))
-        if normalise_type(type).startswith(_TWIST) and not is_obeyed and may_be_measured(topic):
+        if normalise_type(type).startswith(TWIST) and not is_obeyed and may_be_measured(topic):
             return None
         return thing_of(topic, type, Means.TOPIC)
 
@@ -143,7 +151,25 @@ class CommandTopics:
         found |= set(filter(self.unheard.leaves, self._things))
         for node in filter(self.roles.obeys, filter(self.roles.is_called_driver, self.app.nodes)):
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
-        return frozenset(found | self.releases | set(filter(self._switches, self._things)))
+        found |= set(filter(self._switches, self._things)) | self._pressed
+        return frozenset(found | self.releases)
+
+    @cached_property
+    def _pressed(self) -> set[str]:
+        """The signals that a driver gets from who commands its motion, whatever they are called."""
+        motion = filter(self._moves, self.app.motion_topics)
+        sides = (
+            (s, r) for t in motion for s in self.app.publishers(t) for r in self.app.readers(t)
+        )
+        commanding = {(sender, reader) for sender, reader in sides if self.roles.drives(reader)}
+        return {
+            topic
+            for topic in self.app.explicit_topics
+            if self.app.facts.topic(topic).type in SIGNALS and may_switch(topic)
+            for reader in self.app.readers(topic)
+            if not self.flows.is_unused(reader, topic)
+            and any((sender, reader) in commanding for sender in self.app.publishers(topic))
+        }
 
     @cached_property
     def releases(self) -> frozenset[str]:
@@ -176,7 +202,7 @@ class CommandTopics:
 
     def _switches(self, topic: str) -> bool:
         """Return whether a topic that somebody obeys stops, arms or ends the robot."""
-        is_signal = self.app.facts.topic(topic).type in _ORDERS
+        is_signal = self.app.facts.topic(topic).type in ORDERS
         is_switch = self._things[topic] in (_SURE_SWITCHES if not is_signal else _SIGNAL_SWITCHES)
         is_state = self.app.facts.classify(topic).domain is Domain.PERCEPTION
         readers = self.app.readers(topic)

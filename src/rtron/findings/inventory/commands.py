@@ -1,17 +1,18 @@
 """The commands of an app: what the nodes next to the hardware obey."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.command_topics import CommandTopics
+from rtron.findings.inventory.command_topics import TWIST, CommandTopics
 from rtron.findings.inventory.forwarding import Forwarding
-from rtron.findings.inventory.node_roles import NodeRoles
+from rtron.findings.inventory.node_roles import NodeRoles, may_drive_unread
 from rtron.findings.inventory.requests import actions, services
-from rtron.findings.inventory.things import COMMAND_NAMES, thing_of
-from rtron.vocabulary import ActionRole, Trust
+from rtron.findings.inventory.things import COMMAND_NAMES, PARTS, thing_of, thing_of_node
+from rtron.findings.motion.network_bridge import bridges
+from rtron.vocabulary import ActionRole, Trust, normalise_type
 from rtron.vocabulary.inventory import NO_MOTION, SWITCHES, Command, Means, Thing
 
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
@@ -55,10 +56,44 @@ class AppCommands:
             )
             is_command = not (is_report or is_feedback)
             has_sides = bool(receivers or is_sent) and is_command and not self._is_operated(command)
+            is_idle = is_vague or topic in self._unobeyed_velocities
             if topic in self.topics.locks | self.topics.releases or (
-                has_sides and not (is_vague or self._is_forwarded(thing, command))
+                has_sides and not (is_idle or self._is_forwarded(thing, command))
             ):
-                yield self._as_driven(thing, command)
+                yield from self._by_part(*self._as_driven(thing, command))
+
+    @cached_property
+    def _unobeyed_velocities(self) -> frozenset[str]:
+        """The velocities that nobody here obeys, though the base does others that are alike."""
+        velocities = (topic for topic in self._command_topics if self._is_velocity(topic))
+        sides = {topic: self.topics.command(topic).receivers for topic in velocities}
+        others = set(self.app.unread_nodes).difference(bridges(self.app))
+        unread = (self.app.nodes[name] for name in others)
+        is_driven = any(map(self.roles.drives, chain.from_iterable(sides.values())))
+        if not is_driven or any(map(may_drive_unread, unread)):
+            return frozenset()
+        return frozenset(topic for topic, receivers in sides.items() if not receivers)
+
+    def _is_velocity(self, topic: str) -> bool:
+        is_twist = normalise_type(self.app.facts.topic(topic).type).startswith(TWIST)
+        return is_twist and self.topics.thing_of(topic) is Thing.BASE
+
+    def _leads_nowhere(self, node: str) -> bool:
+        """Return whether a node commands by velocities alone that nobody obeys."""
+        sent = {end.topic for end in self.app.graph.published_by(node)}
+        commands = sent.intersection(self._command_topics)
+        return bool(commands) and commands <= self._unobeyed_velocities
+
+    def _by_part(self, thing: Thing, command: Command) -> Iterator[tuple[Thing, Command]]:
+        """Yield a command for each part of the robot whose nodes are called like it, and the rest.
+
+        A command that tells itself which part it moves is one.
+        """
+        parts = {node: thing_of_node(node) or thing for node in command.receivers}
+        is_one = thing in PARTS or len(set(parts.values())) < 2  # noqa: PLR2004 - two differ
+        for each in [thing] if is_one else sorted(set(parts.values())):
+            nodes = tuple(node for node, part in parts.items() if is_one or part is each)
+            yield each, replace(command, receivers=nodes)
 
     def _is_operated(self, command: Command) -> bool:
         """Return whether a person's joystick sends what no hardware here obeys: it is behind."""
@@ -99,7 +134,8 @@ class AppCommands:
             services(graph, drivers | self._commanders, devices, viewers),
             actions(graph, self._active, viewers),
         ):
-            if not self._is_idle_service(thing, command):
+            is_dead = bool(command.receivers) and all(map(self._leads_nowhere, command.receivers))
+            if not (is_dead or self._is_idle_service(thing, command)):
                 yield self._as_driven(thing, command)
 
     def _is_idle_service(self, thing: Thing, command: Command) -> bool:

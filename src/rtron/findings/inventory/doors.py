@@ -1,6 +1,6 @@
 """The doors of an app: what lets others than its ROS nodes command it, from a network."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.motion.network_bridge import bridges
@@ -25,3 +25,9 @@ def _own_doors(app: AppFacts, drivers: frozenset[str], senders: frozenset[str]) 
         nodes = drivers if fact.value == "MAVLink link" else drivers | senders
         if fact.kind is WiringFactKind.SOCKET and fact.subject in nodes:
             yield f"{fact.subject} ({fact.value})"
+
+
+def operators(app: AppFacts, nodes: Collection[str]) -> tuple[str, ...]:
+    """Return which of some nodes a person commands beside ROS, each with what he does it by."""
+    facts = (fact for fact in app.graph.wiring if fact.kind is WiringFactKind.OPERATOR)
+    return tuple(f"{fact.subject} ({fact.value})" for fact in facts if fact.subject in nodes)

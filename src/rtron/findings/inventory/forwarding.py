@@ -1,7 +1,7 @@
 """Who makes another command of one: what stands behind the last command before the hardware."""
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain, filterfalse
@@ -30,14 +30,21 @@ class Forwarding:
         while pending:
             node, hops = pending.pop(0)
             ranks = self.topics.ranks.get(node, {})
-            for topic in () if self.topics.roles.drives(node) else self.topics.inputs.get(node, ()):
-                if topic not in seen and not self.is_feedback(topic):
+            for topic in self._inputs(node, seen):
+                if topic not in seen:
                     seen.add(topic)
                     found = self.topics.command(topic, hops)
                     yield node, replace(found, priority=ranks.get(topic, ""))
                     further = [n for n in found.senders if n not in visited and hops < _MOST_HOPS]
                     visited.update(further)
                     pending += [(each, hops + 1) for each in further]
+
+    def _inputs(self, node: str, led: Collection[str]) -> tuple[str, ...]:
+        """Return what a node without hardware is commanded by, or made to send what is led."""
+        if self.topics.roles.drives(node):
+            return ()
+        inputs = filterfalse(self.is_feedback, self.topics.inputs.get(node, ()))
+        return tuple(dict.fromkeys((*inputs, *self.topics.flows.leading(node, led))))
 
     def goals(self, actions: Iterable[Command]) -> Iterator[Command]:
         """Yield the topics from which the servers of actions take goals, too."""
@@ -47,13 +54,20 @@ class Forwarding:
                     yield self.topics.command(topic, 1)
 
     def buttons(self, requests: Iterable[Command]) -> Iterator[Command]:
-        """Yield the signals, texts and joysticks that tell those who call services and actions."""
+        """Yield the signals, texts and joysticks that tell those who call services and actions.
+
+        So does what makes them call, and stands behind all else.
+        """
+        requests = tuple(requests)
+        names = {each.name for each in requests}
         for node in dict.fromkeys(node for each in requests for node in each.senders):
-            commands = map(self.topics.command, self.topics.inputs.get(node, ()))
-            for each in () if self.topics.roles.drives(node) else commands:
+            leading = {*self.topics.flows.leading(node, names)}
+            for each in map(self.topics.command, self._inputs(node, names)):
                 is_pressed = each.type in SIGNALS or self.topics.is_by_hand(each.type)
                 if is_pressed or is_order(each.name, each.type):
                     yield replace(each, hops=1)
+                elif each.name in leading:
+                    yield replace(each, hops=_MOST_HOPS)
 
     def decides(self, node: str) -> bool:
         """Return whether a node decides between commands: an arbiter, or one that takes several."""

@@ -15,8 +15,14 @@ _LIMIT = re.compile(
     re.IGNORECASE,
 )
 _RECONFIGURE = "dynamic_reconfigure/Reconfigure"
-_LIMITERS = frozenset({"nav2_velocity_smoother", "nav2_controller", "nav2_collision_monitor"})
-"""Packages whose nodes have limits that can be set, also where the app leaves their defaults."""
+_LIMITERS = frozenset(
+    {"nav2_velocity_smoother", "nav2_controller", "nav2_collision_monitor"}
+    | {"joint_trajectory_controller"}
+)
+"""Packages whose nodes have limits that can be set, also where the app leaves their defaults.
+
+A controller of trajectories takes its gains and tolerances anew at each update, too.
+"""
 
 
 def limits(app: AppFacts, commands: AppCommands) -> Mover | None:

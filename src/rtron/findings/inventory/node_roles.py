@@ -33,7 +33,7 @@ _SHOWING = r"lights?|leds?|lcd|sound|display\w*|speech\w*"
 """Words in the names of nodes that show or sound, also where they open hardware for it."""
 _LISTENERS = re.compile(
     r"(?:filter|locali[sz]|odom|estimat|ekf|record|visuali|plot|marker)\w*"
-    rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|collector|status|web(?:site|page|app)?|reports?"
+    rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|debug|collector|status|web(?:site|page|app)?|reports?"
 )
 """Words in the names of nodes that hear commands and obey none."""
 MOVING_HARDWARE = frozenset({"motor controller", "vehicle link", "servo bus", "EtherCAT"})

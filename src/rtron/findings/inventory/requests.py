@@ -50,7 +50,8 @@ def services(
         if thing is None and not servers.isdisjoint(drivers) and may_be_command(name, type):
             thing = Thing.DEVICE
         if thing is not None and not _is_unnamed(name):
-            yield thing, _command(Means.SERVICE, name, type, servers, callers_of[name])
+            callers = callers_of[name] - servers
+            yield thing, _command(Means.SERVICE, name, type, servers, callers)
 
 
 def actions(

@@ -41,7 +41,7 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.TOOL, "vacuum spray sprayer brush conveyor winch intake feeder lift magnet vibration"),
     (Thing.HORN, "horn buzzer siren beep"),
     (Thing.GRIPPER, "gripper grippers claw finger fingers hands grasp"),
-    (Thing.HEAD, "head pan pano tilt ptz gimbal neck mast camera_control camera_cmd"),
+    (Thing.HEAD, "head pan pano tilt ptz gimbal neck mast camera_control camera_cmd mount_control"),
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
     (Thing.CONTROLLERS, "switch_controller"),
@@ -60,18 +60,26 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.DEVICE, "actuator actuators execute exec"),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
-_PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
+PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
 _GENERIC = frozenset(
     ("goal", "go", "goto", "move", "path", "speed", "motor", "motors", "servo", "servos", "pwm")
 )
 """What any part of a robot may have: in `/arm/goal` the part before it is what moves."""
+_ANY_PART = re.compile(r"servos?(?![a-z])|pwm")
 _VAGUE = (None, Thing.DEVICE, Thing.MODE)
 """What a name may say that a type says better."""
 _CONTROLS = re.compile(r"_(?:control|cmd|command)$")
 """How the names of commands end: what stands before it tells who commands, as in `manual_cmd`."""
 COMMAND_NAMES = re.compile(r"cmd|command|setpoint|desired|_out$|^out")
 """What in a name says that it is a command."""
+ORDERS = SIGNALS | {"std_msgs/String"}
+"""Types that may order anything."""
 _COMMAND_TYPE = re.compile(r"/\w*(?:Command|Cmd|Setpoint)")
+_NEAR_ACTUATORS = re.compile(
+    r"actuator|motor|(?:^|/)rc(?:[/_]|$)|manual_control|thrust|attitude|rates?(?:[/_]|$)"
+    r"|(?:^|[/_])raw(?:[/_]|$)|vel(?:[/_]|ocity|$)|effort|torque|pwm|rpm|throttle"
+)
+"""Words of what is set nearer to the actuators than a position or a goal is."""
 _LIMIT_WORDS = re.compile(r"max_?(?:vel|speed|acc)|(?:vel|velocity|speed)_limit")
 _ARMING = re.compile(r"^(?:dis)?arm$|(?:dis|en)able_?motors?|motors?_(?:en|dis)able")
 _ASKING = "get|list|query|is|has|check|read"
@@ -119,7 +127,8 @@ _HARMLESS_TYPES = re.compile(
     rf"(?:{_HARMLESS_PACKAGES})(?:_msgs)?/|sensor_msgs/(?!(?:JointState|Joy)$)"
     r"|geometry_msgs/\w+WithCovariance"
     r"|mavros_msgs/(?:RCIn$|\w*State$|Param(?!Set)|File|RTCM|StreamRate$|MessageInterval$"
-    r"|VehicleInfo|Waypoint(?:Pull|Clear)|Log)"
+    r"|VehicleInfo|Waypoint(?:Pull|Clear)|Log|ADSBVehicle|CommandAck|CommandTrigger|DebugValue"
+    r"|PlayTune|SetMavFrame|StatusText|Tunnel)"
     r"|moveit_msgs/(?:Apply|Change|Set|Save|Load|Rename|Delete|Display"
     r"|\w*(?:PlanningScene|CollisionObj))|nav2_msgs/(?:Clear|Get|Is|Load|Save|Dump|Reload)"
 )
@@ -146,6 +155,13 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
     return usual or named or (Thing.DEVICE if is_command else None)
 
 
+def part_of_name(name: str, type: str) -> Thing | None:
+    """Return which part of a robot a topic says to move; a servo may be of any."""
+    found = thing_of(_ANY_PART.sub("", name), type, Means.TOPIC)
+    is_vague = found in _VAGUE or found in NO_MOTION
+    return part_of_states(name, type) if is_vague else found
+
+
 def is_order(name: str, type: str) -> bool:
     """Return whether a topic carries orders in words, which its name says."""
     last = _last_part(name)
@@ -161,17 +177,22 @@ def _is_control(last: str, type: str, means: Means) -> bool:
 
 
 def vagueness(name: str, type: str, means: Means) -> int:
-    """Return how little a name and a type say that something moves: 0 for a topic of commands."""
-    is_topic = means is Means.TOPIC
-    if is_topic and (COMMAND_NAMES.search(name) or _by_type(_plain_type(type), _USUAL_TYPES)):
-        return 0
-    return 1 + (_by_words(name) in _VAGUE)
+    """Return how little a name and a type say that something moves: 0 for what sets actuators.
+
+    A head that turns is less than what it sits on.
+    """
+    named, type = _by_words(name), _plain_type(type)
+    if named is Thing.HEAD:
+        return 5
+    if means is Means.TOPIC and (COMMAND_NAMES.search(name) or _by_type(type, _USUAL_TYPES)):
+        return int(not _NEAR_ACTUATORS.search(snake_case(name)))
+    return 3 + (named in _VAGUE and _by_words(_last_part(type)) in _VAGUE)
 
 
 def thing_of_node(name: str) -> Thing | None:
     """Return what a node moves, as far as its name tells more than that it moves something."""
     found = _by_words(name.rpartition("/")[2])
-    return found if found in _PARTS else None
+    return found if found in PARTS else None
 
 
 def part_of_states(name: str, type: str) -> Thing | None:
@@ -202,6 +223,11 @@ def may_be_command(name: str, type: str) -> bool:
     """Return whether what a driver hears may be a command, whatever neither name nor type says."""
     is_other = _ON_REQUEST.search(_last_part(name)) or _SHOWS.search(name.lower())
     return not (is_other or is_harmless(name, type) or _is_of_nav2(_plain_type(type)))
+
+
+def may_switch(name: str) -> bool:
+    """Return whether a signal may switch more than what shows or sounds."""
+    return not (_ON_REQUEST.search(_last_part(name)) or _SHOWS.search(name.lower()))
 
 
 def may_be_derived(name: str, type: str) -> bool:
@@ -240,7 +266,7 @@ def _by_words(name: str) -> Thing | None:
         if EMERGENCY_STOP.search(part):
             return Thing.STOP
         thing = next((t for t, known in _WORDS if not words.isdisjoint(known.split())), None)
-        if thing not in {None, Thing.DEVICE} and (found is not Thing.BASE or thing in _PARTS):
+        if thing not in {None, Thing.DEVICE} and (found is not Thing.BASE or thing in PARTS):
             found = thing
             if words.isdisjoint(_GENERIC):
                 break

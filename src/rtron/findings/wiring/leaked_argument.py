@@ -7,7 +7,8 @@ stays set for the files after it. One that declares an argument of the same name
 its own default.
 
 For example, `front.launch.py` and `rear.launch.py` each declare `scan_topic` with another default:
-both lidars publish `front/scan`.
+both lidars publish `front/scan`. So does a namespace stay that a file pushes outside of a group:
+included twice, the second robot is in `/one/two`.
 
 ## What to do
 

@@ -1,28 +1,38 @@
-"""A lifecycle manager waits for a node that is not there.
+"""A lifecycle manager waits for a node that is not there, or does not know one.
 
 ## What it finds
 
 A name in the `node_names` of a lifecycle manager of Nav2 that no node of the launch has. The
-manager waits for it and activates none of the others.
+manager waits for it and activates none of the others. Or the launch starts a lifecycle node that
+nobody configures and activates, while a manager does so for others: it publishes nothing.
 
 For example, `/lifecycle_manager` manages `/recoveries_server`, and the launch starts
 `/behavior_server`.
 
 ## What to do
 
-Start the node, correct its name or namespace, or remove it from `node_names`.
+Start the node, correct its name or namespace, or remove it from `node_names`. Add one that lacks.
 
 ## When it is silent
 
 Below `pedantic`, where something was not read, or where the launch starts no other node of the
-manager and no lifecycle node of a near name.
+manager and no lifecycle node of a near name. A node that no manager lists is none where something
+was not read, where a launch file changes states by events, and if it changes its own.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
 
 from rtron.findings.app_facts import AppFacts, near_names
 from rtron.findings.rule import FindingRule, make_finding
-from rtron.vocabulary import Certainty, Consequence, Finding, Service, ServiceClient, fits_open_name
+from rtron.vocabulary import (
+    Certainty,
+    Consequence,
+    Finding,
+    Service,
+    ServiceClient,
+    WiringFactKind,
+    fits_open_name,
+)
 from rtron.wording import join_names
 
 _MANAGER = "nav2_lifecycle_manager"
@@ -40,6 +50,35 @@ def check(app: AppFacts) -> Iterator[Finding]:
         if missing:
             is_in_part = len(missing) < len(names)
             yield _finding(app, manager, missing, unmanaged, is_in_part=is_in_part)
+    is_open = any(fact.kind is WiringFactKind.TRANSITION for fact in app.graph.wiring)
+    is_all = app.nodes.keys() >= {name for names in managed.values() for name in names}
+    if app.is_whole and is_all and not is_open and len(managers) == 1:
+        yield from _not_listed(app, managers[0], managed[managers[0]])
+
+
+def _not_listed(app: AppFacts, manager: str, managed: list[str]) -> Iterator[Finding]:
+    """Yield a finding for the nodes of other programs than a manager's whom nobody activates."""
+    programs = {(app.nodes[each].package, app.nodes[each].executable) for each in managed}
+    others = set(_nodes(app.graph.services)).difference(_nodes(app.graph.clients))
+    idle = [
+        each
+        for each in sorted(others & app.nodes.keys())
+        if (app.nodes[each].package, app.nodes[each].executable) not in programs
+    ]
+    if idle and managed:
+        names = join_names(idle)
+        yield make_finding(
+            RULE.name,
+            idle[0],
+            summary=f"nobody configures and activates {names}",
+            cause=f"the node_names of {manager} are {join_names(managed)}",
+            remedy=f"add {names} to node_names of {manager}",
+            consequence=Consequence.FAILURE,
+            certainty=Certainty.LIKELY,
+            nodes=(*idle, manager),
+            topics=[f"{name}{_CALLED[0]}" for name in idle],
+            evidence=(*app.node_evidence(idle), *app.node_evidence([manager])),
+        )
 
 
 def is_managing(app: AppFacts, node: str, service: str) -> bool:
@@ -89,7 +128,7 @@ def _finding(
 
 RULE = FindingRule(
     name="missing_managed_node",
-    title="A lifecycle manager waits for a node that is not there",
+    title="A lifecycle manager waits for a node that is not there, or does not know one",
     consequence="failure: likely where the launch starts other nodes of it, else possible",
     since="0.1.0",
     check=check,

@@ -3,8 +3,9 @@
 ## What it finds
 
 Two nodes publish one clock, or one map: time jumps, and the robot plans now with the one map, now
-with the other. Or two nodes, nodelets or components of one program publish one topic, while their
-other topics differ: the launch forgot to give it a name of its own.
+with the other. Or a node publishes joint states beside `joint_state_publisher`, which sends a value
+of its own, mostly zero, for each joint. Or two nodes, nodelets or components of one program publish
+one topic, while their other topics differ: the launch forgot to give it a name of its own.
 
 For example, `/slam_toolbox` and `/map_server` both publish `/map`; or the nodelets `left_camera`
 and `right_camera` both publish `/image`.
@@ -15,9 +16,9 @@ Start one of them, or remap the topic for each.
 
 ## When it is silent
 
-Where a condition that is not known may exclude one; for diagnostics, transforms, joint states,
-bonds and logs. Commands of motion belong to `several_publishers`. Instances of one program are
-`pedantic`.
+Where a condition that is not known may exclude one; for diagnostics, transforms, bonds and logs,
+and for joint states without a `joint_state_publisher`. Commands of motion belong to
+`several_publishers`. Instances of one program are `pedantic`.
 """
 
 from collections.abc import Iterator
@@ -71,7 +72,7 @@ def _finding(group: WiringGroup) -> Finding:
 RULE = FindingRule(
     name="shared_output",
     title="Two nodes publish a topic that should have one source",
-    consequence="failure: likely for a clock or a map, else possible",
+    consequence="failure: likely for a clock, a map or joints, else possible",
     since="0.1.0",
     check=check,
 )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rtron.functions.classifier.confidence import function_probabilities
 from rtron.functions.classifier.package_stack import (
     functional_packages,
     repository_functions,
@@ -18,10 +17,14 @@ from rtron.functions.classifier.result import (
     InformationSource,
     RuleEvidence,
 )
-from rtron.functions.classifier.scores import FunctionScores, score_package_code, score_texts
-from rtron.functions.text.descriptions import description_tokens
+from rtron.functions.classifier.scores import (
+    FunctionScores,
+    function_probabilities,
+    score_package_code,
+    score_texts,
+)
 from rtron.functions.text.names import name_tokens
-from rtron.functions.text.prose import readme_tokens
+from rtron.functions.text.prose import description_tokens, readme_tokens
 from rtron.vocabulary import FunctionType
 
 if TYPE_CHECKING:

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 from rtron.functions.classifier.result import InformationSource
 from rtron.functions.rules.code_rules import match_code, package_facts
 from rtron.functions.rules.loader import load_rule_index
-from rtron.functions.text.descriptions import description_tokens
 from rtron.functions.text.names import name_tokens
-from rtron.functions.text.prose import readme_tokens
+from rtron.functions.text.prose import description_tokens, readme_tokens
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

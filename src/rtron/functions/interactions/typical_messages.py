@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any
 
 from rtron.functions.domains import DOMAIN_BY_TYPE
-from rtron.functions.package_data import load_package_yaml
+from rtron.functions.repository import load_package_yaml
 from rtron.vocabulary import Domain, FunctionType, RecognitionSubfunction
 
 SENSORS = FunctionType.SENSORS.value

@@ -6,7 +6,7 @@ from pathlib import Path
 import yaml
 
 from rtron.errors import InputError
-from rtron.functions.reading import fields
+from rtron.functions.reading import json_lines
 from rtron.functions.reading.json_lines import Document
 from rtron.functions.reading.skipped_entries import SkippedHandler, read_or_skip
 from rtron.functions.repository import SourcePackage, SourceRepository
@@ -38,7 +38,7 @@ def read_distribution(path: Path, on_skipped: SkippedHandler) -> Iterator[Source
         help = "give a distribution.yaml of rosdistro, a corpus in JSON lines, or a folder"
         raise InputError("lists no repositories", path=str(path), help=help)
     for name, entry in listed.items():
-        location = f"{path}: {str(name)[: fields.MAX_NAME]}"
+        location = f"{path}: {str(name)[: json_lines.MAX_NAME]}"
         repository = read_or_skip(
             on_skipped,
             location,
@@ -53,12 +53,14 @@ def read_distribution(path: Path, on_skipped: SkippedHandler) -> Iterator[Source
 
 def _listed_entry(listed: Document, location: str, on_skipped: SkippedHandler) -> SourceRepository:
     name, entry = (
-        fields.required_name(listed, "repo"),
-        fields.required_object(listed["entry"], "the entry"),
+        json_lines.required_name(listed, "repo"),
+        json_lines.required_object(listed["entry"], "the entry"),
     )
-    sections = {key: fields.required_object(entry[key], key) for key in _SECTIONS if entry.get(key)}
-    urls = (fields.optional_text(section, "url") for section in sections.values())
-    packages = fields.first_packages(_packages(name, sections), location, on_skipped)
+    sections = {
+        key: json_lines.required_object(entry[key], key) for key in _SECTIONS if entry.get(key)
+    }
+    urls = (json_lines.optional_text(section, "url") for section in sections.values())
+    packages = json_lines.first_packages(_packages(name, sections), location, on_skipped)
     return SourceRepository(
         name=name,
         packages=tuple(SourcePackage(name=each) for each in packages),
@@ -70,5 +72,5 @@ def _packages(name: str, sections: dict[str, Document]) -> list[str]:
     """Return the released packages; the one package of a release has its repository's name."""
     if "release" not in sections:
         return []
-    listed = fields.optional_list(sections["release"], "packages")
-    return [fields.required_name({"a package": each}, "a package") for each in listed] or [name]
+    listed = json_lines.optional_list(sections["release"], "packages")
+    return [json_lines.required_name({"a package": each}, "a package") for each in listed] or [name]

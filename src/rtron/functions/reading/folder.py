@@ -7,8 +7,8 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.folders import IGNORE_MARKERS, path_exists, walk
-from rtron.functions.reading import fields
-from rtron.functions.reading.fields import MAX_NAME, MAX_TEXT
+from rtron.functions.reading import json_lines
+from rtron.functions.reading.json_lines import MAX_NAME, MAX_TEXT
 from rtron.functions.reading.skipped_entries import (
     SkippedEntry,
     SkippedHandler,
@@ -93,7 +93,7 @@ def read_folders(top: Path, on_skipped: SkippedHandler) -> Iterator[SourceReposi
     The folder of a repository may be a link, and counts by its own name. No link in it leads on.
     """
     for folder in repository_folders(top):
-        package_folders = fields.first_packages(
+        package_folders = json_lines.first_packages(
             _first_package_folders(folder, on_skipped), str(folder), on_skipped
         )
         if package_folders:
@@ -132,7 +132,7 @@ def _first_package_folders(folder: Path, on_skipped: SkippedHandler) -> list[Pat
     """Return up to MAX_PACKAGES + 1 folders of packages; the first that is not read is noted."""
     unread: list[SkippedEntry] = []
     package_folders = _package_folders(folder, unread)
-    folders = list(islice(package_folders, fields.MAX_PACKAGES + 1))
+    folders = list(islice(package_folders, json_lines.MAX_PACKAGES + 1))
     for skipped in unread[:1]:
         on_skipped(skipped)
     return folders
@@ -161,7 +161,7 @@ def _repository(
 
 
 def _repository_name(folder: Path) -> str:
-    return os.path.basename(os.path.abspath(folder))[: fields.MAX_NAME] or "/"  # noqa: PTH100, PTH119 - a link's own
+    return os.path.basename(os.path.abspath(folder))[: json_lines.MAX_NAME] or "/"  # noqa: PTH100, PTH119 - a link's own
 
 
 def _package_folders(top: Path, skipped: list[SkippedEntry]) -> Iterator[Path]:

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.folders import is_folder
-from rtron.functions.reading import fields
+from rtron.functions.reading import json_lines
 from rtron.functions.reading.json_lines import Document, read_json_lines
 from rtron.functions.reading.skipped_entries import (
     SkippedCounter,
@@ -118,29 +118,29 @@ def read_readmes(path: Path, on_skipped: SkippedHandler) -> dict[str, str]:
 
 
 def _readme(document: Document) -> tuple[str, str]:
-    return fields.required_name(document, "repo"), fields.optional_text(document, "readme")
+    return json_lines.required_name(document, "repo"), json_lines.optional_text(document, "readme")
 
 
 def _entry(document: Document, location: str, on_skipped: SkippedHandler) -> SourceRepository:
-    packages = fields.first_packages(
-        fields.optional_list(document, "packages"), location, on_skipped
+    packages = json_lines.first_packages(
+        json_lines.optional_list(document, "packages"), location, on_skipped
     )
     return SourceRepository(
-        name=fields.required_name(document, "repo"),
+        name=json_lines.required_name(document, "repo"),
         packages=tuple(map(_package, packages)),
-        readme=fields.optional_text(document, "readme"),
-        url=fields.optional_text(document, "url"),
+        readme=json_lines.optional_text(document, "readme"),
+        url=json_lines.optional_text(document, "url"),
     )
 
 
 def _package(entry: object) -> SourcePackage:
-    document = fields.required_object(entry, "a package")
+    document = json_lines.required_object(entry, "a package")
     is_placeholder = document.get("placeholder") is True
-    depends = fields.optional_list(document, "depends")
+    depends = json_lines.optional_list(document, "depends")
     if not all(isinstance(each, str) for each in depends):
         raise UnreadableEntryError("depends holds what is no text")
     return SourcePackage(
-        name=fields.required_name(document, "name"),
-        description="" if is_placeholder else fields.optional_text(document, "description"),
+        name=json_lines.required_name(document, "name"),
+        description="" if is_placeholder else json_lines.optional_text(document, "description"),
         depends=tuple(depends),
     )

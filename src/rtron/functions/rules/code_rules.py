@@ -7,13 +7,17 @@ from fnmatch import fnmatchcase
 from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
 
-from rtron.functions.package_data import load_package_yaml
+from rtron.functions.patterns.syntax_tree import matches_at
+from rtron.functions.repository import load_package_yaml
 from rtron.vocabulary import FunctionType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from rtron.functions.classifier.result import InformationSource
+    from rtron.functions.patterns.syntax_tree import PatternNode
     from rtron.functions.repository import SourcePackage
+    from rtron.functions.text.tokens import Tokens
 
 Facts: TypeAlias = frozenset[str]
 """Facts of a package, each a kind and a name: `depends joy`, `publishes sensor_msgs/Joy`."""
@@ -98,3 +102,34 @@ def _alternatives(line: str) -> tuple[str, ...]:
         kind = named or kind
         patterns.append(f"{kind} {name}")
     return tuple(patterns)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FunctionRule:
+    """Tells a type where a pattern matches in a piece that counts, and no veto does.
+
+    `weight` is from 1, a hint, over 3, enough alone, to 9: stronger than what else is there.
+    `matches_at` and `excludes` are examples, which tests run.
+    """
+
+    id: str
+    type: FunctionType
+    weight: float
+    patterns: tuple[PatternNode, ...]
+    sources: frozenset[InformationSource]
+    vetoes: tuple[PatternNode, ...] = ()
+    matches: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
+
+    def matches_text(self, tokens: Tokens) -> bool:
+        """Tell whether a pattern matches in a name or sentence, and no veto does."""
+        return _matches_anywhere(self.patterns, tokens) and not self.is_vetoed(tokens)
+
+    def is_vetoed(self, tokens: Tokens) -> bool:
+        """Tell whether a veto matches anywhere in a name or sentence."""
+        return _matches_anywhere(self.vetoes, tokens)
+
+
+def _matches_anywhere(nodes: tuple[PatternNode, ...], tokens: Tokens) -> bool:
+    starts = range(len(tokens.words))
+    return any(matches_at(node, tokens, start) for node in nodes for start in starts)

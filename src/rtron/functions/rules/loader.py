@@ -11,9 +11,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from rtron.errors import InputError
 from rtron.functions.classifier.result import InformationSource
-from rtron.functions.patterns.index import PatternIndex
 from rtron.functions.patterns.parser import parse_pattern
-from rtron.functions.rules.rule import FunctionRule
+from rtron.functions.patterns.syntax_tree import PatternIndex
+from rtron.functions.rules.code_rules import FunctionRule
 from rtron.vocabulary import FunctionType
 
 if TYPE_CHECKING:

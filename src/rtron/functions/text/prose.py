@@ -79,3 +79,16 @@ def _useless_level(heading: re.Match[str], parent_level: int) -> int:
     return (
         level if _USELESS_HEADING.search(heading["title"] or heading["under"] or "") else _NO_LEVEL
     )
+
+
+_MAX_DESCRIPTION_CHARACTERS = 4000
+_MAX_DESCRIPTION_SENTENCES = 12
+_NOISE = re.compile(r"<[^<>]{0,200}>|https?://\S+")
+_PLACEHOLDER = re.compile(r"(?:the\s+)?[\w-]+\s+(?:meta-?)?package\.?", re.IGNORECASE)
+
+
+def description_tokens(description: str) -> Iterator[Tokens]:
+    """Yield the sentences of a description; none if it is a placeholder (`The foo package`)."""
+    text = _NOISE.sub(" ", description[:_MAX_DESCRIPTION_CHARACTERS]).strip()
+    if not _PLACEHOLDER.fullmatch(text):
+        yield from split_sentences(text, _MAX_DESCRIPTION_SENTENCES)

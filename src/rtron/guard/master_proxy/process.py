@@ -12,7 +12,7 @@ from rtron.guard.system.process_attributes import allow_many_files
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.vocabulary import Plan
 from rtron.vocabulary.topic_access import list_topic_access
-from rtron.wire.ros1.host_address import bind_address
+from rtron.wire.ros1.network import bind_address
 
 log = logging.getLogger(__name__)
 

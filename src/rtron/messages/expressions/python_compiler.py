@@ -15,10 +15,10 @@ from rtron.messages.expressions import python_functions as functions
 from rtron.messages.expressions.errors import CheckError
 from rtron.messages.expressions.frames import is_point
 from rtron.messages.expressions.functions import RESERVED
-from rtron.messages.expressions.python_literals import literal_value
-from rtron.messages.expressions.python_parser import (
+from rtron.messages.expressions.python_literals import (
     argument_nodes,
     bracket_count,
+    literal_value,
     parse,
     unwrapped,
     variable_name,

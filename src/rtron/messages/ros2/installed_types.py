@@ -13,8 +13,7 @@ from pathlib import Path
 
 from rtron.errors import InputError, SourceError
 from rtron.messages.common.definition import PRIMITIVES
-from rtron.messages.common.definition_lines import parse_sections
-from rtron.messages.common.definition_parser import MAX_TEXT
+from rtron.messages.common.definition_parser import MAX_TEXT, parse_sections
 
 MAX_FILE_BYTES = 1 << 22
 """The longest file of the index, or description of a type, that is read, bytes."""

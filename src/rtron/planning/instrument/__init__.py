@@ -1,10 +1,10 @@
 """Makes an app's launch file a guarded one, without a change to any node."""
 
-from rtron.planning.instrument.common.file_writer import write_guarded_launch
 from rtron.planning.instrument.common.guarded_launch import (
     EnforcementGap,
     GuardedLaunch,
     PlacedRemap,
+    write_guarded_launch,
 )
 from rtron.planning.instrument.ros1.instrumentation import instrument_ros1
 from rtron.planning.instrument.ros1.runtime_launch import RuntimeLaunchTree

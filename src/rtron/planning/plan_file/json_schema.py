@@ -3,9 +3,8 @@
 from enum import Enum
 from typing import Any
 
-from rtron.planning.plan_file.durations import UNITS
 from rtron.planning.plan_file.fields import PLAN_TYPES, PlanField, plan_fields
-from rtron.planning.plan_file.quantities import Quantity
+from rtron.planning.plan_file.quantities import UNITS, Quantity
 from rtron.vocabulary import PLAN_SCHEMA, SECOND, Plan
 
 PLAN_SCHEMA_URL = "https://raw.githubusercontent.com/rtron/rtron/main/schemas/rtron.plan.json"

@@ -4,10 +4,12 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 
 from rtron.errors import suggestion
 from rtron.planning.plan_file.problems import quoted
+from rtron.vocabulary import SECOND
 
 _NUMBER = r"-?[0-9]{1,19}(?:\.[0-9]{1,25})?(?:[eE][+-]?[0-9]{1,3})?"
 _QUANTITY = re.compile(rf"({_NUMBER}) ?([A-Za-zµ°].{{0,20}})?")
@@ -101,3 +103,31 @@ POSITION = Quantity("position", _metric(km=Fraction(1000)), minimum=-1e8, maximu
 YAW = Quantity(
     "angle", {"rad": Fraction(1), "deg": _DEGREE}, minimum=-2 * math.pi, maximum=2 * math.pi
 )
+
+
+UNITS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": SECOND, "min": 60 * SECOND, "h": 3600 * SECOND}
+MAX_DURATION = 2**63 - 1
+_DURATION = re.compile(r"([0-9]{1,19}(?:\.[0-9]{1,18})?) ?([A-Za-zµ]*)")
+
+
+def parse_duration(text: str) -> int:
+    """Return a duration in ns; a bare number counts seconds. Raise ValueError with the fault."""
+    match = _DURATION.fullmatch(text.strip())
+    if not match:
+        raise ValueError(f"{quoted(text)} is no duration: write seconds (0.5) or a unit (200 ms)")
+    number, unit = match.groups()
+    if unit and unit not in UNITS:
+        raise ValueError(f"unknown unit {quoted(unit)}: {suggestion(unit, UNITS)}")
+    duration = Decimal(number) * UNITS[unit or "s"]
+    if duration != int(duration):
+        raise ValueError(f"{quoted(text)} is finer than a nanosecond")
+    if duration > MAX_DURATION:
+        raise ValueError(f"{quoted(text)} is longer than 292 years")
+    return int(duration)
+
+
+def write_duration(duration: int) -> str:
+    """Write a duration (ns) in seconds, exactly."""
+    seconds, rest = divmod(duration, SECOND)
+    decimals = f".{rest:09d}".rstrip("0") if rest else ""
+    return f"{seconds}{decimals} s"

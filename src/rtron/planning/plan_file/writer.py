@@ -8,9 +8,9 @@ from typing import Any
 
 import yaml
 
-from rtron.planning.plan_file.durations import write_duration
 from rtron.planning.plan_file.fields import PLAN_TYPES, PlanField, plan_fields
 from rtron.planning.plan_file.json_schema import PLAN_SCHEMA_URL
+from rtron.planning.plan_file.quantities import write_duration
 from rtron.vocabulary import (
     PLAN_SCHEMA,
     EventFlow,

@@ -18,9 +18,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from rtron.coherence.grcn import PRIORITY_POLICIES
-from rtron.planning.tuning.duration_fit import MIN_SAMPLES
 from rtron.planning.tuning.formatting import count_text, short_duration
-from rtron.planning.tuning.run_statistics import AddProposal, flow_statistics
+from rtron.planning.tuning.run_statistics import MIN_SAMPLES, AddProposal, flow_statistics
 from rtron.vocabulary import (
     GRCN,
     SECOND,

@@ -2,7 +2,7 @@
 
 import math
 
-from rtron.planning.plan_file.durations import write_duration
+from rtron.planning.plan_file.quantities import write_duration
 from rtron.vocabulary import SECOND
 
 _STEPS = (10, 12, 15, 20, 25, 30, 40, 50, 60, 80, 100)

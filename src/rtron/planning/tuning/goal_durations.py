@@ -3,14 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from rtron.planning.tuning.duration_fit import (
+from rtron.planning.tuning.formatting import count_text, plan_duration
+from rtron.planning.tuning.run_statistics import (
     GOAL_BOUNDS,
     WAIT_BOUNDS,
+    AddProposal,
+    PlanKey,
     describe_durations,
     fit_duration,
+    flow_statistics,
 )
-from rtron.planning.tuning.formatting import count_text, plan_duration
-from rtron.planning.tuning.run_statistics import AddProposal, PlanKey, flow_statistics
 from rtron.vocabulary import (
     GRCN,
     Decision,

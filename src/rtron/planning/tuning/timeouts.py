@@ -9,12 +9,14 @@ robot would be stopped where it was not before.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from rtron.planning.tuning.duration_fit import SILENCE_BOUNDS, describe_durations, fit_duration
 from rtron.planning.tuning.formatting import count_text
 from rtron.planning.tuning.run_statistics import (
+    SILENCE_BOUNDS,
     AddProposal,
     PlanKey,
     RunStatistics,
+    describe_durations,
+    fit_duration,
     flow_statistics,
 )
 from rtron.vocabulary import (

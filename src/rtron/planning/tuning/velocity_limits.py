@@ -11,14 +11,16 @@ from dataclasses import replace
 
 from rtron.coherence.rsrcn import FRAME_RATE_POLICIES, VELOCITY_LIMIT_POLICIES
 from rtron.planning.plan_file.quantities import PER_FRAME, VELOCITY
-from rtron.planning.tuning.duration_fit import (
+from rtron.planning.tuning.formatting import count_text, plan_duration, round_up, round_up_value
+from rtron.planning.tuning.run_statistics import (
     MIN_SAMPLES,
     SILENCE_BOUNDS,
+    AddProposal,
+    PlanKey,
+    RunStatistics,
     describe_durations,
     fit_duration,
 )
-from rtron.planning.tuning.formatting import count_text, plan_duration, round_up, round_up_value
-from rtron.planning.tuning.run_statistics import AddProposal, PlanKey, RunStatistics
 from rtron.vocabulary import (
     RSRCN,
     SECOND,

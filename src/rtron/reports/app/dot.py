@@ -7,7 +7,7 @@ nodes orange. What the client library adds by itself (`/rosout`, `/clock`) is le
 
 from collections.abc import Iterator, Mapping
 
-from rtron.reports.app.risk_marks import Edge, RiskMarks, risk_marks
+from rtron.reports.app.risk_list import Edge, RiskMarks, risk_marks
 from rtron.sanitize import sanitize
 from rtron.vocabulary import Direction, InteractionGraph, RiskReport
 

@@ -8,7 +8,7 @@ from rtron.vocabulary import StringEnum
 from rtron.vocabulary.inventory import Command, Means, Mover, Stops
 from rtron.wording import conjugate, join_names
 
-_SHOWN = 4
+_SHOWN = 8
 _JOY = "sensor_msgs/Joy"
 _NUMBER = re.compile(r"-?[0-9]{1,9}")
 
@@ -31,6 +31,7 @@ class MoverRow(NamedTuple):
 
 _UNREAD = "may obey any topic: what is behind it was not read"
 _UNCOMMANDED = "moves it by itself, or obeys a device or link of its own: no topic commands it"
+_OPERATED = "moves it as its operator says: no topic commands it"
 _STOP_TONE = {Stops.YES: Tone.GOOD, Stops.NO: Tone.WARNING, Stops.UNKNOWN: Tone.UNCERTAIN}
 
 
@@ -38,22 +39,37 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
     """Yield what drives a thing, who commands it, what else can, and whether it stops."""
     last = mover.last_commands
     if not last:
-        how = _UNCOMMANDED if mover.hardware else _UNREAD
-        yield MoverRow(f"{join_names(mover.drivers)}{_hardware(mover)} {how}", Tone.UNCERTAIN)
+        by_itself = _OPERATED if mover.operators else _UNCOMMANDED
+        how = by_itself if mover.hardware else _UNREAD
+        yield MoverRow(f"{_some(mover.drivers)}{_hardware(mover)} {how}", Tone.UNCERTAIN)
     for means in Means:
         commands = [each for each in last if each.means is means]
         yield from _MEANS_ROWS[means](mover, commands) if commands else ()
+    if behind := _behind(mover):
+        yield MoverRow(f"behind {_these(last)}: {_names(behind)}; any node can send there, too")
     for verb, sent in _OPEN.items():
         if spare := [each for each in _open(mover) if each.means in sent]:
             nobody = "nobody in this launch" if mover.is_whole else "nobody that was read"
             text = f"open: {nobody} {verb} {_names(spare)}; any node can"
             yield MoverRow(text, Tone.WARNING)
+    if mover.operators:
+        yield MoverRow(f"a person commands it by {_all(mover.operators)}")
     if mover.doors:
         yield MoverRow(f"reached from a network through {join_names(mover.doors)}", Tone.WARNING)
     if mover.stop:
         yield MoverRow(
             f"stops when commands end: {mover.stops}; {mover.stop}", _STOP_TONE[mover.stops]
         )
+
+
+def _behind(mover: Mover) -> list[Command]:
+    """Return what leads to the last commands, as far as no other row names it."""
+    led = (c for c in mover.commands if c.hops and c.senders and "{" not in c.name)
+    return [each for each in led if not _NUMBER.fullmatch(each.priority)]
+
+
+def _these(last: Sequence[Command]) -> str:
+    return "these" if last[1:] else "it"
 
 
 def _hardware(mover: Mover) -> str:
@@ -79,7 +95,7 @@ def _nobody(mover: Mover) -> str:
 def _topic_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
     if mover.drivers:
         verb = conjugate(mover.drivers, "obey")
-        yield MoverRow(f"{join_names(mover.drivers)}{_hardware(mover)} {verb} {_names(last)}")
+        yield MoverRow(f"{_some(mover.drivers)}{_hardware(mover)} {verb} {_names(last)}")
     else:
         yield MoverRow(f"{_names(last)}, obeyed by {_nobody(mover)}")
     yield MoverRow(f"sent by {_sources(mover, last)}{_order(mover)}")
@@ -129,9 +145,9 @@ def _request_rows(mover: Mover, last: Sequence[Command]) -> Iterator[MoverRow]:
     """Yield who serves and calls services, or takes and sends goals, and who tells these."""
     noun, verb = _REQUESTS[last[0].means]
     receivers = list(dict.fromkeys(node for each in last for node in each.receivers))
-    obeyed = join_names(receivers, "nobody in this launch")
+    obeyed = _some(receivers) or "nobody in this launch"
     direct = _senders(last)
-    senders = join_names(direct, "nobody in this launch")
+    senders = _some(direct) or "nobody in this launch"
     behind = (c for c in mover.commands if c.hops and not set(direct).isdisjoint(c.receivers))
     has_topics = any(each.means is Means.TOPIC for each in mover.last_commands)
     instructed = (
@@ -168,7 +184,11 @@ def _order(mover: Mover) -> str:
 
 
 def _names(commands: Sequence[Command]) -> str:
-    names = [each.name for each in commands]
+    return _some([each.name for each in commands])
+
+
+def _some(names: Sequence[str]) -> str:
+    """Return the first of many names, and how many more there are."""
     if len(names) > _SHOWN:
         names = [*names[: _SHOWN - 1], f"{len(names) - _SHOWN + 1} more"]
     return _all(names)
@@ -190,6 +210,7 @@ def inventory_to_json(movers: Sequence[Mover]) -> list[dict[str, Any]]:
             "commands": [_command(each) for each in mover.commands],
             "arbiters": list(mover.arbiters),
             "doors": list(mover.doors),
+            "operators": list(mover.operators),
             "unread": list(mover.unread),
             "stops": mover.stops.value,
             "why": mover.stop,

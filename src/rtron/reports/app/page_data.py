@@ -4,11 +4,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
 from rtron.reports.app.inventory_rows import rows_to_json
-from rtron.reports.app.note_groups import NoteGroup, group_notes
-from rtron.reports.app.page_coordination import plan_data
-from rtron.reports.app.page_ids import PageIds, page_ids
-from rtron.reports.app.risk_list import KIND_TITLE, location, worst_first
-from rtron.reports.app.risk_marks import RiskMarks, risk_marks
+from rtron.reports.app.note_groups import NoteKind, group_notes
+from rtron.reports.app.page_coordination import PageIds, page_ids, plan_data
+from rtron.reports.app.risk_list import KIND_TITLE, RiskMarks, location, risk_marks, worst_first
 from rtron.sanitize import sanitize
 from rtron.vocabulary import (
     Direction,
@@ -57,7 +55,7 @@ def page_data(
         "risks": [_risk(risk, names) for risk in sorted(report.risks, key=worst_first)],
         "inventory": [rows_to_json(mover) for mover in inventory],
         "findings": [_finding(finding, names, source_lines) for finding in findings],
-        "unresolved": [_note_group(group) for group in group_notes(graph.unresolved)],
+        "unresolved": [_note_group(*group) for group in group_notes(graph.unresolved)],
         "notRun": [list(item) for item in report.not_run.items()],
         "coordination": plan_data(plan, names) if plan else [],
     }
@@ -160,9 +158,8 @@ def _finding(finding: Finding, names: PageIds, source_lines: SourceLines) -> dic
     }
 
 
-def _note_group(group: NoteGroup) -> dict[str, Any]:
-    notes = [_unresolved(note) for note in group.notes]
-    return {"title": group.kind.title, "remedy": group.kind.remedy, "notes": notes}
+def _note_group(kind: NoteKind, notes: list[UnresolvedItem]) -> dict[str, Any]:
+    return {"title": kind.title, "remedy": kind.remedy, "notes": list(map(_unresolved, notes))}
 
 
 def _unresolved(item: UnresolvedItem) -> dict[str, Any]:

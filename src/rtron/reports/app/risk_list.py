@@ -1,11 +1,20 @@
 """The risks of a report by kind, the worst first; mild ones in short."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from rich.text import Text
 
 from rtron.reports.text_layout import TextPage, heading, line, paragraph
-from rtron.vocabulary import Evidence, Risk, RiskKind, RiskReport, Severity
+from rtron.vocabulary import (
+    Evidence,
+    InteractionGraph,
+    Risk,
+    RiskKind,
+    RiskReport,
+    RiskRole,
+    Severity,
+)
 
 SEVERITY_STYLE: Mapping[Severity, str] = {
     Severity.HIGH: "bold red",
@@ -76,3 +85,62 @@ def _unnamed(risk: Risk, page: TextPage) -> Iterator[Text]:
 def _names_all(reason: str, nodes: Sequence[str]) -> bool:
     words = {word.strip(",:;.") for word in reason.split()}
     return words.issuperset(nodes)
+
+
+Edge = tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class RiskMarks:
+    """The risky topics, nodes and edges; an edge is (node, topic), whichever way it points."""
+
+    single_topic: frozenset[Edge]
+    multi_topic: frozenset[Edge]
+    event_topics: frozenset[str]
+    action_topics: frozenset[str]
+    image_nodes: frozenset[str]
+    max_vel_nodes: frozenset[str]
+
+
+def risk_marks(graph: InteractionGraph, report: RiskReport) -> RiskMarks:
+    """Return what each kind of risk touches."""
+    by_kind = {kind: [r for r in report.risks if r.kind is kind] for kind in RiskKind}
+    mission, robot = by_kind[RiskKind.MSR], by_kind[RiskKind.RSR]
+    return RiskMarks(
+        single_topic=_edges(graph, by_kind[RiskKind.GR_ST]),
+        multi_topic=_edges(graph, by_kind[RiskKind.GR_MT]),
+        event_topics=_published(graph, mission, RiskRole.EVENT),
+        action_topics=_published(graph, mission, RiskRole.ACTION),
+        image_nodes=_nodes(robot, RiskRole.IMAGE),
+        max_vel_nodes=_nodes(robot, RiskRole.MAX_VEL),
+    )
+
+
+def _edges(graph: InteractionGraph, risks: Iterable[Risk]) -> frozenset[Edge]:
+    """Return the edges between the risks' topics and their publishers and successors."""
+    return frozenset(
+        (endpoint.node, topic)
+        for risk in risks
+        for topic in risk.topics
+        for endpoint in (*graph.publishers(topic), *graph.subscribers(topic))
+        if endpoint.node in _concerned(risk)
+    )
+
+
+def _concerned(risk: Risk) -> frozenset[str]:
+    return frozenset(risk.successors).union(*risk.role_nodes.values())
+
+
+def _nodes(risks: Iterable[Risk], role: RiskRole) -> frozenset[str]:
+    return frozenset(node for risk in risks for node in risk.role_nodes.get(role, ()))
+
+
+def _published(graph: InteractionGraph, risks: Iterable[Risk], role: RiskRole) -> frozenset[str]:
+    """Return the risks' topics that a node in `role` publishes."""
+    return frozenset(
+        topic
+        for risk in risks
+        for topic in risk.topics
+        for endpoint in graph.publishers(topic)
+        if endpoint.node in risk.role_nodes.get(role, ())
+    )

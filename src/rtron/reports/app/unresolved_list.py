@@ -1,6 +1,5 @@
 """What a scan was not given, and what it could not read, by what to do about it."""
 
-import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from shlex import quote
@@ -10,54 +9,39 @@ from rich.text import Text
 from rtron.reports.app.note_groups import group_notes
 from rtron.reports.app.risk_list import location
 from rtron.reports.text_layout import TextPage, heading, line, paragraph
-from rtron.vocabulary import InteractionGraph, UnresolvedItem
+from rtron.vocabulary import InteractionGraph, UnresolvedCause, UnresolvedItem
+from rtron.vocabulary.enums import HiddenPart
 
 MOST_CAUSES = 3
 """Causes that are told of a kind of notes."""
 _MOST_EXAMPLES = 3
-_VARIABLE, _ARGUMENT = "environment variable ", "launch argument "
-_PACKAGE = re.compile(r"package '([^']+)' is not (?:here|found)")
-_OF_NODE = re.compile(r"\((\w+)/[^)]*\)$")
-_NO_SOURCE = ("its package is not here", "no source of it is here")
 _MOST_NAMES = 6
 
 
 def missing_inputs(graph: InteractionGraph) -> Iterator[str]:
     """Yield a line for each kind of input that is missing, with how to give it."""
     unresolved = graph.unresolved
-    if packages := _packages(unresolved):
+    not_here = [each for each in unresolved if each.cause is UnresolvedCause.MISSING_SOURCE]
+    if packages := sorted({each.package for each in not_here} - {""}):
         yield (
             f"not here: {_names('package', packages)}; "
             "give the folders of their source too: rtron scan PATH PATH…"
         )
-    if files := [each.missing for each in unresolved if _is_include(each)]:
+    if files := [e.missing for e in unresolved if e.missing and e.hides is HiddenPart.NODES]:
         yield (
             f"not here: {_names('launch file', files)}; "
             "give the folder that has it, or correct the include"
         )
-    if variables := _named(unresolved, _VARIABLE):
+    unset = [each for each in unresolved if each.cause is UnresolvedCause.UNSET_VARIABLE]
+    if variables := [each.what.rpartition(" ")[2] for each in unset]:
         first = quote(variables[0])
         yield (
             f"not given: {_names('environment variable', variables)}; "
             f"--env {first} takes your own value, --env {first}=VALUE another, --env-all all"
         )
     for each in unresolved:
-        if each.what.startswith(_ARGUMENT):
+        if each.cause is UnresolvedCause.ARGUMENT:
             yield f"{each.what}: {each.why}"
-
-
-def _packages(unresolved: Sequence[UnresolvedItem]) -> list[str]:
-    named = [match[1] for each in unresolved for match in _PACKAGE.finditer(each.why)]
-    nodes = [each.what for each in unresolved if each.why.startswith(_NO_SOURCE)]
-    return [*named, *(match[1] for what in nodes if (match := _OF_NODE.search(what)))]
-
-
-def _is_include(item: UnresolvedItem) -> bool:
-    return bool(item.missing) and item.what.startswith("include")
-
-
-def _named(unresolved: Sequence[UnresolvedItem], start: str) -> list[str]:
-    return [each.what.removeprefix(start) for each in unresolved if each.what.startswith(start)]
 
 
 def _names(noun: str, names: Sequence[str]) -> str:
@@ -91,10 +75,10 @@ def unresolved_list(unresolved: Sequence[UnresolvedItem], page: TextPage) -> Ite
     """Yield each kind of notes with what to do about it, and its most frequent causes."""
     if unresolved:
         yield from heading(f"Not resolved ({len(unresolved)})")
-    for group in group_notes(unresolved):
-        yield line((f"{group.kind.title} ({len(group.notes)})", "bold"), indent=2)
-        yield from paragraph(f"-> {group.kind.remedy}", page, indent=4, style="green")
-        yield from _causes(group.notes, page) if group.kind.has_causes else ()
+    for kind, notes in group_notes(unresolved):
+        yield line((f"{kind.title} ({len(notes)})", "bold"), indent=2)
+        yield from paragraph(f"-> {kind.remedy}", page, indent=4, style="green")
+        yield from _causes(notes, page) if kind.has_causes else ()
 
 
 def _causes(notes: Sequence[UnresolvedItem], page: TextPage) -> Iterator[Text]:

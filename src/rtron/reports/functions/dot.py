@@ -150,8 +150,8 @@ def _environment(
 
 def _arrow(tail: str, head: str, look: str, *, leads_back: bool) -> str:
     """Return an arrow; one that leads back is turned round, so that the stages keep their order."""
-    ends = f"{head} -> {tail}" if leads_back else f"{tail} -> {head}"
-    return f'  {ends} [id="{tail}-{head}", {"dir=back, " if leads_back else ""}{look}]'
+    edge = f"{head} -> {tail}" if leads_back else f"{tail} -> {head}"
+    return f'  {edge} [id="{tail}-{head}", {"dir=back, " if leads_back else ""}{look}]'
 
 
 def _direct(

@@ -41,7 +41,12 @@ def _rounded(probability: float | None) -> float | None:
 
 
 def functions_to_json(graph: AbstractGraph) -> dict[str, Any]:
-    """Return the graph as a JSON document; see docs/functions.md for its keys."""
+    """Return the graph as a JSON document.
+
+    `outside` counts packages of Others or without a known function, `repeated` packages whose name
+    another one has, `known` the message types by basis. `from_depends` and `to_depends` of a
+    message count packages that depend on the package of its type.
+    """
     return {
         "schema": FUNCTIONS_SCHEMA,
         "packages": graph.packages,

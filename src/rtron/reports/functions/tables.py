@@ -4,8 +4,12 @@ from collections.abc import Iterator, Sequence
 
 from rich.text import Text
 
-from rtron.functions.classifier import paper_counts
 from rtron.functions.classifier.tables import (
+    AUTOMATION_BY_TYPE,
+    CLASSIFICATION_COUNTS,
+    FUNCTION_NODE_AUTOMATION,
+    FUNCTION_NODE_COUNTS,
+    REPOSITORIES_BY_TYPE,
     ClassificationCounts,
     PaperTables,
     sum_domains,
@@ -47,20 +51,20 @@ def _lines(tables: PaperTables, page: TextPage) -> Iterator[Text]:
 
 def _by_type(tables: PaperTables) -> Iterator[Text]:
     total = sum_domains(tables.types, Domain).total
-    of_paper = sum(paper_counts.REPOSITORIES_BY_TYPE.values())
+    of_paper = sum(REPOSITORIES_BY_TYPE.values())
     yield line(f"{'':{_WIDTH}}{'repos':>8}{'%':>7}{'paper':>10}{'%':>7}", indent=2)
     for domain in Domain:
         ours = sum_domains(tables.types, (domain,)).total
         theirs = sum(
             number
-            for type, number in paper_counts.REPOSITORIES_BY_TYPE.items()
+            for type, number in REPOSITORIES_BY_TYPE.items()
             if DOMAIN_BY_TYPE[type] is domain
         )
         yield _counts(domain, (ours, total), (theirs, of_paper), "bold")
         for type in _types(domain):
             numbers = (
                 (tables.types[type].total, total),
-                (paper_counts.REPOSITORIES_BY_TYPE[type], of_paper),
+                (REPOSITORIES_BY_TYPE[type], of_paper),
             )
             yield _counts(f"  {type}", *numbers)
     yield _counts("all", (total, total), (of_paper, of_paper), "bold")
@@ -76,15 +80,15 @@ def _by_piece(tables: PaperTables) -> Iterator[Text]:
     titles = "".join(f"{title:>{width}}" for title, width in _PIECE_WIDTHS.items())
     yield line(f"{'':{_WIDTH}}{titles}{'auto %':>8}{'paper':>8}", indent=2)
     for type in FunctionType:
-        yield _pieces(type, tables.types[type], paper_counts.AUTOMATION_BY_TYPE[type])
-        yield _pieces("", paper_counts.CLASSIFICATION_COUNTS[type], None, "dim")
+        yield _pieces(type, tables.types[type], AUTOMATION_BY_TYPE[type])
+        yield _pieces("", CLASSIFICATION_COUNTS[type], None, "dim")
     yield _pieces(
         "function nodes",
         sum_function_nodes(tables.types),
-        paper_counts.FUNCTION_NODE_AUTOMATION,
+        FUNCTION_NODE_AUTOMATION,
         "bold",
     )
-    yield _pieces("", paper_counts.FUNCTION_NODE_COUNTS, None, "dim")
+    yield _pieces("", FUNCTION_NODE_COUNTS, None, "dim")
     yield _pieces("all", sum_domains(tables.types, Domain), None, "bold")
 
 

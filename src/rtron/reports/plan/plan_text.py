@@ -6,7 +6,7 @@ from itertools import chain
 from rich.text import Text
 
 from rtron.coherence import guards_nothing
-from rtron.reports.app.node_functions import node_functions
+from rtron.reports.app.node_endpoints import node_functions
 from rtron.reports.plan.descriptions import (
     describe_area,
     describe_audit,

@@ -7,31 +7,29 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
 from rtron.errors import InputError
-from rtron.security.access.client_library import node_rights
-from rtron.security.access.names import (
-    LONGEST_PROCESS_NAME,
-    is_legal_name,
-    is_legal_node,
-    is_own_node,
-    is_tool,
-    means_own_node,
-    process_name,
-)
-from rtron.security.access.own_access import (
+from rtron.security.access.plan_rights import (
     OPERATOR_PROCESS,
+    PlanRights,
     guard_access,
     launch_access,
     operator_access,
     verify_access,
 )
-from rtron.security.access.plan_rights import PlanRights
 from rtron.security.access.rights import (
+    LONGEST_PROCESS_NAME,
     AccessDoubt,
     AccessRight,
     AppAccess,
     NodeAccess,
     ProcessAccess,
     RightKind,
+    is_legal_name,
+    is_legal_node,
+    is_own_node,
+    is_tool,
+    means_own_node,
+    node_rights,
+    process_name,
 )
 from rtron.vocabulary import (
     GUARD_NODE,

@@ -14,8 +14,7 @@ from typing import Any
 
 from rtron.errors import InputError
 from rtron.security.access.rights import AppAccess
-from rtron.security.zenoh.access_control import access_control
-from rtron.security.zenoh.key_expressions import DomainKeys
+from rtron.security.zenoh.access_control import DomainKeys, access_control
 
 _HOST = re.compile(r"(?=.{1,253}\Z)[A-Za-z0-9](?:[A-Za-z0-9-]|\.(?=[A-Za-z0-9]))*", re.ASCII)
 _INTERFACE = re.compile(r"[^\s/:]{1,15}")

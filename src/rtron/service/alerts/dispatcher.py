@@ -16,7 +16,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.alerts.webhook_call import WebhookCall, WebhookCallError, new_client, send_call
 from rtron.service.domain.clock import Clock
-from rtron.service.domain.rollouts.alerts import ROLLOUT, alert_event
+from rtron.service.domain.rollouts.observations import ROLLOUT, alert_event
 from rtron.service.domain.schemas import WebhookLevel
 from rtron.service.live.hub import Hub
 from rtron.service.store.database import Database

@@ -2,8 +2,7 @@
 
 from sqlalchemy.orm import Session
 
-from rtron.service.api.audit_transaction import audit_transaction
-from rtron.service.api.context import ServiceContext
+from rtron.service.api.context import ServiceContext, audit_transaction
 from rtron.service.api.schemas import PendingChangeView
 from rtron.service.domain.account_changes import AccountChange, change_detail
 from rtron.service.domain.principal import Principal

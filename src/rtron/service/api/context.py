@@ -1,21 +1,29 @@
 """The objects that the parts of the running service share, and their dependency for requests."""
 
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Annotated
 
 from fastapi import Depends
+from sqlalchemy.orm import Session
 from starlette.requests import HTTPConnection
 
+from rtron.errors import RTronError
 from rtron.service.config import ServiceConfig
-from rtron.service.controller.command_dispatcher import CommandDispatcher
-from rtron.service.controller.lease_dispatcher import LeaseDispatcher
-from rtron.service.controller.request_dispatcher import RequestDispatcher
+from rtron.service.controller.command_dispatcher import (
+    CommandDispatcher,
+    LeaseDispatcher,
+    RequestDispatcher,
+)
 from rtron.service.controller.risk_controller import RiskController
+from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import Clock, SteadyClock
-from rtron.service.domain.signed_documents import DocumentSigner
+from rtron.service.domain.hash_chain import DocumentSigner
 from rtron.service.live.hub import Hub
 from rtron.service.live.live_robots import LiveRobots
+from rtron.service.store.audit import DONE, record_event, record_repeatable
 from rtron.service.store.database import Database
 
 _STOP_THREADS = 4
@@ -59,3 +67,27 @@ async def _service_context(connection: HTTPConnection) -> ServiceContext:
 
 
 ServiceDependency = Annotated[ServiceContext, Depends(_service_context)]
+
+
+@contextmanager
+def audit_transaction(
+    service: ServiceContext, event: AuditEvent, *, is_repeatable: bool = False
+) -> Iterator[Session]:
+    """Give the transaction of a deed; what comes of it is written down, a refusal too.
+
+    What somebody can repeat at will is counted in one line.
+    """
+    record = record_repeatable if is_repeatable else record_event
+    try:
+        with service.database.session() as session:
+            yield session
+            record(session, service.clock(), event, DONE)
+    except RTronError as error:
+        record_refusal(service, event, str(error))
+        raise
+
+
+def record_refusal(service: ServiceContext, event: AuditEvent, reason: str) -> None:
+    """Write down a deed that was refused."""
+    with service.database.session() as session:
+        record_repeatable(session, service.clock(), event, f"refused: {reason}")

@@ -4,9 +4,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field, StringConstraints
 
-from rtron.service.domain.roles import AccessScope, EnrolmentProof, SessionStage, UserRole
+from rtron.service.domain.principal import AccessScope, EnrolmentProof, SessionStage, UserRole
 from rtron.service.domain.schemas import Name, Reason, RequestModel, SettingsView, WebhookLevel
-from rtron.service.store.accounts.token_renewal import DEFAULT_DAYS
+from rtron.service.store.accounts.tokens import DEFAULT_DAYS
 from rtron.service.store.fleet.labels import MAX_LABELS
 
 MAX_GROUPS = 100

@@ -15,13 +15,12 @@ from rtron.service.collector.event_retention import EventRetention
 from rtron.service.collector.event_writer import EventWriter
 from rtron.service.collector.guard_certificates import GuardCertificates
 from rtron.service.collector.heads_check import HeadsCheck
-from rtron.service.collector.token_renewal import TokenRenewal
-from rtron.service.collector.token_watch import FindValidTokens, TokenWatch
+from rtron.service.collector.token_renewal import FindValidTokens, TokenRenewal, TokenWatch
 from rtron.service.domain.alarms import acknowledged_change
 from rtron.service.domain.clock import Clock, SteadyClock
+from rtron.service.domain.hash_chain import DocumentSigner
 from rtron.service.domain.plan_json import plan_digest, plan_json
 from rtron.service.domain.schemas import EventView
-from rtron.service.domain.signed_documents import DocumentSigner
 from rtron.service.live.hub import Hub
 from rtron.service.live.listener import LiveMessage
 from rtron.service.store.acknowledgements import end_acknowledgements

@@ -12,7 +12,7 @@ from rtron.service.collector.event_writer import EventWriter, QueuedBatch
 from rtron.service.collector.log_faults import LogFault
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import Clock
-from rtron.service.domain.signed_documents import DocumentSigner
+from rtron.service.domain.hash_chain import DocumentSigner
 from rtron.service.store.audit import record_repeatable
 from rtron.service.store.chain_pruning import ChainCutter
 from rtron.service.store.chains import EVENTS_PREFIX

@@ -15,12 +15,10 @@ from fastapi import WebSocket, WebSocketDisconnect
 from rtron.service.collector.close_codes import CloseCode, CloseConnectionError
 from rtron.service.collector.command_exchange import CommandExchange, understood_commands
 from rtron.service.collector.data_collector import DataCollector
-from rtron.service.collector.event_receipts import EventReceipts
-from rtron.service.collector.event_writer import QueuedBatch
+from rtron.service.collector.event_writer import EventReceipts, QueuedBatch
 from rtron.service.collector.heads_check import Documents
 from rtron.service.collector.state_throttle import DeltaBase, StateThrottle
-from rtron.service.store.event_rows import check_event
-from rtron.service.store.events import EventBatch
+from rtron.service.store.events import EventBatch, check_event
 from rtron.vocabulary import Alarm, GuardEvent, GuardState, Settings
 from rtron.wire.common.incident_report import IncidentReport
 from rtron.wire.common.link_protocol import (

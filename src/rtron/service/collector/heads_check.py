@@ -14,17 +14,16 @@ from rtron.errors import WireError
 from rtron.service.collector.log_faults import LogFault
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import Clock
-from rtron.service.domain.hash_chain import Head
-from rtron.service.domain.signed_documents import (
+from rtron.service.domain.hash_chain import (
     HEADS_SCHEMA,
     DocumentSigner,
+    Head,
     heads_of,
     verify_document,
 )
 from rtron.service.store.audit import record_repeatable
-from rtron.service.store.chains import SERVICE_CHAIN, audit_chain, events_chain
+from rtron.service.store.chains import SERVICE_CHAIN, audit_chain, contradicted_heads, events_chain
 from rtron.service.store.database import Database
-from rtron.service.store.held_heads import contradicted_heads
 
 log = logging.getLogger(__name__)
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from sqlalchemy.orm import Session
 
-from rtron.service.controller.robot_summaries import list_robot_summaries
+from rtron.service.controller.robot_snapshot import list_robot_summaries
 from rtron.service.domain.alarms import Acknowledgement, alarm_key
 from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.schemas import RobotSummary

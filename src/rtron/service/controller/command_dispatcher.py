@@ -7,15 +7,38 @@ log before, and the answer after.
 from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
+from secrets import randbits
 
 from rtron.errors import RTronError, SourceError
-from rtron.service.domain.audit_events import AuditEvent
+from rtron.service.controller.robot_snapshot import load_snapshot
+from rtron.service.domain.audit_events import AuditEvent, lease_answer_event, request_answer_event
+from rtron.service.domain.authority.leases import (
+    LeaseChange,
+    LeaseOutcome,
+    LeaseView,
+    RequestAnswer,
+    RequestOutcome,
+    RequestsView,
+    check_answer,
+    check_lease,
+    lease_views,
+    requests_view,
+    seen_detail,
+)
 from rtron.service.domain.clock import Clock
 from rtron.service.domain.errors import ConflictError
+from rtron.service.domain.principal import Principal
 from rtron.service.live.hub import Hub
+from rtron.service.live.live_robots import LiveRobots
 from rtron.service.store.audit import DONE, record_event, record_repeatable
 from rtron.service.store.database import Database
-from rtron.wire.common.link_protocol import CommandResponse, PersonCommand
+from rtron.vocabulary import OpenRequests
+from rtron.wire.common.link_protocol import (
+    ApprovalCommand,
+    CommandResponse,
+    LeaseCommand,
+    PersonCommand,
+)
 
 NUMBER_BITS = 52
 """A command has a random number of so many bits."""
@@ -73,3 +96,103 @@ class CommandDispatcher:
             waiting.cancel()
             help = f"it may have done it all the same: {look}"
             raise SourceError(f"the guard of {robot} does not answer", help=help) from None
+
+
+class LeaseDispatcher:
+    """Shows leases and sends commands for them. All may be called from any thread."""
+
+    def __init__(self, database: Database, live: LiveRobots, dispatcher: CommandDispatcher) -> None:
+        self._database, self._live, self._dispatcher = database, live, dispatcher
+
+    def views(self, robot: str, *, permitted: bool) -> list[LeaseView]:
+        """Return who is in command of a robot; NotFoundError if it is not known."""
+        with self._database.session() as session:
+            plan = load_snapshot(session, robot).plan
+            state = self._live.find(session, [robot])[robot].state
+        return lease_views(plan, state, permitted=permitted)
+
+    def change(
+        self, caller: Principal, robot: str, lease: str, change: LeaseChange
+    ) -> LeaseOutcome:
+        """Have the guard do something with a lease.
+
+        NotFoundError and ForbiddenError as the plan says; otherwise as `dispatch`.
+        """
+        detail = {"to": change.to, "reason": change.reason}
+        event = caller.audit_event(f"lease.{change.do}", f"{robot}/{lease}", **detail)
+        try:
+            self._check(robot, lease)
+        except RTronError as error:
+            self._dispatcher.record(event, f"refused: {error}")
+            raise
+        self._dispatcher.record(event)
+        command = LeaseCommand(
+            number=randbits(NUMBER_BITS),
+            lease=lease,
+            do=change.do,
+            by=caller.name,
+            grant=change.grant,
+            to=change.to,
+            reason=change.reason,
+        )
+        answer = lease_answer_event(robot, event.target, change.do)
+        look = "look who is in command now"
+        return LeaseOutcome(reason=self._dispatcher.dispatch(robot, command, answer, look))
+
+    def _check(self, robot: str, lease: str) -> None:
+        with self._database.session() as session:
+            check_lease(load_snapshot(session, robot).plan, lease)
+            if not self._live.is_connected(session, robot):
+                help = "who is in command can be said on the robot: rtron lease"
+                raise SourceError(f"the guard of {robot} is not connected", help=help)
+
+
+class RequestDispatcher:
+    """Shows open requests and sends what persons answer. All may be called from any thread."""
+
+    def __init__(self, database: Database, live: LiveRobots, dispatcher: CommandDispatcher) -> None:
+        self._database, self._live, self._dispatcher = database, live, dispatcher
+
+    def view(self, robot: str, caller: Principal, *, is_near: bool) -> RequestsView:
+        """Return what waits at a robot; NotFoundError if it is not known.
+
+        `is_near`: it is in a group of the caller.
+        """
+        return requests_view(self._find(robot), caller, is_near=is_near)
+
+    def answer(
+        self, caller: Principal, robot: str, digest: str, answer: RequestAnswer
+    ) -> RequestOutcome:
+        """Have the bridge approve or refuse a request.
+
+        NotFoundError, ForbiddenError and ConflictError as the bridge has said last; otherwise as
+        `dispatch`.
+        """
+        target = f"{robot}/{digest}"
+        event = caller.audit_event(f"request.{answer.do}", target, reason=answer.reason)
+        try:
+            request = check_answer(self._find(robot), digest, caller)
+        except RTronError as error:
+            self._dispatcher.record(event, f"refused: {error}")
+            raise
+        seen = seen_detail(request)
+        event = caller.audit_event(event.action, target, reason=answer.reason, **seen)
+        self._dispatcher.record(event)
+        command = ApprovalCommand(
+            number=randbits(NUMBER_BITS),
+            digest=digest,
+            do=answer.do,
+            by=caller.name,
+            roles=tuple(sorted(caller.roles)),
+            reason=answer.reason,
+        )
+        answered = request_answer_event(robot, target, answer.do)
+        look = "look what waits now"
+        return RequestOutcome(reason=self._dispatcher.dispatch(robot, command, answered, look))
+
+    def _find(self, robot: str) -> OpenRequests | None:
+        """Return what the bridge has told last; None if the robot or its bridge is away."""
+        with self._database.session() as session:
+            load_snapshot(session, robot)
+            state = self._live.find(session, [robot])[robot].state
+        return state.requests if state else None

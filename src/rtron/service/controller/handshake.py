@@ -15,7 +15,7 @@ from rtron.service.domain.planned_graph import planned_graph
 from rtron.service.domain.risk_model import build_risk_models, planned_nodes
 from rtron.service.domain.settings_checks import drop_misfits
 from rtron.service.store.audit import record_event
-from rtron.service.store.event_rows import check_run
+from rtron.service.store.events import check_run
 from rtron.service.store.graphs import find_graph, stored_risks
 from rtron.service.store.robots import (
     count_apps,

@@ -9,11 +9,17 @@ from sqlalchemy.orm import Session
 from rtron.coherence import EffectivePlan, grcn, msrcn, rsrcn
 from rtron.service.controller.robot_snapshot import active_settings, load_snapshot
 from rtron.service.domain.errors import NotFoundError
+from rtron.service.domain.principal import UserRole
 from rtron.service.domain.rights import granted_rights
-from rtron.service.domain.risk_model import CoordinationNode, node_json, planned_nodes, topics
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.risk_model import (
+    CoordinationNode,
+    Violation,
+    describe_violation,
+    node_json,
+    planned_nodes,
+    topics,
+)
 from rtron.service.domain.schemas import NodeParameters
-from rtron.service.domain.violations import Violation, describe_violation
 from rtron.service.store.robots import coordination_nodes
 from rtron.service.store.tables import CoordinationNodeRow
 from rtron.vocabulary import (

@@ -27,7 +27,12 @@ from rtron.service.controller.handshake import (
     is_known,
     perform_handshake,
 )
-from rtron.service.controller.revision_writer import ApplyChange, RevisionWriter, retry_conflicts
+from rtron.service.controller.revision_writer import (
+    ApplyChange,
+    RevisionWriter,
+    SettingsSender,
+    retry_conflicts,
+)
 from rtron.service.controller.robot_snapshot import (
     RobotSnapshot,
     active_settings,
@@ -35,7 +40,6 @@ from rtron.service.controller.robot_snapshot import (
     load_current_app,
     load_snapshot,
 )
-from rtron.service.controller.settings_sender import SettingsSender
 from rtron.service.domain.audit_events import (
     AuditEvent,
     node_target,

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from rtron.service.domain.audit_events import truncated_json
-from rtron.service.domain.roles import AccessScope, UserRole
+from rtron.service.domain.principal import AccessScope, UserRole
 
 _ROLE_SCOPES = frozenset({AccessScope.END_USER, AccessScope.DEVELOPER, AccessScope.ADMIN})
 

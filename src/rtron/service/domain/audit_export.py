@@ -9,8 +9,16 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from rtron.errors import WireError
-from rtron.service.domain.hash_chain import ChainReport, Link, Witness, check_chain
-from rtron.service.domain.signed_documents import HEADS_SCHEMA, anchor_of, heads_of, verify_document
+from rtron.service.domain.hash_chain import (
+    HEADS_SCHEMA,
+    ChainReport,
+    Link,
+    Witness,
+    anchor_of,
+    check_chain,
+    heads_of,
+    verify_document,
+)
 
 EXPORT_SCHEMA = "rtron.audit_export/1"
 Lines = Iterable[Mapping[str, Any]]

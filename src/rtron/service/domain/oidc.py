@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from rtron.service.domain.client_address import is_loopback_name
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 from rtron.service.domain.schemas import Name
 
 CALLBACK_PATH = "/api/v1/login/oidc/callback"

@@ -6,6 +6,7 @@ from dataclasses import replace
 from rtron.coherence import EffectivePlan
 from rtron.errors import InputError
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
+from rtron.service.domain.principal import Right, UserRole
 from rtron.service.domain.rights import (
     RIGHTS_BY_ROLE,
     NodeRight,
@@ -16,7 +17,6 @@ from rtron.service.domain.rights import (
     named_rights,
     needed_rights,
 )
-from rtron.service.domain.roles import Right, UserRole
 from rtron.service.domain.schemas import (
     MIN_REASON_LENGTH,
     OverrideRequest,

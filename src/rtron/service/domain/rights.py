@@ -10,7 +10,7 @@ from typing import Any
 from rtron.coherence import EffectivePlan, coordination_node_ids
 from rtron.coherence.msrcn import flows_by_name
 from rtron.coherence.rsrcn import FRAME_RATE_POLICIES, VELOCITY_LIMIT_POLICIES, included_policies
-from rtron.service.domain.roles import Right, UserRole
+from rtron.service.domain.principal import Right, UserRole
 from rtron.vocabulary import (
     MSRCN,
     RSRCN,

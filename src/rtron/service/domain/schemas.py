@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
 
 from rtron.service.domain.alarms import Acknowledgement
-from rtron.service.domain.roles import Right
+from rtron.service.domain.principal import Right
 from rtron.vocabulary import (
     Alarm,
     EmergencyStop,

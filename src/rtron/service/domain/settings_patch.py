@@ -12,9 +12,9 @@ from typing import Any, NoReturn, TypeVar
 
 from rtron.coherence import coordination_node_ids
 from rtron.errors import InputError, suggestion
-from rtron.planning.plan_file.durations import parse_duration, write_duration
 from rtron.planning.plan_file.fields import PlanField, plan_fields
 from rtron.planning.plan_file.problems import quoted
+from rtron.planning.plan_file.quantities import parse_duration, write_duration
 from rtron.vocabulary import (
     GRCN,
     RSRCN,

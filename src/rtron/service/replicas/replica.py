@@ -11,15 +11,13 @@ from anyio import to_thread
 from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.collector.data_collector import event_message
-from rtron.service.collector.token_watch import TokenWatch
+from rtron.service.collector.token_renewal import TokenWatch
 from rtron.service.controller.risk_controller import RiskController
 from rtron.service.domain.alarms import HANDOVER_MESSAGE, acknowledged_change
-from rtron.service.domain.rollouts.alerts import rollout_message
+from rtron.service.domain.rollouts.observations import rollout_message
 from rtron.service.live.hub import Hub, change_message
-from rtron.service.replicas.command_relay import CommandRelay
-from rtron.service.replicas.live_follower import LiveFollower
-from rtron.service.replicas.live_publisher import LivePublisher
-from rtron.service.replicas.notice_listener import NoticeListener
+from rtron.service.replicas.live_publisher import LiveFollower, LivePublisher
+from rtron.service.replicas.notice_listener import CommandRelay, NoticeListener
 from rtron.service.replicas.shared_throttles import SharedThrottles
 from rtron.service.store.acknowledgements import find_acknowledgements
 from rtron.service.store.database import Database

@@ -14,17 +14,22 @@ from rtron.service.controller.robot_snapshot import RobotSnapshot, load_snapshot
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import Clock
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
-from rtron.service.domain.principal import Principal, check_reach, group_set
+from rtron.service.domain.principal import (
+    TOKEN_ROLES,
+    AccessScope,
+    Principal,
+    check_reach,
+    group_set,
+)
 from rtron.service.domain.revisions import StaleRevisionError
-from rtron.service.domain.roles import TOKEN_ROLES, AccessScope
 from rtron.service.domain.rollouts.plans import (
     check_plan_change,
     check_plan_right,
+    plan_without_change,
     with_plan,
     without_plan,
 )
-from rtron.service.domain.rollouts.restoring import plan_without_change
-from rtron.service.domain.rollouts.states import Problem, RobotPhase, RolloutState
+from rtron.service.domain.rollouts.schemas import Problem, RobotPhase, RolloutState
 from rtron.service.domain.schemas import SettingsChange, SettingsView
 from rtron.service.store.accounts.tokens import is_valid
 from rtron.service.store.accounts.users import find_user, roles_of
@@ -40,7 +45,7 @@ from rtron.service.store.fleet.rollouts import (
 )
 from rtron.service.store.settings import load_settings, load_settings_document
 from rtron.service.store.tables import TokenRow
-from rtron.workflows.plan_text import read_checked_plan
+from rtron.workflows.plan import read_checked_plan
 
 _ACTOR = "rtron"
 _PREFIX = "token:"

@@ -10,14 +10,16 @@ from rtron.service.domain.errors import ConflictError
 from rtron.service.domain.principal import Principal, check_reach
 from rtron.service.domain.rollouts.decisions import stage_targets
 from rtron.service.domain.rollouts.schemas import (
+    Problem,
+    RobotPhase,
     RolloutCancellation,
     RolloutPage,
     RolloutRobot,
     RolloutRobotPage,
+    RolloutState,
     RolloutSummary,
     RolloutView,
 )
-from rtron.service.domain.rollouts.states import Problem, RobotPhase, RolloutState
 from rtron.service.domain.schemas import SettingsOutcome
 from rtron.service.rollouts.start import SelectedRobot, check_change, selected_robots
 from rtron.service.store.fleet.labels import labels_by_robot

@@ -16,7 +16,6 @@ from sqlalchemy.orm import Session
 from rtron.errors import RTronError
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import Clock
-from rtron.service.domain.rollouts.alerts import RolloutNews, going_back_alert, rollout_message
 from rtron.service.domain.rollouts.decisions import (
     NextSteps,
     RobotProgress,
@@ -24,8 +23,12 @@ from rtron.service.domain.rollouts.decisions import (
     next_steps,
     stage_targets,
 )
-from rtron.service.domain.rollouts.schemas import RolloutPolicy
-from rtron.service.domain.rollouts.states import Problem, RobotPhase, RolloutState
+from rtron.service.domain.rollouts.observations import (
+    RolloutNews,
+    going_back_alert,
+    rollout_message,
+)
+from rtron.service.domain.rollouts.schemas import Problem, RobotPhase, RolloutPolicy, RolloutState
 from rtron.service.domain.schemas import SettingsOutcome
 from rtron.service.live.listener import LiveMessage
 from rtron.service.live.live_robots import LiveRobots

@@ -11,8 +11,12 @@ from rtron.service.domain.principal import Principal, check_reach
 from rtron.service.domain.revisions import apply_change
 from rtron.service.domain.rollouts.decisions import spread_kinds
 from rtron.service.domain.rollouts.plans import check_plan_change, check_plan_right
-from rtron.service.domain.rollouts.schemas import MAX_ROBOTS, NewRollout, RobotSelection
-from rtron.service.domain.rollouts.states import RolloutState
+from rtron.service.domain.rollouts.schemas import (
+    MAX_ROBOTS,
+    NewRollout,
+    RobotSelection,
+    RolloutState,
+)
 from rtron.service.domain.schemas import SettingsChange
 from rtron.service.store.fleet.labels import labels_by_robot
 from rtron.service.store.fleet.rollout_tables import RolloutRow
@@ -27,7 +31,7 @@ from rtron.service.store.settings import load_settings, newest_settings_by_app
 from rtron.service.store.tables import AppRow, RobotRow
 from rtron.vocabulary import Plan, Settings
 from rtron.wire.common.link_protocol import plan_document_digest
-from rtron.workflows.plan_text import read_checked_plan
+from rtron.workflows.plan import read_checked_plan
 
 _MAX_NAMED = 5
 

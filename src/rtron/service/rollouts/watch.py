@@ -7,15 +7,16 @@ from sqlalchemy.orm import Session
 
 from rtron.service.controller.robot_snapshot import load_snapshot
 from rtron.service.domain.rollouts.observations import Observation, baseline_of, find_problems
-from rtron.service.domain.rollouts.schemas import RolloutPolicy
-from rtron.service.domain.rollouts.states import Problem, RobotPhase
+from rtron.service.domain.rollouts.schemas import Problem, RobotPhase, RolloutPolicy
 from rtron.service.domain.schemas import SettingsOutcome
-from rtron.service.store.fleet.robot_problems import (
+from rtron.service.store.fleet.rollouts import (
+    RobotOfRollout,
+    load_baseline,
     newest_event,
     problems_since_change,
     recent_problems,
+    store_baseline,
 )
-from rtron.service.store.fleet.rollouts import RobotOfRollout, load_baseline, store_baseline
 from rtron.service.store.settings import settings_json
 from rtron.vocabulary import SECOND, GuardState
 

@@ -11,12 +11,17 @@ from starlette.routing import BaseRoute
 
 from rtron import __version__
 from rtron.service.alerts.dispatcher import AlertDispatcher
-from rtron.service.api.auth.login_queue import LoginQueue
+from rtron.service.api.auth.login_attempts import LoginQueue
 from rtron.service.api.context import ServiceContext
 from rtron.service.api.error_responses import ERROR_RESPONSES, install_error_handlers
 from rtron.service.api.middleware.request_body import RequestBodyLimit
-from rtron.service.api.middleware.request_checks import HostCheck, NulCheck, OriginCheck
-from rtron.service.api.middleware.responses import InternalErrorHandler, SecurityHeaders
+from rtron.service.api.middleware.request_checks import (
+    HostCheck,
+    InternalErrorHandler,
+    NulCheck,
+    OriginCheck,
+    SecurityHeaders,
+)
 from rtron.service.api.routes import (
     approvals,
     audit,
@@ -44,13 +49,14 @@ from rtron.service.collector.guard_certificates import GuardCertificates
 from rtron.service.collector.token_renewal import TokenRenewal
 from rtron.service.config import ServiceConfig
 from rtron.service.console import routes as console
-from rtron.service.controller.command_dispatcher import CommandDispatcher
-from rtron.service.controller.lease_dispatcher import LeaseDispatcher
-from rtron.service.controller.request_dispatcher import RequestDispatcher
+from rtron.service.controller.command_dispatcher import (
+    CommandDispatcher,
+    LeaseDispatcher,
+    RequestDispatcher,
+)
 from rtron.service.controller.risk_controller import RiskController
 from rtron.service.domain.clock import Clock, SteadyClock, monotonic_clock, wall_clock
-from rtron.service.domain.code_throttle import CodeThrottle
-from rtron.service.domain.login_throttle import LoginThrottle
+from rtron.service.domain.login_throttle import CodeThrottle, LoginThrottle
 from rtron.service.live.hub import Hub
 from rtron.service.live.live_robots import LocalLiveRobots, SharedLiveRobots
 from rtron.service.replicas.replica import Replica
@@ -59,8 +65,7 @@ from rtron.service.rollouts.changes import RobotChanges
 from rtron.service.rollouts.runner import RolloutRunner
 from rtron.service.server.audit_key import load_signer
 from rtron.service.server.database_setup import open_database
-from rtron.service.server.head_publisher import HeadPublisher
-from rtron.service.server.heads_journal import HeadsJournal
+from rtron.service.server.heads_journal import HeadPublisher, HeadsJournal
 from rtron.service.server.oidc_setup import read_client_secret
 from rtron.service.store.accounts.tokens import GuardTokens
 from rtron.service.store.audit import known_logins

@@ -13,10 +13,14 @@ from rtron.service.domain.audit_export import (
     parse_lines,
     signed_heads,
 )
-from rtron.service.domain.hash_chain import Head, Witness
-from rtron.service.domain.signed_documents import DocumentSigner
-from rtron.service.store.chain_check import DatabaseReport, check_database
-from rtron.service.store.chain_entries import all_chains, chain_links, snapshot
+from rtron.service.domain.hash_chain import DocumentSigner, Head, Witness
+from rtron.service.store.chain_check import (
+    DatabaseReport,
+    all_chains,
+    chain_links,
+    check_database,
+    snapshot,
+)
 from rtron.service.store.database import Database
 
 Witnesses = Mapping[str, list[Witness]]

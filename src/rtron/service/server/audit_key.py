@@ -17,7 +17,7 @@ from cryptography.hazmat.primitives.serialization import (
 )
 
 from rtron.errors import InputError
-from rtron.service.domain.signed_documents import DocumentSigner, public_key_hex
+from rtron.service.domain.hash_chain import DocumentSigner, public_key_hex
 
 PRIVATE_KEY, PUBLIC_KEY = "key.pem", "public.pem"
 HEADS_FILE, OLDER_HEADS_FILE = "heads.jsonl", "heads.1.jsonl"

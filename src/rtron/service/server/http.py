@@ -18,8 +18,7 @@ from fastapi import FastAPI
 
 from rtron.errors import InputError, SourceError
 from rtron.service.config import ServiceConfig, Tls
-from rtron.service.server.connection_limit import ConnectionLimit
-from rtron.service.server.handshake_limit import HandshakeSocket, bind_sockets
+from rtron.service.server.connection_limit import ConnectionLimit, HandshakeSocket, bind_sockets
 from rtron.service.server.http_protocol import LimitedHttpProtocol, LimitedWebSocketProtocol
 from rtron.wire.common.link_protocol import MAX_MESSAGE_BYTES
 from rtron.wire.common.systemd import take_notifier

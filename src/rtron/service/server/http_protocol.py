@@ -15,8 +15,7 @@ import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
-from rtron.service.server.connection_limit import ConnectionLimit
-from rtron.service.server.handshake_limit import note_handshake
+from rtron.service.server.connection_limit import ConnectionLimit, note_handshake
 
 _HEAD_TIMEOUT_S = 10.0
 

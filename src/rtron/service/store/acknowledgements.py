@@ -6,10 +6,11 @@ from sqlalchemy import ColumnElement, and_, or_, select, update
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.alarms import Acknowledgement, AlarmKey, clean_key
+from rtron.service.domain.shifts import Handover, Situation
 from rtron.service.store.events import StoredEvent
-from rtron.service.store.notices import AcknowledgedNotice, post_notice
+from rtron.service.store.notices import AcknowledgedNotice, HandoverNotice, post_notice
 from rtron.service.store.settings import ChangeAuthor
-from rtron.service.store.tables import AcknowledgementRow, RobotRow
+from rtron.service.store.tables import AcknowledgementRow, HandoverRow, RobotRow
 from rtron.vocabulary import EventKind
 
 _ENDING_KINDS = frozenset({EventKind.ALARM.value, EventKind.ALARM_CLEARED.value})
@@ -111,3 +112,24 @@ def _alarm_key(event: StoredEvent) -> AlarmKey:
     """Return the alarm that an event tells of; its values are a stranger's."""
     values = event.row["values"]
     return clean_key(*(str(values.get(name, "")) for name in ("kind", "topic", "node", "peer")))
+
+
+def add_handover(session: Session, by: str, text: str, situation: Situation, now: int) -> Handover:
+    """Write a note."""
+    row = HandoverRow(at=now, by=by, text=text, situation=situation.model_dump())
+    session.add(row)
+    session.flush()
+    post_notice(session, HandoverNotice())
+    return _handover_view(row)
+
+
+def list_handovers(session: Session, before: int | None, limit: int) -> Sequence[Handover]:
+    """Return notes, newest first, those older than `before`."""
+    query = select(HandoverRow).order_by(HandoverRow.id.desc()).limit(limit)
+    if before is not None:
+        query = query.where(HandoverRow.id < before)
+    return [_handover_view(row) for row in session.scalars(query)]
+
+
+def _handover_view(row: HandoverRow) -> Handover:
+    return Handover.model_validate(row, from_attributes=True)

@@ -14,10 +14,9 @@ from sqlalchemy import Row, delete, select
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.clock import Clock
-from rtron.service.domain.hash_chain import Head, Link, link_faults
-from rtron.service.domain.signed_documents import DocumentSigner, anchor_of
+from rtron.service.domain.hash_chain import DocumentSigner, Head, Link, anchor_of, link_faults
 from rtron.service.store.chains import EVENTS_PREFIX, lock_chains, store_anchors
-from rtron.service.store.event_rows import EVENT_CONTENT, event_content
+from rtron.service.store.events import EVENT_CONTENT, event_content
 from rtron.service.store.tables import ChainLinkRow, ChainRow, EventRow, RobotRow
 
 LinksBehind = Callable[[Head], Iterable[Link]]

@@ -4,15 +4,15 @@ A link is written in the transaction of its entry. Whoever appends has the chain
 the end of the transaction, so no two entries follow the same one.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Row, Table, insert, select
+from sqlalchemy import Row, Table, insert, select, tuple_
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
-from rtron.service.domain.hash_chain import GENESIS, Content, Head, next_head
+from rtron.service.domain.hash_chain import GENESIS, Content, Head, anchor_of, next_head
 from rtron.service.store.tables import ChainLinkRow, ChainRow
 
 SERVICE_CHAIN = "service"
@@ -114,3 +114,60 @@ def _insert(session: Session) -> Any:  # noqa: ANN401 - of either dialect, with 
     if session.get_bind().dialect.name == "sqlite":
         return sqlite.insert(_CHAINS)
     return postgresql.insert(_CHAINS)
+
+
+_PAGE = 500
+HeldHeads = Mapping[str, Collection[Head]]
+"""Heads by the names of their chains."""
+
+
+def contradicted_heads(session: Session, heads: HeldHeads) -> Iterator[tuple[str, Head, str]]:
+    """Yield each head that is not in its chain now: the chain, the head, and why.
+
+    What the retention has deleted since is no reason. By whom a chain's begin is signed, another
+    replica perhaps, is not asked here.
+    """
+    query = select(ChainRow).where(ChainRow.name.in_(heads))
+    chains = {chain.name: chain for chain in session.scalars(query)}
+    hashes = _stored_hashes(session, chains.values(), heads)
+    for name, several in heads.items():
+        for head in several:
+            if reason := _contradiction(chains.get(name), head, hashes):
+                yield name, head, reason
+
+
+def _stored_hashes(
+    session: Session, chains: Iterable[ChainRow], heads: HeldHeads
+) -> dict[tuple[int, int], str]:
+    """Return the hashes that are stored at the places of heads, by chain and number."""
+    places = [
+        (chain.id, head.number)
+        for chain in chains
+        for head in heads[chain.name]
+        if head.number <= chain.number
+    ]
+    link = ChainLinkRow
+    query = select(link.chain_id, link.number, link.hash)
+    found: dict[tuple[int, int], str] = {}
+    for first in range(0, len(places), _PAGE):
+        page = places[first : first + _PAGE]
+        for row in session.execute(query.where(tuple_(link.chain_id, link.number).in_(page))):
+            found[row.chain_id, row.number] = row.hash
+    return found
+
+
+def _contradiction(
+    chain: ChainRow | None, head: Head, hashes: Mapping[tuple[int, int], str]
+) -> str:
+    if chain is None:
+        return "the chain is gone"
+    if head.number > chain.number:
+        return f"entries {chain.number + 1} to {head.number} are missing"
+    stored = hashes.get((chain.id, head.number))
+    if stored is not None:
+        return "" if stored == head.hash else f"entry {head.number}, or one before it, was another"
+    key = str((chain.anchor or {}).get("key"))
+    begin, fault = anchor_of(chain.anchor, [key], chain.name)
+    if head.number < begin.number or head == begin:
+        return ""
+    return fault or f"entry {head.number} is missing"

@@ -9,7 +9,7 @@ from sqlalchemy import ColumnElement, Select, select, text, true
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.schemas import EventPage, EventView
-from rtron.service.store.event_rows import event_view
+from rtron.service.store.events import event_view
 from rtron.service.store.tables import EventRow, RobotRow
 from rtron.vocabulary import EventKind, GuardEventLevel
 

@@ -2,18 +2,24 @@
 
 from functools import cache
 from pathlib import Path
+from secrets import token_hex
 from typing import TYPE_CHECKING
 
-from sqlalchemy import Connection, Engine, inspect
+from sqlalchemy import Connection, Engine, insert, inspect
 from sqlalchemy.exc import DBAPIError
 
 from rtron.errors import InputError, SourceError
-from rtron.service.store.fleet.rollout_tables import RolloutRobotRow
+from rtron.service.store.fleet.rollout_tables import RolloutRow
 from rtron.service.store.incidents import IncidentRow
+from rtron.service.store.notices import NoticeChannelRow
+from rtron.service.store.partitions.event_partitions import make_partition
+from rtron.service.store.tables import Table
 
 if TYPE_CHECKING:
     from alembic.script import ScriptDirectory
 
+_TABLES_ELSEWHERE = (RolloutRow, IncidentRow, NoticeChannelRow)
+"""Their modules are imported, so that `Table.metadata` has all tables."""
 _SCRIPT_FOLDER = Path(__file__).with_name("migrations")
 _SCRIPT_NAMES = "versions/r[0-9]*_*.py"
 MIN_POSTGRESQL = (14,)
@@ -35,8 +41,10 @@ def migrate(engine: Engine) -> None:
             if _is_current(connection):
                 return
             _lock(connection)
-            _check_schema(connection, name)
-            _upgrade(connection)
+            if _known_revision(connection, name):
+                _upgrade(connection)
+            else:
+                _create(connection)
     except DBAPIError as error:
         raise _unusable_database(engine, name, error) from None
 
@@ -78,22 +86,33 @@ def _lock(connection: Connection) -> None:
         connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_ADVISORY_LOCK_KEY})")
 
 
-def _check_schema(connection: Connection, name: str) -> None:
+def _known_revision(connection: Connection, name: str) -> str | None:
+    """Return the schema's revision, None if there is none yet; InputError for a strange one."""
     from alembic.runtime.migration import MigrationContext  # noqa: PLC0415 - likewise
 
-    heads = MigrationContext.configure(connection).get_current_heads()
-    known_revisions = {script.revision for script in _scripts().walk_revisions()}
-    if unknown := set(heads) - known_revisions:
+    revision = MigrationContext.configure(connection).get_current_revision()
+    if revision and revision not in {script.revision for script in _scripts().walk_revisions()}:
         help = "start the newest RTron that has used it, or give another --database"
-        message = (
-            f"its schema {', '.join(sorted(unknown))} is newer than this RTron's {head_revision()}"
-        )
+        message = f"its schema {revision} is unknown to this RTron, which has {head_revision()}"
         raise InputError(message, path=name, help=help)
-    tables = {*RolloutRobotRow.metadata.tables, IncidentRow.__tablename__}
-    foreign_tables = tables & set(inspect(connection).get_table_names())
-    if foreign_tables and not heads:
+    foreign_tables = Table.metadata.tables.keys() & set(inspect(connection).get_table_names())
+    if foreign_tables and not revision:
         message = f"it has tables of another program: {', '.join(sorted(foreign_tables))}"
         raise InputError(message, path=name, help="give another --database")
+    return revision
+
+
+def _create(connection: Connection) -> None:
+    """Make the newest schema in an empty database."""
+    from alembic.runtime.migration import MigrationContext  # noqa: PLC0415 - likewise
+
+    Table.metadata.create_all(connection)
+    if connection.dialect.name != "sqlite":
+        connection.exec_driver_sql("ALTER TABLE live_guards SET UNLOGGED")
+        for number in range(2):
+            make_partition(connection, number)
+    connection.execute(insert(NoticeChannelRow).values(name=f"rtron_{token_hex(16)}"))
+    MigrationContext.configure(connection).stamp(_scripts(), "head")
 
 
 def _upgrade(connection: Connection) -> None:

@@ -1,6 +1,6 @@
 """The tables of the security service. Times are wall clock, integer ns since 1970.
 
-The schema in a database is made by the migrations beside this file, never by these classes.
+They make the schema of a new database. Migrations, which are frozen, bring an older one to it.
 """
 
 from typing import Any
@@ -130,7 +130,7 @@ class EventRow(Table):
         _partial_index("events_of_note", "robot_id", "id", where="level <> 'info'"),
         _partial_index("events_without_counts", "robot_id", "id", where="kind <> 'counts'"),
         _partial_index("events_counts", "robot_id", "at", where="kind = 'counts'"),
-        {"sqlite_autoincrement": True},
+        {"sqlite_autoincrement": True, "postgresql_partition_by": "RANGE (id)"},
     )
 
     id: Mapped[int] = mapped_column(_Long, primary_key=True)

@@ -21,7 +21,7 @@ from rtron.messages.common.pose import POSE_TYPES, GroundPose, pose_reader
 from rtron.messages.common.velocity import VELOCITY_TYPES, velocity_codec
 from rtron.sources.bag.common.reader import BagConnection, BagReader
 from rtron.sources.bag.mcap.reader import open_mcap_with_metadata
-from rtron.sources.bag.mcap.summary import INCIDENT_ENCODINGS
+from rtron.sources.bag.mcap.record import INCIDENT_ENCODINGS
 from rtron.vocabulary import (
     PRIVATE_ROOT,
     SECOND,

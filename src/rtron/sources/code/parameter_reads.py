@@ -7,9 +7,9 @@ names, as `reachability` does it: whatever may be called later counts as called.
 from collections.abc import Iterable
 from dataclasses import replace
 
-from rtron.sources.code.interpreter.abstract_values.value_types import Instance
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.ir import Call, Function, While
 from rtron.sources.code.ir.references import called_names, callee_names, ir_nodes
 from rtron.sources.code.reachability import has_unknown_base, reachable_functions
 from rtron.sources.declaration import NodeInterface
@@ -46,7 +46,7 @@ def _reads_parameters_once(machine: AbstractMachine) -> bool:
         called_names(each) & _CHANGES for each in (*functions, *lambdas)
     ):
         return False
-    made = [each for each in machine.instances if isinstance(each, Instance)]
+    made = [each for each in machine.instances if isinstance(each, av.Instance)]
     if any(has_unknown_base(machine, each) for each in made):
         return False
     repeated = _names_in_loops((*functions, *lambdas))
@@ -56,8 +56,10 @@ def _reads_parameters_once(machine: AbstractMachine) -> bool:
     return not (repeated & _READS or any(called_names(each) & _READS for each in reached))
 
 
-def _names_in_loops(functions: Iterable[Function]) -> frozenset[str]:
+def _names_in_loops(functions: Iterable[ir.Function]) -> frozenset[str]:
     """Return the plain names that are called while a condition holds: as long as a node spins."""
-    loops = (node for each in functions for node in ir_nodes(each.body) if isinstance(node, While))
-    calls = (node for loop in loops for node in ir_nodes(loop) if isinstance(node, Call))
+    loops = (
+        node for each in functions for node in ir_nodes(each.body) if isinstance(node, ir.While)
+    )
+    calls = (node for loop in loops for node in ir_nodes(loop) if isinstance(node, ir.Call))
     return frozenset(name for call in calls for name in callee_names(call.function))

@@ -35,11 +35,11 @@ from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
 from rtron.sources.code.ir import Function, SourceProblem
 from rtron.sources.code.last_message import last_messages
-from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
-from rtron.sources.code.library_models.common.other_ros import (
+from rtron.sources.code.library_models.common.message_types import (
     OTHER_CPP_CLASSES,
     OTHER_CPP_FUNCTIONS,
 )
+from rtron.sources.code.library_models.common.navigation_plugins import start_plugin
 from rtron.sources.code.library_models.cpp_std.registry import (
     CONSTANTS,
     CPP_STD_CLASSES,
@@ -51,8 +51,8 @@ from rtron.sources.code.library_models.python_std.registry import (
     command_line_value,
     node_constants,
 )
-from rtron.sources.code.library_models.rclcpp.hardware import HARDWARE_CALLBACKS, hardware_info
 from rtron.sources.code.library_models.rclcpp.node import component_options
+from rtron.sources.code.library_models.rclcpp.pluginlib import HARDWARE_CALLBACKS, hardware_info
 from rtron.sources.code.library_models.rclcpp.registry import (
     RCLCPP_CLASSES,
     RCLCPP_CONSTANTS,
@@ -62,6 +62,7 @@ from rtron.sources.code.library_models.rclpy.registry import rclpy_library
 from rtron.sources.code.library_models.roscpp.plugins import start_nodelet
 from rtron.sources.code.library_models.roscpp.registry import ROSCPP_CLASSES, ROSCPP_FUNCTION_VALUES
 from rtron.sources.code.library_models.rospy.registry import ROSPY
+from rtron.sources.code.message_flow import message_flows
 from rtron.sources.code.parameter_reads import mark_parameters_read_once
 from rtron.sources.code.reachability import (
     joins_nodes,
@@ -72,7 +73,7 @@ from rtron.sources.code.reachability import (
     run_transitions,
 )
 from rtron.sources.declaration import NodeInterface, NodeSite
-from rtron.vocabulary import Evidence
+from rtron.vocabulary import Evidence, UnresolvedCause
 
 _UNREADABLE_PIECE = "cannot be read: "
 _MISSING_CLASS_REASON = "its class is not in the sources"
@@ -221,7 +222,7 @@ def _run_cpp_program(
         found = start(runtime)
         if found is None:
             location = Evidence(file=str(sources[0]) if sources else "")
-            machine.recorder.add_unresolved(*missing, location)
+            machine.recorder.add_unresolved(*missing, location, cause=UnresolvedCause.MISSING_CODE)
             _note_problems(machine, runtime.symbols, lambda each: not _is_relevant_problem(each))
         else:
             _run_part(machine, Path(found[0]), runtime.initialise_globals)
@@ -279,9 +280,10 @@ def _run_to_fixpoint(
     note_unreached(machine, own)
     interface = machine.recorder.result()
     interface = mark_parameters_read_once(machine, interface) if of_node else interface
-    last = tuple(last_messages(machine))
+    last, flows = tuple(last_messages(machine)), tuple(message_flows(machine))
     run_frame_users(machine)
-    return replace(interface, frame_uses=machine.recorder.result().frame_uses, last_messages=last)
+    frame_uses = machine.recorder.result().frame_uses
+    return replace(interface, frame_uses=frame_uses, last_messages=last, message_flows=flows)
 
 
 def _create_cpp_machine(
@@ -379,4 +381,4 @@ def _run_part(machine: AbstractMachine, path: Path, run: Callable[[], object]) -
 def _note_incomplete(
     machine: AbstractMachine, path: Path, why: str, place: Evidence | None = None
 ) -> None:
-    machine.recorder.add_unresolved(path.name, why, place or Evidence(file=str(path)))
+    machine.recorder.add_partly_read(path.name, why, place or Evidence(file=str(path)))

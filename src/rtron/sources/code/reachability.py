@@ -29,7 +29,7 @@ from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Function
 from rtron.sources.code.ir.references import called_names, written_names
 from rtron.sources.code.library_models.common.transforms import LOOK_UPS
-from rtron.vocabulary import Evidence
+from rtron.vocabulary import Evidence, UnresolvedCause
 
 ROS1_API = frozenset(
     [
@@ -79,7 +79,6 @@ _CONTAINER_METHODS = frozenset(
     ]
 )
 """Called of containers and pointers, most often: that a class has one says nothing."""
-UNREACHED = "may join nodes, but nothing that is seen calls it"
 _EARLY_EXIT = "makes endpoints, but ends before the first of them by what is known here"
 MAX_RUNS = 400
 MAX_PLACES = 200
@@ -146,7 +145,7 @@ def _run_deferred(machine: AbstractMachine) -> None:
     except (StepsExceededError, ThrownError) as error:
         what = f"what a library makes: {type(error).__name__}"
         place = error.place or Evidence(file="")
-        machine.recorder.add_unresolved(what, "not all of it is run", place)
+        machine.recorder.add_partly_read(what, "not all of it is run", place)
 
 
 def _run_callback(machine: AbstractMachine, waiting: FunctionValue) -> None:
@@ -159,10 +158,10 @@ def _run_callback(machine: AbstractMachine, waiting: FunctionValue) -> None:
         with machine.step_budget(MAX_STEPS if machine.recorder.site.ros == 1 else MAX_ROS2_STEPS):
             dispatch(machine, waiting, Arguments(frame=StackFrame(file=function.file)))
     except StepsExceededError as error:
-        machine.recorder.add_unresolved(function.name, TOO_LARGE, error.place or location)
+        machine.recorder.add_partly_read(function.name, TOO_LARGE, error.place or location)
     except ThrownError as error:
         why = f"{error.name} ends it before all of it is run"
-        machine.recorder.add_unresolved(function.name, why, error.place or location)
+        machine.recorder.add_partly_read(function.name, why, error.place or location)
 
 
 def _runnable_callbacks(machine: AbstractMachine) -> Iterator[FunctionValue]:
@@ -375,7 +374,8 @@ def note_unreached(machine: AbstractMachine, functions: Iterable[tuple[str, Func
         more = f" and {len(found) - 1} more" if len(found) > 1 else ""
         lines = dict.fromkeys(function.line for _, function in found[:MAX_PLACES])
         places = [Evidence(file=file, line=line) for line in lines]
-        machine.recorder.add_unresolved(f"{found[0][0]}{more}", UNREACHED, *places)
+        what, why = f"{found[0][0]}{more}", "may join nodes, but nothing that is seen calls it"
+        machine.recorder.add_unresolved(what, why, *places, cause=UnresolvedCause.UNREACHED)
     for function in (function for name, function in candidates if name == "main"):
         _note_early_end(machine, function, makers)
 

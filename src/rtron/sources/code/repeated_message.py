@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from itertools import chain, repeat
 from typing import Any, NamedTuple
 
+from rtron.sources.code import ir
 from rtron.sources.code.function_steps import (
     ADDING,
     SELF,
@@ -17,7 +18,6 @@ from rtron.sources.code.function_steps import (
     last_name,
     mentioned_names,
 )
-from rtron.sources.code.ir import Assign, Attr, Binary, Call, Const, Expr, Index, SequenceExpr
 from rtron.sources.code.ir.references import called_names, ir_nodes
 
 _TAKING = frozenset(
@@ -81,17 +81,17 @@ def is_counted(reached: list[FunctionSteps], others: list[FunctionSteps]) -> boo
     return any(mentioned_names(each) & counters for each in conditions)
 
 
-def _conditions(code: FunctionSteps) -> Iterator[Expr]:
+def _conditions(code: FunctionSteps) -> Iterator[ir.Expr]:
     yield from (test.condition for test in code.tests)
     for node in ir_nodes(code.function.body):
-        if isinstance(node, Binary) and node.operator in {"<", ">", "<=", ">=", "==", "!="}:
+        if isinstance(node, ir.Binary) and node.operator in {"<", ">", "<=", ">=", "==", "!="}:
             yield node
 
 
-def _is_step(name: str, value: Expr) -> bool:
+def _is_step(name: str, value: ir.Expr) -> bool:
     """Return whether a value is what a name held, and a number more or less; at least zero, too."""
     return any(
-        isinstance(node, Binary)
+        isinstance(node, ir.Binary)
         and node.operator.rstrip("=") in {"+", "-"}
         and any(is_constant(side) for side in (node.left, node.right))
         and name in {last_name(node.left), last_name(node.right)}
@@ -108,7 +108,7 @@ def is_compared(stored: set[str], others: list[FunctionSteps]) -> bool:
 
 def _acts_on_same(test: Test, stored: set[str], copies: set[str]) -> bool:
     for node in ir_nodes(test.condition):
-        if isinstance(node, Binary) and node.operator in _EQUAL | _OTHER:
+        if isinstance(node, ir.Binary) and node.operator in _EQUAL | _OTHER:
             sides = mentioned_names(node.left), mentioned_names(node.right)
             is_pair = any(one & stored and other & copies for one, other in (sides, sides[::-1]))
             branch = test.branches[node.operator in _OTHER :][:1] if is_pair else ()
@@ -118,7 +118,7 @@ def _acts_on_same(test: Test, stored: set[str], copies: set[str]) -> bool:
 
 
 def _acts(node: object) -> bool:
-    return isinstance(node, Assign) or (isinstance(node, Call) and not is_log(node))
+    return isinstance(node, ir.Assign) or (isinstance(node, ir.Call) and not is_log(node))
 
 
 def _publishers(stored: set[str], user: FunctionSteps, sender: FunctionSteps) -> set[str]:
@@ -164,7 +164,7 @@ def made_of(code: FunctionSteps, names: set[str]) -> set[str]:
 
 
 def _fed_names(code: FunctionSteps, node: object, made: set[str]) -> set[str]:
-    if isinstance(node, Call) and isinstance(node.function, Attr):
+    if isinstance(node, ir.Call) and isinstance(node.function, ir.Attr):
         is_adding = node.function.name in ADDING and mentioned_names(node.args) & made
         return _roots(node.function.owner, code) if is_adding else set()
     fed = (target for target, value in assignments(node) if mentioned_names(value) & made)
@@ -207,7 +207,7 @@ def is_cleared_by(code: FunctionSteps, stored: set[str]) -> bool:
     """Return whether a function assigns what was stored anew, or takes it away."""
     made = made_of(code, stored)
     for node in ir_nodes(code.function.body):
-        if isinstance(node, Call) and last_name(node.function) in _TAKING:
+        if isinstance(node, ir.Call) and last_name(node.function) in _TAKING:
             if mentioned_names(node) & stored:
                 return True
         elif any(_is_anew(t, value, code, stored, made) for t, value in assignments(node)):
@@ -216,38 +216,38 @@ def is_cleared_by(code: FunctionSteps, stored: set[str]) -> bool:
 
 
 def _is_anew(
-    target: Expr, value: Expr, code: FunctionSteps, stored: set[str], made: set[str]
+    target: ir.Expr, value: ir.Expr, code: FunctionSteps, stored: set[str], made: set[str]
 ) -> bool:
     """Return whether something is stored that is not `made` of what was."""
-    if isinstance(target, SequenceExpr):
-        given = value.items if isinstance(value, SequenceExpr) else ()
+    if isinstance(target, ir.SequenceExpr):
+        given = value.items if isinstance(value, ir.SequenceExpr) else ()
         is_each = len(given) == len(target.items)
         pairs = zip(target.items, given if is_each else repeat(value), strict=False)
         return any(_is_anew(*pair, code, stored, made) for pair in pairs)
     if code.member(target) not in stored:
         return False
-    is_number = isinstance(value, Const) and not isinstance(value.value, (str, bytes))
+    is_number = isinstance(value, ir.Const) and not isinstance(value.value, (str, bytes))
     is_whole = last_name(target) in stored
     is_other = is_whole and not mentioned_names(value) & made
-    return is_number or is_zero(value) or is_other or (is_whole and isinstance(value, Binary))
+    return is_number or is_zero(value) or is_other or (is_whole and isinstance(value, ir.Binary))
 
 
-def _roots(target: Expr, code: FunctionSteps) -> set[str]:
+def _roots(target: ir.Expr, code: FunctionSteps) -> set[str]:
     """Return the variables, or own members, in or below which something is written."""
-    if isinstance(target, SequenceExpr):
+    if isinstance(target, ir.SequenceExpr):
         return {root for item in target.items for root in _roots(item, code)}
-    inner: Expr = target
-    while isinstance(inner, (Attr, Index)):
+    inner: ir.Expr = target
+    while isinstance(inner, (ir.Attr, ir.Index)):
         inner = inner.owner
     return {code.member(target) or last_name(inner)} - {""}
 
 
-def _publish_calls(code: FunctionSteps) -> list[Call]:
+def _publish_calls(code: FunctionSteps) -> list[ir.Call]:
     return [call for call in code.calls if last_name(call.function) == "publish"]
 
 
-def _publisher(call: Call) -> str:
-    return last_name(call.function.owner) if isinstance(call.function, Attr) else ""
+def _publisher(call: ir.Call) -> str:
+    return last_name(call.function.owner) if isinstance(call.function, ir.Attr) else ""
 
 
 def _calls(caller: FunctionSteps, called: FunctionSteps) -> bool:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable
 
+from rtron.sources.code import ir
 from rtron.sources.code.function_steps import (
     ADDING,
     SELF,
@@ -14,18 +15,6 @@ from rtron.sources.code.function_steps import (
     is_zero,
     last_name,
     mentioned_names,
-)
-from rtron.sources.code.ir import (
-    Attr,
-    Binary,
-    Call,
-    Const,
-    Expr,
-    Function,
-    Index,
-    Name,
-    Return,
-    SequenceExpr,
 )
 from rtron.sources.code.ir.references import ir_nodes
 
@@ -81,29 +70,29 @@ def _stops_after_waiting(code: FunctionSteps) -> bool:
     )
 
 
-def _may_be_zero(value: Expr) -> bool:
+def _may_be_zero(value: ir.Expr) -> bool:
     """Return whether what is sent may mean a stop: a text of zeros, or what is called low."""
-    if isinstance(value, Const) and isinstance(value.value, (str, bytes)):
+    if isinstance(value, ir.Const) and isinstance(value.value, (str, bytes)):
         text = value.value if isinstance(value.value, str) else value.value.decode("latin-1")
         return bool(_ZERO_TEXT.fullmatch(text))
-    return last_name(value) in {"LOW", "False"} or value == Const(value=False)
+    return last_name(value) in {"LOW", "False"} or value == ir.Const(value=False)
 
 
-def clock_functions(functions: Iterable[Function]) -> frozenset[str]:
+def clock_functions(functions: Iterable[ir.Function]) -> frozenset[str]:
     """Return the names of functions that return the time, as it is or in another unit."""
     returned = [
         (function.name.rpartition("::")[2], node.value)
         for function in functions
         for node in ir_nodes(function.body)
-        if isinstance(node, Return) and node.value is not None
+        if isinstance(node, ir.Return) and node.value is not None
     ]
     others = {name for name, value in returned if not _is_clock_reading(value)}
     return frozenset(name for name, _ in returned) - others
 
 
-def _is_clock_reading(value: Expr) -> bool:
+def _is_clock_reading(value: ir.Expr) -> bool:
     """Return whether a value is a clock's, changed by numbers alone."""
-    sides = [(n.left, n.right) for n in ir_nodes(value) if isinstance(n, Binary)]
+    sides = [(n.left, n.right) for n in ir_nodes(value) if isinstance(n, ir.Binary)]
     is_plain = all(any(map(is_constant, each)) for each in sides)
     return is_plain and bool(mentioned_names(value) & CLOCKS - {"stamp"})
 
@@ -119,10 +108,10 @@ def has_timed_wait(reached: list[FunctionSteps], others: list[FunctionSteps]) ->
     )
 
 
-def _is_wait(call: Call) -> bool:
+def _is_wait(call: ir.Call) -> bool:
     name = last_name(call.function)
     is_timed = any(key == "timeout" for key, _ in call.keywords)
-    is_timed |= len(call.args) > 1 and call.args[0] == Const(value=True)
+    is_timed |= len(call.args) > 1 and call.args[0] == ir.Const(value=True)
     return (name in {"get", "wait"} and is_timed) or (name == "wait" and bool(call.args))
 
 
@@ -135,23 +124,23 @@ def _keeps_time(code: FunctionSteps) -> bool:
         for target, value in assignments(node):
             if is_time(value, code) and _is_hidden(target, value, code):
                 return True
-        is_keeping = isinstance(node, Call) and last_name(node.function) in _KEEPING
+        is_keeping = isinstance(node, ir.Call) and last_name(node.function) in _KEEPING
         given = (*node.args, *(v for _, v in node.keywords)) if is_keeping else ()
         if any(is_time(each, code) for each in given):
             return True
     return False
 
 
-def _is_hidden(target: Expr, value: Expr, code: FunctionSteps) -> bool:
+def _is_hidden(target: ir.Expr, value: ir.Expr, code: FunctionSteps) -> bool:
     if "stamp" in mentioned_names(target):
         return False
-    is_item = isinstance(target, Index) and last_name(target) not in code.declared
-    is_others = isinstance(target, Attr) and not isinstance(target.owner, Name)
-    is_beside = isinstance(value, SequenceExpr) and bool(code.member(target))
+    is_item = isinstance(target, ir.Index) and last_name(target) not in code.declared
+    is_others = isinstance(target, ir.Attr) and not isinstance(target.owner, ir.Name)
+    is_beside = isinstance(value, ir.SequenceExpr) and bool(code.member(target))
     return is_item or is_others or is_beside or last_name(target) in code.globals
 
 
-def is_time(value: Expr, code: FunctionSteps) -> bool:
+def is_time(value: ir.Expr, code: FunctionSteps) -> bool:
     """Return whether a value is now, or a message's stamp; a local may hold it."""
     names, clocks = mentioned_names(value), CLOCKS | code.clocks
     return bool(names & clocks) or any(
@@ -159,9 +148,9 @@ def is_time(value: Expr, code: FunctionSteps) -> bool:
     )
 
 
-def _starts_timer(function: Expr, timers: set[str]) -> bool:
+def _starts_timer(function: ir.Expr, timers: set[str]) -> bool:
     """Return whether a timer starts anew, which stops something where no more comes."""
-    if isinstance(function, Attr) and function.name in _RESTARTS:
+    if isinstance(function, ir.Attr) and function.name in _RESTARTS:
         names = mentioned_names(function.owner)
         return bool(names & timers) or any(map(_TIMERS.search, names))
     return last_name(function) in _TIMER_MAKERS | _ALARMS

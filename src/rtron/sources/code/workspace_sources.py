@@ -9,6 +9,7 @@ from pathlib import Path, PurePath
 from rtron.errors import InputError
 from rtron.messages.common.definition_registry import standard_names
 from rtron.sources.bounded_file import read_regular_file
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp import lower_cpp
 from rtron.sources.code.frontends.parameter_library import (
     DESCRIPTION_SUFFIXES,
@@ -17,7 +18,6 @@ from rtron.sources.code.frontends.parameter_library import (
 )
 from rtron.sources.code.frontends.python import lower_python
 from rtron.sources.code.interpreter.execution.source_provider import PluginSource
-from rtron.sources.code.ir import SourceLanguage, SourceProblem, Unit
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_contents import BuildTarget, TargetKind
 from rtron.sources.workspace.package_files import is_inside
@@ -93,19 +93,21 @@ class WorkspaceSources:
     _texts: SourceTexts = field(default_factory=SourceTexts)
     _folders: tuple[Path, ...] = ()
     _described: dict[str, Mapping[str, Path]] = field(default_factory=dict)
-    _units: dict[tuple[Path, SourceLanguage, tuple[str, ...]], Unit] = field(default_factory=dict)
+    _units: dict[tuple[Path, ir.SourceLanguage, tuple[str, ...]], ir.Unit] = field(
+        default_factory=dict
+    )
 
     def with_macros(self, definitions: tuple[str, ...]) -> "WorkspaceSources":
         """Return the same files for a target that defines macros, `NAME` or `NAME=value`."""
         return replace(self, definitions=definitions)
 
-    def lowered_unit(self, path: Path, language: SourceLanguage) -> Unit:
+    def lowered_unit(self, path: Path, language: ir.SourceLanguage) -> ir.Unit:
         """Return a file, lowered; one that cannot be read is empty, with a Problem."""
         try:
             text = read_regular_file(path, _MAX_SOURCE)
         except InputError as error:
-            problem = SourceProblem(0, f"cannot be read: {error.reason}")
-            return Unit(file=str(path), language=language, problems=(problem,))
+            problem = ir.SourceProblem(0, f"cannot be read: {error.reason}")
+            return ir.Unit(file=str(path), language=language, problems=(problem,))
         definitions = tuple(one for one in self.definitions if _may_use_macro(text, one))
         key = (path, language, definitions)
         if key not in self._units:
@@ -233,10 +235,12 @@ class WorkspaceSources:
         return self._sources[package].get(word, ())
 
 
-def _lower(path: Path, text: bytes, language: SourceLanguage, definitions: tuple[str, ...]) -> Unit:
+def _lower(
+    path: Path, text: bytes, language: ir.SourceLanguage, definitions: tuple[str, ...]
+) -> ir.Unit:
     if path.suffix in DESCRIPTION_SUFFIXES:
         text = generated_code(text, path, language)
-    if language is SourceLanguage.PYTHON:
+    if language is ir.SourceLanguage.PYTHON:
         return lower_python(str(path), text)
     pairs = (definition.partition("=") for definition in definitions)
     return lower_cpp(str(path), text, {name: value or "1" for name, _, value in pairs})

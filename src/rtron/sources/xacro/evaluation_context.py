@@ -22,7 +22,7 @@ from rtron.sources.xacro.expression import XacroExpressionEvaluator
 from rtron.sources.xacro.scopes import NamespaceView, PropertyScope
 from rtron.sources.xacro.xml_element import XMLNS, XmlElement, statement_name
 from rtron.sources.xacro.yaml_file import load_yaml
-from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary import Evidence, UnresolvedCause, UnresolvedItem
 from rtron.vocabulary.enums import HiddenPart
 
 MAX_MATCHES = 200
@@ -98,8 +98,6 @@ def _split_parts(text: str) -> Iterator[Part]:
 
 MAX_NOTES = 1000
 
-_UNRESOLVED = (UnresolvableError, MissingArgumentError, ValueError)
-
 
 @dataclass(slots=True, kw_only=True)
 class EvaluationContext:
@@ -127,12 +125,20 @@ class EvaluationContext:
         declared = {k: v for k, v in root.attributes.items() if k.startswith(XMLNS)}
         self.namespaces = {**declared, **self.namespaces}
 
-    def add_unresolved(self, element: XmlElement, what: str, why: str, *more: Evidence) -> None:
+    def add_unresolved(
+        self,
+        element: XmlElement,
+        what: str,
+        why: str,
+        *more: Evidence,
+        cause: UnresolvedCause | None = None,
+    ) -> None:
         """Keep that something at an element is not resolved, and why; the same counts once."""
         if len(self.notes) < MAX_NOTES:
             evidence = (element.evidence, *more)
             hides = HiddenPart.NODES if statement_name(element) == "include" else None
-            self.notes[UnresolvedItem(what=what, why=why, hides=hides, evidence=evidence)] = None
+            note = UnresolvedItem(what=what, why=why, hides=hides, cause=cause, evidence=evidence)
+            self.notes[note] = None
 
     @contextmanager
     def noting_errors(self, element: XmlElement, what: str = "") -> Iterator[None]:
@@ -145,8 +151,13 @@ class EvaluationContext:
             self.add_unresolved(element, what, str(error), *location)
         except RecursionError:
             self.add_unresolved(element, what, "is nested too deep")
-        except _UNRESOLVED as error:
-            self.add_unresolved(element, what, str(error))
+        except UnresolvableError as error:
+            cause = UnresolvedCause.MISSING_SOURCE if error.package else None
+            self.add_unresolved(element, what, str(error), cause=cause)
+        except (MissingArgumentError, ValueError) as error:
+            follows = any(note.hides for note in self.notes)
+            cause = UnresolvedCause.INCOMPLETE_DESCRIPTION if follows else None
+            self.add_unresolved(element, what, str(error), cause=cause)
 
     @contextmanager
     def reading_file(self, path: str) -> Iterator[None]:

@@ -9,7 +9,6 @@ from rtron.functions.app_categories import PAPER_APP_COUNT
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.functions.interactions.abstract_graph import typical_types
 from rtron.survey.app_survey import AppSurvey
-from rtron.survey.paper import COMPLEX_APPS, RSR_APPS, RSR_RISKS
 from rtron.survey.reports.page_figures import (
     apps_link,
     matrix_cell,
@@ -19,7 +18,15 @@ from rtron.survey.reports.page_figures import (
     table,
     text,
 )
-from rtron.survey.statistics import FunctionPair, LinkCount, RiskCount, SurveyCounts
+from rtron.survey.statistics import (
+    COMPLEX_APPS,
+    RSR_APPS,
+    RSR_RISKS,
+    FunctionPair,
+    LinkCount,
+    RiskCount,
+    SurveyCounts,
+)
 from rtron.vocabulary import Domain, FunctionType, RiskKind
 
 Counts = Mapping[int, SurveyCounts]

@@ -17,9 +17,8 @@ from rtron.guard.transport.ros2 import cyclone_ids, sender_ids
 from rtron.guard.transport.ros2.rcl import Rcl
 from rtron.guard.transport.ros2.sender_ids import find_sender_ids
 from rtron.guard.transport.ros2.service_calls import ServiceCalls, request_id_parts
-from rtron.wire.ros2.endpoints import await_publishers, publishers_of
+from rtron.wire.ros2.endpoints import await_publishers, clients_of, publishers_of
 from rtron.wire.ros2.interfaces import find_interface
-from rtron.wire.ros2.service_endpoints import clients_of
 from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = [

@@ -8,7 +8,7 @@ import pytest
 
 from rtron.errors import InputError
 from rtron.planning.instrument import GuardedLaunch, write_guarded_launch
-from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT, GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GUARD_SCRIPT, GuardFiles
 
 
 def guarded(folder, **more):

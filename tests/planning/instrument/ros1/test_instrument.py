@@ -7,7 +7,7 @@ from plans import grcn, plan_of
 
 from rtron.errors import InputError, PlanError
 from rtron.planning.instrument import instrument_ros1
-from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
 from rtron.sources.launch.ros1.reader import read_launch
 from rtron.vocabulary import (
     MSRCN,

@@ -7,7 +7,7 @@ import pytest
 from plans import grcn, plan_of
 
 from rtron.planning.instrument import RuntimeLaunchTree, instrument_ros1, write_guarded_launch
-from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.static.ros1.app import scan_app
 

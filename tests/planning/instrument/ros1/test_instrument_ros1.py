@@ -7,7 +7,7 @@ from plans import grcn, plan_of
 from roslaunch_oracle import both, write_files
 
 from rtron.planning.instrument import instrument_ros1, write_guarded_launch
-from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
 from rtron.sources.launch.ros1.reader import read_launch
 
 pytestmark = pytest.mark.ros1

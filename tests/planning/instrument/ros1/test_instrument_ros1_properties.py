@@ -13,7 +13,7 @@ from roslaunch_oracle import write_files
 
 from example_budget import examples
 from rtron.planning.instrument import instrument_ros1, write_guarded_launch
-from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
 from rtron.sources.launch.ros1.reader import read_launch
 
 TOPICS = ("/a", "/g/a", "/b")

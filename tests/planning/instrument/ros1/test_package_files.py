@@ -1,6 +1,6 @@
 """The scripts that nodes run, however deep their packages are."""
 
-from rtron.planning.instrument.ros1.package_files import find_scripts
+from rtron.planning.instrument.ros1.runtime_launch import find_scripts
 from rtron.vocabulary import LaunchNode
 
 

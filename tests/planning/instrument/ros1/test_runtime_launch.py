@@ -10,9 +10,8 @@ from roslaunch_oracle import package, write_files
 
 from rtron.errors import InputError
 from rtron.planning.instrument import RuntimeLaunchTree, instrument_ros1, write_guarded_launch
-from rtron.planning.instrument.common.guard_files import GuardFiles
-from rtron.planning.instrument.ros1 import overlay
-from rtron.planning.instrument.ros1.launch_prefix_script import starter_script
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
+from rtron.planning.instrument.ros1.runtime_launch import starter_script
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.launch.ros1.reader import read_launch
 from rtron.vocabulary import Evidence
@@ -192,9 +191,9 @@ def test_no_link_leads_back_to_the_guarded_launch(app):
 def test_a_mirror_has_an_end(app, monkeypatch):
     app.start("ws/nav/launch/a.launch")
     links = len(app.guard().links)
-    monkeypatch.setattr(overlay, "MAX_LINKS", links)
+    monkeypatch.setattr("rtron.planning.instrument.ros1.instrumentation.MAX_LINKS", links)
     app.guard()
-    monkeypatch.setattr(overlay, "MAX_LINKS", links - 1)
+    monkeypatch.setattr("rtron.planning.instrument.ros1.instrumentation.MAX_LINKS", links - 1)
     with pytest.raises(InputError, match="holds more than"):
         app.guard()
 

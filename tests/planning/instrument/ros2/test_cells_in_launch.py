@@ -11,7 +11,7 @@ from wrapped_launch import HEAD, launch
 from rtron.errors import InputError
 from rtron.planning.instrument import instrument_ros2, write_guarded_launch
 from rtron.planning.instrument.common.cells import plan_cells
-from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
 from rtron.planning.plan_file.writer import write_plan
 from rtron.sources.launch.ros2.reader import read_ros2_launch
 from rtron.vocabulary import InteractionGraph, Node

@@ -8,7 +8,7 @@ import yaml
 from wrapped_launch import HEAD, launch
 
 from rtron.planning.instrument import instrument_ros2, write_guarded_launch
-from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
 from rtron.planning.instrument.ros2.enclaves import Enclaves
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.sources.launch.ros2.reader import read_ros2_launch

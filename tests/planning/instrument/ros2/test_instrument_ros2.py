@@ -11,7 +11,7 @@ from wrapped_launch import HEAD, launch, rules
 
 from rtron.errors import InputError
 from rtron.planning.instrument import instrument_ros2, write_guarded_launch
-from rtron.planning.instrument.common.guard_files import GuardFiles
+from rtron.planning.instrument.common.guarded_launch import GuardFiles
 from rtron.planning.instrument.ros2.launch_copies import arguments_text
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.sources.launch.ros2.reader import read_ros2_launch

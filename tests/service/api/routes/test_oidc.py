@@ -18,7 +18,7 @@ from rtron.service.api.routes import oidc
 from rtron.service.config import ServiceConfig
 from rtron.service.domain.oidc import OidcConfig
 from rtron.service.domain.one_time_codes import code_at, step_at
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 from rtron.service.server.app import create_app
 from rtron.service.store.accounts.last_use import WarningThrottle
 from rtron.service.store.accounts.second_factors import begin_enrolment, confirm_enrolment

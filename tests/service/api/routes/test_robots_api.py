@@ -13,7 +13,7 @@ from service_app import TLS, FakeLink, serve_in_thread
 from rtron.service.api.routes import exports
 from rtron.service.config import ServiceConfig
 from rtron.service.controller import graphs
-from rtron.service.domain.roles import AccessScope
+from rtron.service.domain.principal import AccessScope
 from rtron.service.server.app import create_app
 from rtron.service.store.accounts.tokens import TokenSpec, create_token
 from rtron.service.store.events import EventBatch, add_events

@@ -9,7 +9,7 @@ from sqlalchemy import select
 
 from rtron.service.config import ServiceConfig
 from rtron.service.domain.one_time_codes import STEP_S, code_at, step_at
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole
 from rtron.service.server.app import create_app
 from rtron.service.store.tables import SessionRow
 

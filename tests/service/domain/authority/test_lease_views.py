@@ -8,8 +8,7 @@ from pydantic import ValidationError
 
 from rtron.service.domain.authority.leases import LeaseChange, check_lease, lease_views, may_command
 from rtron.service.domain.errors import ForbiddenError, NotFoundError
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import SessionStage, UserRole
+from rtron.service.domain.principal import Principal, SessionStage, UserRole
 from rtron.vocabulary import CommanderRank, GuardState, LeaseGroup, LeaseStatus, Mode, StreamState
 
 REMOTE = CommanderRank.REMOTE_OPERATOR

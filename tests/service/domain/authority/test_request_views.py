@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from rtron.service.domain.authority.requests import (
+from rtron.service.domain.authority.leases import (
     RequestAnswer,
     check_answer,
     may_answer,
@@ -11,8 +11,7 @@ from rtron.service.domain.authority.requests import (
     seen_detail,
 )
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import SessionStage, UserRole
+from rtron.service.domain.principal import Principal, SessionStage, UserRole
 from rtron.vocabulary import OpenRequest, OpenRequests
 
 DIGEST = "a" * 64

@@ -11,7 +11,7 @@ from rtron.service.domain.rollouts.decisions import (
     next_steps,
     stage_targets,
 )
-from rtron.service.domain.rollouts.states import Problem, RobotPhase, RolloutState
+from rtron.service.domain.rollouts.schemas import Problem, RobotPhase, RolloutState
 
 WAITING, SENDING, SENT = RobotPhase.WAITING, RobotPhase.SENDING, RobotPhase.SENT
 RUNNING, PAUSED, REVERTING = RolloutState.RUNNING, RolloutState.PAUSED, RolloutState.REVERTING

@@ -13,8 +13,7 @@ from rtron.service.domain.rollouts.decisions import (
     spread_kinds,
     stage_targets,
 )
-from rtron.service.domain.rollouts.schemas import DEFAULT_STAGES
-from rtron.service.domain.rollouts.states import Problem, RobotPhase, RolloutState
+from rtron.service.domain.rollouts.schemas import DEFAULT_STAGES, Problem, RobotPhase, RolloutState
 
 ROBOTS = [f"r{index:04}" for index in range(1000)]
 BAD, BATCH, WAIT, PACE, SHOWS_AFTER = 30, 20, 60, 10, 3

@@ -2,8 +2,8 @@
 
 import pytest
 
-from rtron.service.domain.rollouts.alerts import RolloutNews, going_back_alert
-from rtron.service.domain.rollouts.states import RolloutState
+from rtron.service.domain.rollouts.observations import RolloutNews, going_back_alert
+from rtron.service.domain.rollouts.schemas import RolloutState
 from rtron.vocabulary import SECOND
 
 

@@ -13,8 +13,8 @@ from rtron.service.domain.rollouts.observations import (
     baseline_of,
     find_problems,
 )
-from rtron.service.domain.rollouts.restoring import take_back
-from rtron.service.domain.rollouts.states import Problem
+from rtron.service.domain.rollouts.plans import take_back
+from rtron.service.domain.rollouts.schemas import Problem
 from rtron.vocabulary import (
     Alarm,
     AlarmKind,

@@ -7,9 +7,8 @@ import pytest
 from sqlalchemy import select
 
 from rtron.service.domain.errors import ConflictError
-from rtron.service.domain.roles import AccessScope
-from rtron.service.store.accounts.token_renewal import OFFER_TIME
-from rtron.service.store.accounts.tokens import GuardTokens, TokenSpec, create_token
+from rtron.service.domain.principal import AccessScope
+from rtron.service.store.accounts.tokens import OFFER_TIME, GuardTokens, TokenSpec, create_token
 from rtron.service.store.database import Database
 from rtron.service.store.tables import AuditRow
 

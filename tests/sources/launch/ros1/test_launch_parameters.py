@@ -8,7 +8,7 @@ from launch_cases import NODE, included
 from rtron.errors import InputError
 from rtron.sources.launch.common import yaml_tree
 from rtron.sources.launch.common.commands import CatCommand, XacroCommand, recognise_command
-from rtron.sources.launch.ros1 import file_reader, load_state, parameter_server
+from rtron.sources.launch.ros1 import file_reader, parameter_server
 from rtron.sources.launch.ros1.parameter_server import ParameterServer
 from rtron.sources.launch.ros1.reader import read_launch, read_launches
 from rtron.vocabulary import Evidence, Parameter, UnknownValue
@@ -381,7 +381,7 @@ def test_what_rosparam_nodes_set_is_bounded(launch, monkeypatch):
 
 @pytest.mark.parametrize(("size", "is_read"), [(5, True), (6, False)])
 def test_files_are_bounded_together(launch, monkeypatch, size, is_read):
-    monkeypatch.setattr(load_state, "MAX_TOTAL_BYTES", 10)
+    monkeypatch.setattr("rtron.sources.launch.ros1.parameter_server.MAX_TOTAL_BYTES", 10)
     body = '<param name="a" textfile="$(dirname)/t"/><param name="b" binfile="$(dirname)/t"/>'
     tree = launch(body, files={"t": "x" * size})
     assert (values(tree)["/a"], tree.unresolved == ()) == ("x" * size, is_read)

@@ -157,8 +157,7 @@ def generate_launch_description():
 
 def leaks(app):
     """Return the arguments that come from a file before: how sure, the name, and the values."""
-    facts = ((fact.kind, fact.subject, fact.value, fact.others[2]) for fact in app.wiring)
-    return [(str(kind), *values) for kind, *values in facts]
+    return [(str(f.kind), f.subject, f.value, *f.others[2:]) for f in app.wiring]
 
 
 @pytest.fixture
@@ -194,10 +193,25 @@ def test_a_default_stays_set_for_the_file_after_it(included):
         '<arg name="topic" default="both/scan"/><front/><rear/>',
         '<front><arg name="topic" value="rear/scan"/></front><rear/>',
         "<front/><group><reset/><rear/></group>",
+        "<push_vars/><front/><pop_vars/><rear/>",
     ],
 )
 def test_what_is_meant_for_a_file_does_not_leak(included, text):
     assert included(text, front=FRONT, rear=REAR) == []
+
+
+PUSH = '<arg name="robot"/><push_ros_namespace namespace="$(var robot)"/>'
+
+
+def test_a_namespace_that_is_pushed_outside_of_a_group_stays_for_the_file_after_it(included):
+    one, two = (f'<front><arg name="robot" value="{name}"/></front>' for name in ("a", "b"))
+    leak = ("ros_namespace", "/a", "/")
+    assert included(one + two, front=PUSH) == [("leaked_argument", *leak)]
+    other = one + two.replace("front", "rear")
+    assert included(other, front=PUSH, rear=PUSH) == [("possible_leaked_argument", *leak)]
+    assert included(f"<group>{one}</group>{two}", front=PUSH) == []
+    assert included(one + two.replace('"b"', '"/b"'), front=PUSH) == []
+    assert included(one + two, front=f"<group>{PUSH}</group>") == []
 
 
 def test_a_default_of_a_file_within_leaks_too_but_not_into_its_own(included):
@@ -284,3 +298,34 @@ def test_a_switch_is_likely_meant_for_all(included):
 )
 def test_what_is_known_only_at_run_time_is_no_leak(included, text, front):
     assert included(text, front=front, rear=REAR) == []
+
+
+NEAR = '<arg name="map_file" default="y"/>'
+UNKNOWN = '<front><arg name="file" value="x"/></front>'
+
+
+@pytest.mark.parametrize("name", ["map_file", "file_path", "files"])
+def test_an_argument_that_a_file_does_not_know_and_that_is_near_one(included, name):
+    front = f'<arg name="{name}" default="y"/>'
+    assert included(UNKNOWN, front=front) == [("undeclared_argument", "file", name)]
+
+
+@pytest.mark.parametrize(
+    "front",
+    [
+        '<arg name="profile" default="y"/>',
+        f'{NEAR}<let name="a" value="$(var file)"/>',
+        f'{NEAR}<arg name="file" default="z" if="false"/>',
+        f'{NEAR}<include file="$(find-pkg-share gone)/a.xml"/>',
+        f'{NEAR}<include file="/gone.xml"/>',
+        f'{NEAR}<include file="$(find-pkg-share pkg)/launch/inner.xml"/>',
+    ],
+)
+def test_an_argument_that_may_be_known_or_is_near_none(included, front):
+    inner = '<arg name="file" default="z"/>'
+    assert included(UNKNOWN, front=front, inner=inner) == []
+
+
+def test_an_argument_that_is_near_one_that_is_given_too(included):
+    text = UNKNOWN.replace("</front>", '<arg name="map_file" value="z"/></front>')
+    assert included(text, front=NEAR) == []

@@ -13,8 +13,13 @@ from hypothesis import strategies as st
 
 from rtron.errors import RTronError, SourceError, WireError
 from rtron.sources.live.ros1.actions import find_actions
-from rtron.sources.live.ros1.process import NodeProgram, find_program
-from rtron.sources.live.ros1.queries import NodeReplies, query_service_type, run_with_deadline
+from rtron.sources.live.ros1.queries import (
+    NodeProgram,
+    NodeReplies,
+    find_program,
+    query_service_type,
+    run_with_deadline,
+)
 from rtron.sources.live.ros1.source import ghost_publishers, unlisted_connections
 from rtron.vocabulary import Action, ActionRole, Direction, Endpoint
 from rtron.wire.ros1 import ros_api

@@ -28,7 +28,7 @@ from rtron.vocabulary import (
     Resolution,
     Service,
 )
-from rtron.wire.ros2.service_endpoints import clients_of, servers_of, service_endpoints_of_node
+from rtron.wire.ros2.endpoints import clients_of, servers_of, service_endpoints_of_node
 from rtron.wire.ros2.session import Ros2Session
 
 pytestmark = pytest.mark.ros2

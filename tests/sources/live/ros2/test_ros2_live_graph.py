@@ -10,14 +10,11 @@ from hypothesis import strategies as st
 from rtron.planning.proposal.policy_defaults import unguardable_topics
 from rtron.risks import discover_risks
 from rtron.sources.graph_json import graph_to_json
-from rtron.sources.live.ros2 import discovery
 from rtron.sources.live.ros2.actions import action_member
-from rtron.sources.live.ros2.discovery import discover_graph
 from rtron.sources.live.ros2.domain import Snapshot
-from rtron.sources.live.ros2.source import graph_of_snapshot
+from rtron.sources.live.ros2.source import discover_graph, graph_of_snapshot
 from rtron.vocabulary import ActionRole, Direction, QoS
-from rtron.wire.ros2.endpoints import Ros2Endpoint
-from rtron.wire.ros2.service_endpoints import Ros2ServiceEndpoint
+from rtron.wire.ros2.endpoints import Ros2Endpoint, Ros2ServiceEndpoint
 
 pytestmark = pytest.mark.ros2
 TWIST = "geometry_msgs/msg/Twist"
@@ -148,8 +145,8 @@ class SnapshotSequence:
 
 @pytest.fixture
 def quick(monkeypatch):
-    monkeypatch.setattr(discovery, "MIN_DISCOVERY_S", 0.0)
-    monkeypatch.setattr(discovery, "_POLL_S", 0.0)
+    monkeypatch.setattr("rtron.sources.live.ros2.source.MIN_DISCOVERY_S", 0.0)
+    monkeypatch.setattr("rtron.sources.live.ros2.source._POLL_S", 0.0)
 
 
 WHOLE = Snapshot(nodes=("/a",), endpoints=(end("/a", "/t", ">"),))

@@ -113,6 +113,8 @@ def test_what_is_no_device(facts, text):
         "/*\n#include <linux/can.h>\n*/\n",
         "#include <vesc_msgs/State.h>\n",
         "#include <termios.h>\n",
+        "#include <mqtt/async_client.h>\n",
+        "int main() { tcsetattr(port, TCSANOW, &options); }\n",
     ],
 )
 def test_what_is_no_device_in_cpp(facts, text):
@@ -132,6 +134,20 @@ def test_what_is_no_device_in_cpp(facts, text):
 )
 def test_sockets(facts, line, how):
     assert facts(python(line)) == {("socket", how): ("scripts/driver.py", 2)}
+
+
+@pytest.mark.parametrize(
+    ("line", "how"),
+    [
+        ("from pygame import joystick", "joystick"),
+        ("from inputs import get_gamepad", "joystick"),
+        ("pad = open('/dev/input/js0', 'rb')", "joystick"),
+        ("termios.tcsetattr(fd, termios.TCSADRAIN, old)", "keyboard"),
+        ("from PyQt6.QtWidgets import QWidget", "window"),
+    ],
+)
+def test_what_a_person_commands_by(facts, line, how):
+    assert facts(python(line)) == {("operator", how): ("scripts/driver.py", 2)}
 
 
 @pytest.mark.parametrize("address", ["udpin:127.0.0.1:14550", "udpout:10.0.0.2:14550", "udp://:80"])

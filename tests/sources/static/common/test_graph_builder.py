@@ -1,13 +1,16 @@
 """What is said several times is in a graph once."""
 
-from rtron.sources.code.reachability import UNREACHED
 from rtron.sources.static.common.graph_builder import GraphBuilder
-from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary import Evidence, UnresolvedCause, UnresolvedItem
 
 
-def note(what, why, file, *lines):
+def note(what, why, file, *lines, cause=None):
     places = tuple(Evidence(file=file, line=line) for line in lines)
-    return UnresolvedItem(what=what, why=why, evidence=places)
+    return UnresolvedItem(what=what, why=why, cause=cause, evidence=places)
+
+
+def unreached(what, file, *lines):
+    return note(what, "not called", file, *lines, cause=UnresolvedCause.UNREACHED)
 
 
 def built(*notes):
@@ -18,13 +21,13 @@ def built(*notes):
 
 def test_functions_that_nothing_calls_are_one_note_for_a_file_whichever_programs_have_it():
     notes = [
-        note("a() and 1 more", UNREACHED, "x.cpp", 1, 4),
-        note("b() and 1 more", UNREACHED, "x.cpp", 4, 9),
-        note("c()", UNREACHED, "y.cpp", 2),
+        unreached("a() and 1 more", "x.cpp", 1, 4),
+        unreached("b() and 1 more", "x.cpp", 4, 9),
+        unreached("c()", "y.cpp", 2),
     ]
     assert built(*notes) == [
-        note("a() and 2 more", UNREACHED, "x.cpp", 1, 4, 9),
-        note("c()", UNREACHED, "y.cpp", 2),
+        unreached("a() and 2 more", "x.cpp", 1, 4, 9),
+        unreached("c()", "y.cpp", 2),
     ]
 
 

@@ -12,7 +12,7 @@ from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.node_part import NodePart, node_parts
 from rtron.sources.static.common.task import InterpretationTask, TaskKind
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Evidence, Resolution, UnresolvedItem
+from rtron.vocabulary import Evidence, Resolution, UnresolvedCause, UnresolvedItem
 
 EXPORT = "<export><nodelet plugin='${prefix}/n.xml'/></export>"
 CMAKE = """add_executable(driver a.cpp)
@@ -82,6 +82,7 @@ def test_a_program_that_is_not_read_has_a_reason(packages, package, program, ros
     assert item.why.endswith(item.nearest)
     is_own = item.why.startswith(("its package is here, and", "the build files of its package"))
     assert is_own is (package == "own")
+    assert (item.cause is UnresolvedCause.MISSING_SOURCE) is not is_own
 
 
 @pytest.mark.parametrize(

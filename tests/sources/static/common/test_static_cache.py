@@ -4,12 +4,16 @@ import pytest
 
 from rtron.sources.bounded_file import content_hash
 from rtron.sources.declaration import NodeInterface, NodeSite
-from rtron.sources.static.common.cache import InterfaceCache, open_cache, user_cache_folder
+from rtron.sources.static.common.cache import (
+    InterfaceCache,
+    hash_workspace,
+    open_cache,
+    user_cache_folder,
+)
 from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.task import InterpretationTask, TaskKind, TaskResult
 from rtron.sources.static.common.worker_pool import WorkerPool
-from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros1.app import scan_app
 from rtron.sources.workspace import read_workspace
 

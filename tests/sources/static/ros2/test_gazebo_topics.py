@@ -42,6 +42,7 @@ def mismatched(tmp_path):
         spawned: tuple[str, ...] = (),
         entries: str = "",
         parameters: dict[str, object] | None = None,
+        kind: str = "bridge_mismatch",
     ):
         robot, bridge, launch = (tmp_path / name for name in ("r.urdf", "b.yaml", "a.launch.py"))
         robot.write_text(ROBOT.format(library=library, system="Drive", elements=elements))
@@ -50,7 +51,7 @@ def mismatched(tmp_path):
         words = ["-file", str(robot), *spawned]
         launch.write_text(LAUNCH.format(spawned=words, bridged=list(bridged), parameters=given))
         graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
-        facts = (fact for fact in graph.wiring if fact.kind == "bridge_mismatch")
+        facts = (fact for fact in graph.wiring if fact.kind == kind)
         return [(fact.subject, fact.value, *fact.others) for fact in facts]
 
     return scan
@@ -73,6 +74,9 @@ def test_a_name_that_the_plugin_does_not_have(mismatched, library):
 @pytest.mark.parametrize("elements", ["", "<topic>cmd_vel</topic>"])
 def test_a_name_of_another_model(mismatched, name, elements):
     assert not mismatched(twist(name), elements=elements)
+    of_other = mismatched(twist(name), elements=elements, kind="other_model")
+    assert of_other == [(name, "", "/bridge")]
+    assert not mismatched(twist("/model/bot/cmd"), elements=elements, kind="other_model")
     assert mismatched(twist("/world/w/model/bot/cmd"), elements=elements)
 
 

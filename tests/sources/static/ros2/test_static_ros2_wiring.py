@@ -121,6 +121,18 @@ def test_a_second_clock_is_found(facts):
     assert facts("second_source", either) == []
 
 
+def test_joint_states_beside_a_publisher_of_all_joints_are_found(facts):
+    bridge = CLOCK.replace(
+        "/clock@rosgraph_msgs/msg/Clock", "/joint_states@sensor_msgs/msg/JointState"
+    )
+    arms = bridge.format("a", "") + "\n" + bridge.format("b", "")
+    assert facts("second_source", arms) == []
+    zeros = '\n<node pkg="joint_state_publisher" exec="joint_state_publisher" name="zeros"/>'
+    assert facts("second_source", bridge.format("a", "") + zeros) == [
+        ("/joint_states", "", "/a", "/zeros")
+    ]
+
+
 def test_two_maps_are_found_also_of_one_program(facts):
     server = '<node pkg="nav2_map_server" exec="map_server" name="map_server"/>\n'
     slam = '<node pkg="slam_toolbox" exec="sync_slam_toolbox_node" name="slam"/>'

@@ -5,8 +5,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpu_time import growth
-from rtron.sources.workspace.cmake.blocks import nest_blocks
-from rtron.sources.workspace.cmake.tokenizer import MAX_ARGUMENTS, MAX_PROBLEMS, read_commands
+from rtron.sources.workspace.cmake.tokenizer import (
+    MAX_ARGUMENTS,
+    MAX_PROBLEMS,
+    nest_blocks,
+    read_commands,
+)
 
 
 def arguments(text):

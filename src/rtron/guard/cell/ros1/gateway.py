@@ -20,8 +20,7 @@ from rtron.guard.transport.ros1.celled_transport import (
 )
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.vocabulary import GATEWAY_NODE, PRIVATE_ROOT, CarriedTopic, CellManifest
-from rtron.wire.ros1.host_address import advertised_host
-from rtron.wire.ros1.network import HOST_NETWORK
+from rtron.wire.ros1.network import HOST_NETWORK, advertised_host
 from rtron.wire.ros1.ros_api import parse_system_state
 from rtron.wire.ros1.xmlrpc import RefusalError, ros_call
 

@@ -19,8 +19,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.printable import printable
 from rtron.guard.transport.ros1.tcp_server import TcpServer, set_socket_options
 from rtron.vocabulary import CarriedService, matches_node
-from rtron.wire.ros1.host_address import bind_address
-from rtron.wire.ros1.network import Network
+from rtron.wire.ros1.network import Network, bind_address
 from rtron.wire.ros1.tcpros import (
     LENGTH,
     MAX_HEADER,

@@ -72,7 +72,7 @@ class Carrier:
         self._access = access
         self._beats: socket.socket | None = None
         self._outputs: dict[int, Output] = {}
-        self._wanted: dict[int, Publish] = {}
+        self._publications: dict[int, Publish] = {}
         self._nodes: dict[int, frozenset[str]] = {}
         self._connections: dict[int, tuple[Peer, int]] = {}
         """The publishers' numbers by what their peers are: two may have one name."""
@@ -120,22 +120,22 @@ class Carrier:
             case _:
                 assert_never(message)
 
-    def _change_output(self, wanted: Publish) -> None:
-        """Publish a topic, and do what is wanted now and was not before."""
-        before = self._wanted.get(wanted.id)
+    def _change_output(self, publication: Publish) -> None:
+        """Publish a topic, and do what it asks for now, and did not before."""
+        before = self._publications.get(publication.id)
         if before is None:
-            self._outputs[wanted.id] = self._transport.advertise(
-                wanted.node, wanted.topic, wanted.type, wanted.options
+            self._outputs[publication.id] = self._transport.advertise(
+                publication.node, publication.topic, publication.type, publication.options
             )
-        self._wanted[wanted.id], output = wanted, self._outputs[wanted.id]
-        if wanted.info:
-            output.learn_type(wanted.info)
-        if wanted.matched and not (before and before.matched):
-            output.match_subscribers(wanted.matched)
-        for flow, qos in wanted.offers.items():
+        self._publications[publication.id], output = publication, self._outputs[publication.id]
+        if publication.info:
+            output.learn_type(publication.info)
+        if publication.matched and not (before and before.matched):
+            output.match_subscribers(publication.matched)
+        for flow, qos in publication.offers.items():
             output.offer(flow, qos)
-        if wanted.is_greeting and not (before and before.is_greeting):
-            output.greet(partial(self._request_greeting, wanted.id))
+        if publication.is_greeting and not (before and before.is_greeting):
+            output.greet(partial(self._request_greeting, publication.id))
 
     def _output(self, id: int) -> Output:
         if id not in self._outputs:
@@ -178,7 +178,7 @@ class Carrier:
         self._loop.call_later(_REPORT_S, self._report)
         self._services.report()
         for id, output in self._outputs.items():
-            expected = self._wanted[id].options.successors
+            expected = self._publications[id].options.successors
             nodes = frozenset(each for each in expected if output.is_subscribed_by(each))
             if nodes != self._nodes.get(id):
                 self._nodes[id] = nodes

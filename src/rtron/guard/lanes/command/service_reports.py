@@ -40,10 +40,12 @@ def service_parts(
     settings = SettingsInForce(SettingsApplier(plan, coordinator, transport, command_part))
     settings_at_start(settings, link)
     reports = ServiceReports(connection, coordinator, loop, settings)
-    asked = ServiceLeases(leases, reports.record)
+    service_leases = ServiceLeases(leases, reports.record)
     connection.on(
         apply_settings=reports.apply,
-        lease_command=lambda each: connection.call("lease_response", asked.carry_out(each)),
+        lease_command=lambda each: connection.call(
+            "lease_response", service_leases.carry_out(each)
+        ),
     )
     return [reports, SavedStop(settings, link, loop)]
 

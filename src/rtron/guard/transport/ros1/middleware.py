@@ -25,8 +25,7 @@ from rtron.guard.transport.ros1.subscriber_link import KernelQueues, SubscriberL
 from rtron.guard.transport.ros1.subscription import Subscription, link_factory
 from rtron.guard.transport.ros1.tcp_server import TcpServer
 from rtron.messages.common.encoding import Encoding
-from rtron.wire.ros1.host_address import advertised_host, bind_address
-from rtron.wire.ros1.network import HOST_NETWORK, Network
+from rtron.wire.ros1.network import HOST_NETWORK, Network, advertised_host, bind_address
 
 log = logging.getLogger(__name__)
 

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.ros1.http_connection import XmlRpcConnection
 from rtron.guard.transport.ros1.tcp_server import TcpServer
-from rtron.wire.ros1.host_address import bind_address
-from rtron.wire.ros1.network import HOST_NETWORK, Network
+from rtron.wire.ros1.network import HOST_NETWORK, Network, bind_address
 
 if TYPE_CHECKING:
     from collections.abc import Callable

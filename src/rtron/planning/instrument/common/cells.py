@@ -11,7 +11,7 @@ from rtron.errors import InputError, suggestion
 from rtron.messages.common.finite_numbers import NUMERIC_COMMAND_TYPES
 from rtron.messages.common.velocity import VELOCITY_TYPES
 from rtron.planning.app_topics import is_large
-from rtron.planning.instrument.common.guard_files import PLAN_FILE
+from rtron.planning.instrument.common.guarded_launch import PLAN_FILE
 from rtron.planning.instrument.common.remaps import enforced_streams, private_names
 from rtron.vocabulary import (
     CELL_SCHEMA,

@@ -4,8 +4,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from rtron.planning.instrument.common.guarded_launch import EnforcementGap
-from rtron.planning.instrument.common.nodelets import loaders, manager_of
-from rtron.planning.instrument.common.remaps import NodeRemaps, public_names, stream_role
+from rtron.planning.instrument.common.remaps import (
+    NodeRemaps,
+    loaders,
+    manager_of,
+    public_names,
+    stream_role,
+)
 from rtron.vocabulary import LaunchNode, LaunchTree, Stream, is_bridge_client, matches_node
 
 

@@ -1,12 +1,13 @@
 """Which remaps close the plan's enforced topics at both ends (paper section 5.1)."""
 
 import re
-from collections.abc import Iterator, Mapping
+import shlex
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from rtron.errors import InputError, PlanError, suggestion
 from rtron.planning.instrument.common.guarded_launch import PlacedRemap
-from rtron.planning.instrument.common.nodelets import manager_of
 from rtron.vocabulary import (
     ROS1_CLIENT_TOPICS,
     ROS1_SERVER_TOPICS,
@@ -26,6 +27,7 @@ from rtron.vocabulary import (
     ros1_topic_name,
     ros2_entity_name,
 )
+from rtron.vocabulary.launch import resolve_name
 
 _LEGAL_TOPIC = re.compile(r"(/[A-Za-z]\w*)+")
 
@@ -173,3 +175,30 @@ def _remaps(node: LaunchNode, roles: tuple[StreamRole, ...]) -> Iterator[PlacedR
             )
     for topic in (topic for topic in private if topic not in remapped):
         yield PlacedRemap(node=node.name, topic=topic, written=topic, target=private[topic])
+
+
+def manager_of(node: LaunchNode) -> str | None:
+    """Return the manager that a node loads its nodelet into; None for every other node."""
+    if (node.package, node.type) != ("nodelet", "nodelet"):
+        return None
+    match _words(node.args):
+        case ["load", _, manager, *_]:
+            return resolve_name(manager, node.name)
+    return None
+
+
+def loaders(nodes: Iterable[LaunchNode]) -> Mapping[str, list[LaunchNode]]:
+    """Return the loaders of each manager."""
+    by_manager: dict[str, list[LaunchNode]] = defaultdict(list)
+    for node in nodes:
+        manager = manager_of(node)
+        if manager:
+            by_manager[manager].append(node)
+    return by_manager
+
+
+def _words(args: str) -> list[str]:
+    try:
+        return shlex.split(args)
+    except ValueError:
+        return args.split()

@@ -8,15 +8,13 @@ from pathlib import Path
 
 from rtron.planning.instrument.common.remaps import NodeRemaps
 from rtron.planning.instrument.ros1.launch_copies import Edits, LaunchCopies
-from rtron.planning.instrument.ros1.launch_prefix_script import STARTER_SCRIPT
-from rtron.planning.instrument.ros1.package_files import (
+from rtron.planning.instrument.ros1.runtime_launch import (
+    STARTER_SCRIPT,
     PackageFile,
+    RuntimeLaunchTree,
     find_modules,
     find_package_file,
     find_scripts,
-)
-from rtron.planning.instrument.ros1.runtime_launch import (
-    RuntimeLaunchTree,
     merge_launches,
     starter_nodes,
 )

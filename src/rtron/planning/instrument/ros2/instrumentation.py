@@ -11,10 +11,11 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.planning.instrument.common.cells import Cell
-from rtron.planning.instrument.common.guard_files import GUARD_SCRIPT, GuardFiles
 from rtron.planning.instrument.common.guarded_launch import (
+    GUARD_SCRIPT,
     EnforcementGap,
     GuardedLaunch,
+    GuardFiles,
     PlacedRemap,
 )
 from rtron.planning.instrument.common.remap_coverage import RemapCoverage

@@ -6,13 +6,17 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
-from rtron.service.api.audit_transaction import record_refusal
 from rtron.service.api.auth.authentication import SAFE_METHODS, authenticate, check_csrf, identify
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.context import ServiceContext, ServiceDependency, record_refusal
 from rtron.service.domain.authority.leases import may_command
 from rtron.service.domain.errors import ForbiddenError
-from rtron.service.domain.principal import Principal, check_reach
-from rtron.service.domain.roles import AccessScope, SessionStage, UserRole
+from rtron.service.domain.principal import (
+    AccessScope,
+    Principal,
+    SessionStage,
+    UserRole,
+    check_reach,
+)
 from rtron.service.store.fleet.labels import labels_of
 
 __all__ = [

@@ -1,22 +1,23 @@
 """Attempts to log in, counted before they are judged."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+import asyncio
+from bisect import insort
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import dataclass, field
+from itertools import count
 from typing import Annotated
 
 from fastapi import Depends, Request
 
 from rtron.errors import InputError
-from rtron.service.api.audit_transaction import record_refusal
-from rtron.service.api.auth.authentication import client_address
-from rtron.service.api.auth.browser_sessions import browser_cookie_name
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.auth.authentication import browser_cookie_name, client_address
+from rtron.service.api.context import ServiceContext, ServiceDependency, record_refusal
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import ForbiddenError, TooManyRequestsError
 from rtron.service.domain.login_throttle import LoginThrottle
 from rtron.service.domain.principal import Principal
-from rtron.service.store.accounts.known_browsers import find_known_browser
+from rtron.service.store.accounts.logins import find_known_browser
 from rtron.service.store.accounts.passwords import verify_password
 from rtron.service.store.accounts.users import get_user
 from rtron.vocabulary import SECOND
@@ -102,3 +103,61 @@ class PasswordProof:
 
 
 PasswordProofDependency = Annotated[PasswordProof, Depends(PasswordProof)]
+
+
+CONCURRENT_LOGINS = 2
+"""Each check takes 64 MiB and a core."""
+MAX_WAITING = 64
+"""With one more the last in the queue is turned away."""
+
+
+@dataclass(order=True, slots=True)
+class _Waiting:
+    rank: int
+    number: int
+    turn: "asyncio.Future[None]" = field(compare=False)
+
+
+class LoginQueue:
+    """Lets few in at a time, those of the lowest rank first; used in the event loop."""
+
+    def __init__(self) -> None:
+        self._free = CONCURRENT_LOGINS
+        self._waiting: list[_Waiting] = []
+        self._numbers = count()
+
+    @asynccontextmanager
+    async def turn(self, rank: int) -> AsyncIterator[None]:
+        """Wait for a turn, which ends with the block; TooManyRequestsError if too many wait."""
+        await self._enter(rank)
+        try:
+            yield
+        finally:
+            self._leave()
+
+    async def _enter(self, rank: int) -> None:
+        if self._free:
+            self._free -= 1
+            return
+        turn = asyncio.get_running_loop().create_future()
+        waiting = _Waiting(rank, next(self._numbers), turn)
+        insort(self._waiting, waiting)
+        if len(self._waiting) > MAX_WAITING:
+            error = TooManyRequestsError("too many logins at this moment", help="try again soon")
+            self._waiting.pop().turn.set_exception(error)
+        try:
+            await turn
+        except asyncio.CancelledError:
+            if waiting in self._waiting:
+                self._waiting.remove(waiting)
+            elif not turn.cancelled() and turn.exception() is None:
+                self._leave()
+            raise
+
+    def _leave(self) -> None:
+        while self._waiting:
+            turn = self._waiting.pop(0).turn
+            if not turn.done():
+                turn.set_result(None)
+                return
+        self._free += 1

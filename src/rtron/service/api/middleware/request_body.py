@@ -14,9 +14,8 @@ from rtron.errors import RTronError
 from rtron.service.api.auth.authentication import SAFE_METHODS, check_csrf, identify
 from rtron.service.api.context import service_context
 from rtron.service.api.error_responses import status_of
-from rtron.service.api.middleware.responses import reject
-from rtron.service.domain.principal import Principal
-from rtron.service.domain.roles import UserRole
+from rtron.service.api.middleware.request_checks import reject
+from rtron.service.domain.principal import Principal, UserRole
 
 MAX_DEPTH = 40
 """The most lists and objects within each other."""

@@ -3,9 +3,13 @@
 from fastapi import APIRouter
 
 from rtron.service.api.account_change_requests import apply_approved, pending_view
-from rtron.service.api.audit_transaction import audit_transaction, record_refusal
 from rtron.service.api.auth.authorization import AdminOnly
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.context import (
+    ServiceContext,
+    ServiceDependency,
+    audit_transaction,
+    record_refusal,
+)
 from rtron.service.api.schemas import PendingChangeView
 from rtron.service.domain.errors import ForbiddenError, NotFoundError
 from rtron.service.domain.principal import Principal

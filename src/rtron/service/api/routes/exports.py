@@ -13,14 +13,12 @@ from rtron.reports.csv_lines import Row, csv_lines
 from rtron.service.api.auth.authorization import Reader
 from rtron.service.api.context import ServiceContext, ServiceDependency
 from rtron.service.api.routes.events import EventQuery
-from rtron.service.controller.robot_snapshot import load_current_app
-from rtron.service.controller.robot_summaries import list_robot_summaries
+from rtron.service.controller.robot_snapshot import list_robot_summaries, load_current_app
 from rtron.service.domain.alarms import Acknowledgement
 from rtron.service.domain.schemas import EventView, Name, RequestModel, RobotSummary, SettingsView
 from rtron.service.domain.shifts import Handover
-from rtron.service.store.acknowledgements import list_acknowledgements
+from rtron.service.store.acknowledgements import list_acknowledgements, list_handovers
 from rtron.service.store.event_pages import EventFilter, event_page
-from rtron.service.store.handovers import list_handovers
 from rtron.service.store.robots import RobotFilter
 from rtron.service.store.settings import list_settings, settings_view
 from rtron.vocabulary import StringEnum

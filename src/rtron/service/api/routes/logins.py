@@ -3,15 +3,14 @@
 from anyio import to_thread
 from fastapi import APIRouter, Request, Response
 
-from rtron.service.api.audit_transaction import audit_transaction, record_refusal
-from rtron.service.api.auth.authentication import client_address
-from rtron.service.api.auth.authorization import IdentifiedCaller, LoggedInUser, SessionHolder
-from rtron.service.api.auth.browser_sessions import (
+from rtron.service.api.auth.authentication import (
     begin_browser_session,
+    client_address,
     delete_session_cookie,
     next_stage,
     set_session_cookie,
 )
+from rtron.service.api.auth.authorization import IdentifiedCaller, LoggedInUser, SessionHolder
 from rtron.service.api.auth.login_attempts import (
     LoginThrottleDependency,
     PasswordProofDependency,
@@ -19,11 +18,16 @@ from rtron.service.api.auth.login_attempts import (
     login_attempt,
     login_origin,
 )
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.context import (
+    ServiceContext,
+    ServiceDependency,
+    audit_transaction,
+    record_refusal,
+)
 from rtron.service.api.schemas import CurrentUser, Login, PasswordChange
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import AuthenticationError
-from rtron.service.domain.roles import SessionStage
+from rtron.service.domain.principal import SessionStage
 from rtron.service.store.accounts.logins import end_session, renew_secret
 from rtron.service.store.accounts.passwords import hash_password, verify_password
 from rtron.service.store.accounts.users import find_user, get_user, set_password

@@ -12,14 +12,13 @@ from pydantic import TypeAdapter, ValidationError
 from starlette.responses import RedirectResponse
 
 from rtron.errors import RTronError
-from rtron.service.api.audit_transaction import record_refusal
-from rtron.service.api.auth.authentication import client_address
-from rtron.service.api.auth.browser_sessions import (
+from rtron.service.api.auth.authentication import (
     begin_browser_session,
+    client_address,
     is_known_browser,
     next_stage,
 )
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.context import ServiceContext, ServiceDependency, record_refusal
 from rtron.service.api.schemas import LoginMethods
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import NotFoundError
@@ -30,11 +29,10 @@ from rtron.service.domain.oidc import (
     SignInError,
     SignInProblem,
 )
-from rtron.service.domain.roles import SessionStage
+from rtron.service.domain.principal import SessionStage
 from rtron.service.domain.schemas import Name
 from rtron.service.store.accounts.last_use import WarningThrottle
-from rtron.service.store.accounts.passwords import hash_password
-from rtron.service.store.accounts.secrets import new_password
+from rtron.service.store.accounts.passwords import hash_password, new_password
 from rtron.service.store.accounts.users import sign_in, withdraw_roles
 from rtron.service.store.audit import record_event
 from rtron.vocabulary import SECOND

@@ -12,7 +12,6 @@ from pydantic import TypeAdapter
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
-from rtron.service.api.audit_transaction import record_refusal
 from rtron.service.api.auth.authorization import (
     CommandingPerson,
     Principal,
@@ -21,7 +20,7 @@ from rtron.service.api.auth.authorization import (
     StoppingCaller,
     check_group,
 )
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.context import ServiceContext, ServiceDependency, record_refusal
 from rtron.service.api.schemas import (
     RevisionConflict,
     RobotQuery,
@@ -32,13 +31,23 @@ from rtron.service.api.schemas import (
 )
 from rtron.service.controller.fleet_stop import FleetStop
 from rtron.service.controller.node_parameters import get_node_parameters, list_node_parameters
-from rtron.service.controller.robot_snapshot import load_current_app, load_snapshot
-from rtron.service.controller.robot_summaries import get_robot_summary, list_robot_summaries
-from rtron.service.domain.authority.leases import LeaseChange, LeaseOutcome, LeaseView, may_command
-from rtron.service.domain.authority.requests import RequestAnswer, RequestOutcome, RequestsView
+from rtron.service.controller.robot_snapshot import (
+    get_robot_summary,
+    list_robot_summaries,
+    load_current_app,
+    load_snapshot,
+)
+from rtron.service.domain.authority.leases import (
+    LeaseChange,
+    LeaseOutcome,
+    LeaseView,
+    RequestAnswer,
+    RequestOutcome,
+    RequestsView,
+    may_command,
+)
 from rtron.service.domain.errors import ForbiddenError
-from rtron.service.domain.principal import is_within_reach
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole, is_within_reach
 from rtron.service.domain.schemas import (
     Name,
     NodeParameters,

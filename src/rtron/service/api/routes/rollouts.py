@@ -4,9 +4,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query
 
-from rtron.service.api.audit_transaction import audit_transaction
 from rtron.service.api.auth.authorization import Reader, RoleHolder
-from rtron.service.api.context import ServiceDependency
+from rtron.service.api.context import ServiceDependency, audit_transaction
 from rtron.service.domain.audit_events import truncated_json
 from rtron.service.domain.rollouts.schemas import (
     NewRollout,

@@ -6,11 +6,10 @@ import segno
 from fastapi import APIRouter, Depends, Request, Response
 from sqlalchemy.orm import Session
 
-from rtron.service.api.audit_transaction import audit_transaction
+from rtron.service.api.auth.authentication import begin_browser_session
 from rtron.service.api.auth.authorization import CodeAwaited, EnrollingUser, LoggedInUser, Principal
-from rtron.service.api.auth.browser_sessions import begin_browser_session
 from rtron.service.api.auth.login_attempts import PasswordProofDependency, login_throttle
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.context import ServiceContext, ServiceDependency, audit_transaction
 from rtron.service.api.schemas import (
     CurrentUser,
     EnrolledFactor,
@@ -20,10 +19,10 @@ from rtron.service.api.schemas import (
     SecondFactorView,
 )
 from rtron.service.domain.client_address import network_prefix
-from rtron.service.domain.code_throttle import CodeThrottle
 from rtron.service.domain.errors import ForbiddenError, TooManyRequestsError
+from rtron.service.domain.login_throttle import CodeThrottle
 from rtron.service.domain.one_time_codes import otpauth_uri
-from rtron.service.domain.roles import EnrolmentProof, SessionStage
+from rtron.service.domain.principal import EnrolmentProof, SessionStage
 from rtron.service.store.accounts.logins import began_within, end_sessions
 from rtron.service.store.accounts.second_factors import (
     begin_enrolment,

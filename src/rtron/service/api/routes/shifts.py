@@ -4,9 +4,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from rtron.service.api.audit_transaction import audit_transaction
 from rtron.service.api.auth.authorization import Principal, Reader, RoleHolder
-from rtron.service.api.context import ServiceContext, ServiceDependency
+from rtron.service.api.context import ServiceContext, ServiceDependency, audit_transaction
 from rtron.service.controller.alarm_acknowledgement import (
     acknowledge_present,
     current_situation,
@@ -25,9 +24,8 @@ from rtron.service.domain.shifts import (
     HandoverPage,
     NewHandover,
 )
-from rtron.service.store.acknowledgements import list_acknowledgements
+from rtron.service.store.acknowledgements import add_handover, list_acknowledgements, list_handovers
 from rtron.service.store.fleet.labels import labels_of
-from rtron.service.store.handovers import add_handover, list_handovers
 from rtron.service.store.settings import ChangeAuthor
 
 router = APIRouter()

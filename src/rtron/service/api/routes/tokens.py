@@ -6,10 +6,9 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from rtron.service.api.account_change_requests import change_account
-from rtron.service.api.audit_transaction import audit_transaction
 from rtron.service.api.auth.authentication import bearer_secret
 from rtron.service.api.auth.authorization import AdminOnly, TokenHolder
-from rtron.service.api.context import ServiceDependency
+from rtron.service.api.context import ServiceDependency, audit_transaction
 from rtron.service.api.schemas import (
     CreatedToken,
     NewToken,
@@ -19,11 +18,18 @@ from rtron.service.api.schemas import (
 )
 from rtron.service.domain.account_changes import CreateToken
 from rtron.service.domain.errors import NotFoundError
-from rtron.service.domain.roles import AccessScope
+from rtron.service.domain.principal import AccessScope
 from rtron.service.domain.schemas import Name
-from rtron.service.store.accounts.secrets import new_secret, secret_digest
-from rtron.service.store.accounts.token_renewal import TOKEN_PREFIX, lifetime_of, renew_token
-from rtron.service.store.accounts.tokens import TokenSpec, all_tokens, find_token, revoke_token
+from rtron.service.store.accounts.passwords import new_secret, secret_digest
+from rtron.service.store.accounts.tokens import (
+    TOKEN_PREFIX,
+    TokenSpec,
+    all_tokens,
+    find_token,
+    lifetime_of,
+    renew_token,
+    revoke_token,
+)
 from rtron.service.store.tables import TokenRow
 
 router = APIRouter(prefix="/tokens")

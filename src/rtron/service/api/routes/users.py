@@ -5,13 +5,11 @@ from http import HTTPStatus
 from fastapi import APIRouter, Response
 
 from rtron.service.api.account_change_requests import change_account
-from rtron.service.api.audit_transaction import audit_transaction
 from rtron.service.api.auth.authorization import AdminOnly
-from rtron.service.api.context import ServiceDependency
+from rtron.service.api.context import ServiceDependency, audit_transaction
 from rtron.service.api.schemas import NewUser, PendingChangeView, UserChange, UserView
 from rtron.service.domain.account_changes import AddUser, ChangeUser, ResetSecondFactor
-from rtron.service.domain.principal import check_group_limit
-from rtron.service.domain.roles import UserRole
+from rtron.service.domain.principal import UserRole, check_group_limit
 from rtron.service.domain.schemas import Name
 from rtron.service.store.accounts.passwords import hash_password
 from rtron.service.store.accounts.users import all_users, get_user, remove_user

@@ -5,10 +5,9 @@ from urllib.parse import urlsplit
 
 from fastapi import APIRouter, Path
 
-from rtron.service.alerts.webhook_url import parse_webhook_url
-from rtron.service.api.audit_transaction import audit_transaction
+from rtron.service.alerts.webhook_call import parse_webhook_url
 from rtron.service.api.auth.authorization import AdminOnly
-from rtron.service.api.context import ServiceDependency
+from rtron.service.api.context import ServiceDependency, audit_transaction
 from rtron.service.api.schemas import CreatedWebhook, NewWebhook, WebhookView
 from rtron.service.domain.schemas import WebhookLevel
 from rtron.service.store.tables import WebhookRow

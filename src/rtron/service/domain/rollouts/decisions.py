@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from random import Random
 
 from rtron.service.domain.rollouts.amounts import Amount
-from rtron.service.domain.rollouts.states import Problem, RobotPhase, RolloutState
+from rtron.service.domain.rollouts.schemas import Problem, RobotPhase, RolloutState
 
 _MAX_NAMED = 5
 

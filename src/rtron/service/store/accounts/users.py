@@ -7,12 +7,10 @@ from sqlalchemy.orm import Session
 
 from rtron.service.domain.errors import ConflictError, NotFoundError
 from rtron.service.domain.oidc import ProviderUser, SignInError, SignInProblem
-from rtron.service.domain.principal import check_group_limit
-from rtron.service.domain.roles import UserRole
-from rtron.service.store.accounts.known_browsers import forget_browsers
-from rtron.service.store.accounts.logins import end_sessions
+from rtron.service.domain.principal import UserRole, check_group_limit
+from rtron.service.store.accounts.logins import end_sessions, forget_browsers
+from rtron.service.store.accounts.passwords import secret_digest
 from rtron.service.store.accounts.second_factors import remove_second_factor
-from rtron.service.store.accounts.secrets import secret_digest
 from rtron.service.store.tables import UserRow
 
 _MAX_USERS = 1000

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, delete, select, text
 from sqlalchemy.orm import Session
 
-from rtron.service.store.chain_entries import chain_links
+from rtron.service.store.chain_check import chain_links
 from rtron.service.store.chain_pruning import ChainBegin, ChainCutter
 from rtron.service.store.chains import EVENTS_PREFIX
 from rtron.service.store.database import Database
@@ -21,6 +21,7 @@ from rtron.service.store.partitions.event_partitions import (
     drop_partition,
     event_count,
     finish_dropping,
+    forget_runs_without_events,
     id_range,
     is_nearly_full,
     newest_stored,
@@ -28,7 +29,6 @@ from rtron.service.store.partitions.event_partitions import (
     partition_bytes,
     partition_numbers,
 )
-from rtron.service.store.partitions.event_runs import forget_runs_without_events
 from rtron.service.store.tables import ChainLinkRow, ChainRow
 
 AGE_PARTS, SIZE_PARTS = 30, 20

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
 
-from rtron.sources.bag.common.limits import DamageError
+from rtron.sources.bag.common.reader import DamageError
 
 
 def decompress(compression: str, data: bytes, size: int) -> bytes:

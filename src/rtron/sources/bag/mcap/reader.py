@@ -9,27 +9,34 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.bag.common.compression import decompress
-from rtron.sources.bag.common.limits import (
+from rtron.sources.bag.common.reader import (
     MAX_CHUNK_BYTES,
+    BagReader,
     DamageError,
     DecompressionBudget,
+    Encoding,
+    Message,
     damage_error,
+    merge_by_time,
     open_bag_file,
+    sort_by_time,
 )
-from rtron.sources.bag.common.reader import BagReader, Encoding, Message
-from rtron.sources.bag.common.time_order import merge_by_time, sort_by_time
 from rtron.sources.bag.mcap.record import (
     CHUNK,
     DATA_END,
+    MAGIC,
     MESSAGE,
     METADATA,
     RECORD,
+    RECOVER_HELP,
     Channels,
+    Chunk,
     FieldCursor,
+    Summary,
     decode_message,
     decode_messages,
+    read_summary,
 )
-from rtron.sources.bag.mcap.summary import MAGIC, RECOVER_HELP, Chunk, Summary, read_summary
 
 _NAMES = {CHUNK: "chunk", METADATA: "metadata"}
 _MOST_METADATA = 64

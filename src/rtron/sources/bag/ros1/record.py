@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from io import BufferedReader
 from struct import Struct
 
-from rtron.sources.bag.common.limits import MAX_HEADER_BYTES, MAX_INDEX_BYTES, DamageError
+from rtron.sources.bag.common.reader import MAX_HEADER_BYTES, MAX_INDEX_BYTES, DamageError
 
 MESSAGE, BAG_HEADER, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 5, 6, 7
 SECOND = 10**9

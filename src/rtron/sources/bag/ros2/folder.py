@@ -6,8 +6,14 @@ from pathlib import Path, PurePosixPath
 
 from rtron.errors import InputError
 from rtron.sources.bag.common.compression import decompress_zstd
-from rtron.sources.bag.common.limits import MAX_CHUNK_BYTES, DamageError, damage_error
-from rtron.sources.bag.common.reader import BagConnection, BagReader, Message
+from rtron.sources.bag.common.reader import (
+    MAX_CHUNK_BYTES,
+    BagConnection,
+    BagReader,
+    DamageError,
+    Message,
+    damage_error,
+)
 from rtron.sources.bag.file_type import METADATA, METADATA_KEY
 from rtron.sources.bag.mcap.reader import open_mcap
 from rtron.sources.bag.ros2.sqlite import open_sqlite

@@ -13,15 +13,18 @@ from pathlib import Path
 from typing import Any
 
 from rtron.errors import InputError
-from rtron.sources.bag.common.limits import (
+from rtron.sources.bag.common.reader import (
     MAX_CHUNK_BYTES,
     MAX_CONNECTIONS,
     MAX_INDEX_BYTES,
+    BagConnection,
+    BagReader,
     DamageError,
+    Message,
     damage_error,
     open_bag_file,
+    unknown_encoding,
 )
-from rtron.sources.bag.common.reader import BagConnection, BagReader, Message, unknown_encoding
 from rtron.sources.bag.ros2.offered_qos import parse_offered_qos
 
 _MAGIC = b"SQLite format 3\0"

@@ -35,7 +35,11 @@ from rtron.sources.code.ir.expressions import (
     Opaque,
     SequenceExpr,
     Star,
+    TypeRef,
     Unary,
+    adapter_alias,
+    alias_parameter,
+    substituted,
 )
 from rtron.sources.code.ir.statements import (
     Assign,
@@ -59,7 +63,6 @@ from rtron.sources.code.ir.statements import (
     With,
     Yield,
 )
-from rtron.sources.code.ir.types import TypeRef, adapter_alias, alias_parameter, substituted
 
 __all__ = [
     "BRACES",

@@ -3,10 +3,10 @@
 from dataclasses import field
 from enum import Enum
 
-from rtron.sources.code.ir.expressions import Expr
+from rtron.sources.code.ir.expressions import Expr, TypeRef
 from rtron.sources.code.ir.statements import Declare, Stmt
-from rtron.sources.code.ir.types import TypeRef
 from rtron.sources.code.record import record
+from rtron.vocabulary import UnresolvedCause
 
 
 @record(frozen=True, slots=True)
@@ -91,6 +91,7 @@ class SourceProblem:
 
     line: int
     why: str
+    cause: UnresolvedCause = UnresolvedCause.PARTLY_READ
 
 
 @record(frozen=True, slots=True, kw_only=True)

@@ -2,8 +2,7 @@
 
 from typing import TYPE_CHECKING, TypeAlias
 
-from rtron.sources.code.ir.expressions import Expr
-from rtron.sources.code.ir.types import TypeRef
+from rtron.sources.code.ir.expressions import Expr, TypeRef
 from rtron.sources.code.record import record
 
 if TYPE_CHECKING:

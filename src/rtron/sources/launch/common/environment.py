@@ -3,10 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from rtron.vocabulary import UnresolvedItem
-
-VARIABLE = "environment variable "
-"""What a note on a variable begins with; its name follows."""
+from rtron.vocabulary import UnresolvedCause, UnresolvedItem
 
 
 @dataclass(eq=False, slots=True)
@@ -31,7 +28,8 @@ class LaunchEnvironment(Mapping[str, str]):
     def notes(self) -> Iterator[UnresolvedItem]:
         """Yield what is not given, and what counts instead."""
         for name, default in self.unset.items():
-            yield UnresolvedItem(what=f"{VARIABLE}{name}", why=unset_reason(default))
+            what, cause = f"environment variable {name}", UnresolvedCause.UNSET_VARIABLE
+            yield UnresolvedItem(what=what, why=unset_reason(default), cause=cause)
 
 
 def unset_reason(default: str | None) -> str:

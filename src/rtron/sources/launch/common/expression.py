@@ -111,10 +111,10 @@ class ExpressionEvaluator:
 
     @_value.register
     def _(self, node: ast.BoolOp) -> Value:
-        ends_on = isinstance(node.op, ast.Or)
+        decisive = isinstance(node.op, ast.Or)
         for operand in node.values:
             result = self.value(operand)
-            if bool(result) is ends_on:
+            if bool(result) is decisive:
                 break
         return result
 

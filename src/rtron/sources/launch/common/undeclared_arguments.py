@@ -3,11 +3,9 @@
 from collections.abc import Collection, Iterable, Iterator
 
 from rtron.errors import suggestion
-from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary import UnresolvedCause, UnresolvedItem
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
-ARGUMENT = "launch argument "
-"""What a note on an argument begins with; its name follows."""
 _NEAR = ": did you mean"
 
 
@@ -22,4 +20,5 @@ def undeclared_arguments(
     for name in sorted(set(passed) - set(declared)):
         near = f": {suggestion(name, known)}" if known else ""
         if UNKNOWN_NAME not in declared or near.startswith(_NEAR):
-            yield UnresolvedItem(what=f"{ARGUMENT}{name}", why=f"no launch file declares it{near}")
+            what, why = f"launch argument {name}", f"no launch file declares it{near}"
+            yield UnresolvedItem(what=what, why=why, cause=UnresolvedCause.ARGUMENT)

@@ -3,8 +3,7 @@
 ROS wiki: roslaunch/XML/env, roslaunch/XML/machine.
 """
 
-from rtron.sources.launch.ros1.loader_context import LoaderContext
-from rtron.sources.launch.ros1.tag import Tag
+from rtron.sources.launch.ros1.loader_context import LoaderContext, Tag
 from rtron.sources.launch.ros1.unresolved import UnresolvedNotes
 
 _OLD_ATTRIBUTES = ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")

@@ -2,11 +2,10 @@
 
 from rtron.sources.launch.common.expression_library import ANONYMOUS_SUFFIX, anonymous_to_wildcard
 from rtron.sources.launch.ros1.environment_tags import note_launch_prefix, read_env
-from rtron.sources.launch.ros1.load_state import LoadState
-from rtron.sources.launch.ros1.loader_context import LoaderContext, PrivateParameter
+from rtron.sources.launch.ros1.loader_context import LoaderContext, PrivateParameter, Tag
 from rtron.sources.launch.ros1.param_tag import parse_param
+from rtron.sources.launch.ros1.parameter_server import LoadState
 from rtron.sources.launch.ros1.rosparam_tag import read_rosparam, run_rosparam
-from rtron.sources.launch.ros1.tag import Tag
 from rtron.vocabulary.launch import LaunchNode, Remap, canonical_name, resolve_name
 
 

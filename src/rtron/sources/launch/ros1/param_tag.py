@@ -11,12 +11,9 @@ from rtron.sources.launch.common.commands import CatCommand, XacroCommand, recog
 from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.launch.common.expression import typed_argument
 from rtron.sources.launch.common.expression_library import anonymous_to_wildcard
-from rtron.sources.launch.common.yaml_scalars import check_int_range
-from rtron.sources.launch.common.yaml_tree import parse_yaml, plain_value
-from rtron.sources.launch.ros1.load_state import LoadState
-from rtron.sources.launch.ros1.loader_context import LoaderContext, PrivateParameter
-from rtron.sources.launch.ros1.parameter_server import join_names
-from rtron.sources.launch.ros1.tag import Tag
+from rtron.sources.launch.common.yaml_tree import check_int_range, parse_yaml, plain_value
+from rtron.sources.launch.ros1.loader_context import LoaderContext, PrivateParameter, Tag
+from rtron.sources.launch.ros1.parameter_server import LoadState, join_names
 from rtron.vocabulary import Evidence, ParameterValue, UnknownValue
 
 _VALUE_ATTRIBUTES = ("value", "textfile", "binfile", "command")
@@ -65,7 +62,7 @@ def _value(tag: Tag, source: str, state: LoadState) -> ParameterValue:
     try:
         text = anonymous_to_wildcard(tag.optional(source) or "")
     except UnresolvableError as error:
-        state.unresolved.add(tag, str(error))
+        state.unresolved.add(tag, str(error), package=error.package)
         return UnknownValue(str(error))
     try:
         return _read(tag, source, text, state)

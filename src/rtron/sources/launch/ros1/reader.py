@@ -12,9 +12,8 @@ from rtron.sources.launch.common.errors import MissingArgumentError
 from rtron.sources.launch.common.packages import PackageIndex
 from rtron.sources.launch.common.xml_document import LaunchDocument, line_of
 from rtron.sources.launch.ros1.file_reader import LaunchFileReader
-from rtron.sources.launch.ros1.load_state import LaunchFileCache, LoadState
 from rtron.sources.launch.ros1.loader_context import root_context
-from rtron.sources.launch.ros1.parameter_server import ParameterServer
+from rtron.sources.launch.ros1.parameter_server import LaunchFileCache, LoadState, ParameterServer
 from rtron.vocabulary import LaunchTree, UnresolvedItem
 
 _TOOL_PACKAGES = {"xacro": Path("xacro")}

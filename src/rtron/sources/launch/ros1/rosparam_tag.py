@@ -17,10 +17,8 @@ from rtron.sources.launch.common.yaml_tree import (
     YamlTree,
     parse_yaml,
 )
-from rtron.sources.launch.ros1.load_state import LoadState
-from rtron.sources.launch.ros1.loader_context import LoaderContext
-from rtron.sources.launch.ros1.parameter_server import join_names
-from rtron.sources.launch.ros1.tag import Tag
+from rtron.sources.launch.ros1.loader_context import LoaderContext, Tag
+from rtron.sources.launch.ros1.parameter_server import LoadState, join_names
 from rtron.vocabulary import Evidence, LaunchNode, Parameter
 from rtron.vocabulary.launch import resolve_name
 

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError, missing_file
 from rtron.sources.launch.common.packages import package_of
-from rtron.sources.launch.ros1.loader_context import LoaderContext
-from rtron.sources.launch.ros1.tag import Tag
+from rtron.sources.launch.ros1.loader_context import LoaderContext, Tag
 from rtron.sources.models.packages import known_package_of
-from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary import Evidence, UnresolvedCause, UnresolvedItem
 from rtron.vocabulary.enums import HiddenPart
 
 _NAMING_ATTRIBUTES = ("file", "name", "test-name", "from", "ns")
@@ -80,5 +79,6 @@ class UnresolvedNotes:
         what = " ".join((tag.name, *(str(text) for text in list(filter(None, texts))[:1])))
         places = (Evidence(file=tag.path, line=tag.line), *evidence)
         hides = HiddenPart.NODES if tag.name == "include" else None
-        note = UnresolvedItem(what=what, why=why, package=package, hides=hides, evidence=places)
-        self.unresolved.append(note)
+        cause = UnresolvedCause.MISSING_SOURCE if package else None
+        note = UnresolvedItem(what=what, why=why, package=package, hides=hides, cause=cause)
+        self.unresolved.append(replace(note, evidence=places))

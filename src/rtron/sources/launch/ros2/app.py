@@ -6,11 +6,11 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.ros2.choices import LaunchChoices
+from rtron.sources.launch.ros2.element_site import SourceLocator
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
 from rtron.sources.launch.ros2.python.front_end import PythonFrontEnd
 from rtron.sources.launch.ros2.reader import LaunchReader, absolute_path
 from rtron.sources.launch.ros2.result import AppLaunch
-from rtron.sources.launch.ros2.source_locator import SourceLocator
 from rtron.sources.launch.ros2.start_collector import StartCollector
 from rtron.vocabulary import Evidence, UnresolvedItem
 

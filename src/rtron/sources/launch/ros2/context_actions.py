@@ -1,11 +1,12 @@
 """The actions of ROS 2's launch files that start nothing: what they change for all after them."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
 
 from rtron.sources.launch.common.errors import MissingArgumentError
-from rtron.sources.launch.ros2.conditions import FALSE, TRUE
-from rtron.sources.launch.ros2.element_site import ElementSite
+from rtron.sources.launch.ros2.choices import FALSE, TRUE
+from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator, Setting
 from rtron.sources.launch.ros2.launch_context import NAMESPACE, ArgumentOrigin, LaunchVariable
 from rtron.sources.launch.ros2.parameters.file import read_text_file
@@ -19,8 +20,8 @@ CONTEXT_TAGS = NAMESPACE_TAGS | {
     "arg",
     "let",
     "unset",
-    "push_configurations",
-    "pop_configurations",
+    "push_vars",
+    "pop_vars",
     "set_remap",
     "reset",
     "set_env",
@@ -43,10 +44,10 @@ IGNORED_TAGS = frozenset(
         "set_parameters_from_file",
         "set_ros_log_dir",
         "set_use_sim_time",
-        "lifecycle_transition",
     }
 )
 """What neither starts a node nor changes a name."""
+_NEAR_RATIO = 0.8
 _USE = r"(?:LaunchConfiguration\w*\(|launch_configurations(?:\[|\.get\()|\$\(var)"
 """What stands before the name of an argument where a launch file uses it."""
 
@@ -68,7 +69,7 @@ class ContextActions:
             self._push_namespace(site)
         elif site.tag == "set_remap":
             context.add_remaps(self.evaluator.remap_rules([site]))
-        elif site.tag in {"reset", "push_configurations", "pop_configurations"}:
+        elif site.tag in {"reset", "push_vars", "pop_vars"}:
             self._all_configurations(site)
         elif site.tag == "unset":
             context.configurations.pop(self.evaluator.text(site, "name") or "", None)
@@ -100,9 +101,9 @@ class ContextActions:
 
     def _all_configurations(self, site: ElementSite) -> None:
         context = site.context
-        if site.tag == "push_configurations":
+        if site.tag == "push_vars":
             context.push_configurations()
-        elif site.tag == "pop_configurations":
+        elif site.tag == "pop_vars":
             context.pop_configurations()
         else:
             preserved = self.preserved_configurations(site)
@@ -111,11 +112,16 @@ class ContextActions:
                 context.set_value(*setting)
 
     def _push_namespace(self, site: ElementSite) -> None:
-        pushed = self.evaluator.text(site, "namespace")
-        namespace = site.context.node_namespace(UNKNOWN_NAME if pushed is None else pushed)
-        variable = LaunchVariable(NAMESPACE)
+        pushed, context = self.evaluator.text(site, "namespace"), site.context
+        namespace = context.node_namespace(UNKNOWN_NAME if pushed is None else pushed)
+        variable, origin = LaunchVariable(NAMESPACE), context.origins.get(NAMESPACE)
         value = None if namespace == UNKNOWN_NAME else namespace
-        site.context.set_value(variable, value, site.context.dependencies_of(variable))
+        if origin and origin.file and not f"{pushed}".startswith("/"):
+            is_of_one = origin.file == site.file.path
+            self._add_leak(site, NAMESPACE, context.namespace or "", "/", is_likely=is_of_one)
+        context.set_value(variable, value, context.dependencies_of(variable))
+        if not context.is_uncertain:
+            context.origins[NAMESPACE] = ArgumentOrigin(site.location, is_default=False)
 
     def _replace_environment(self, site: ElementSite) -> None:
         variables = list(self.evaluator.configurations(site.children("env")))
@@ -175,9 +181,16 @@ class ContextActions:
         if is_switch and not origin.is_default:
             return
         is_of_one = not is_switch and (origin.is_default or origin.file == site.file.path)
+        is_likely = is_of_one and _names_use(site.location.file, name)
+        self._add_leak(site, name, value, default, is_likely=is_likely)
+
+    def _add_leak(
+        self, site: ElementSite, name: str, value: str, default: str, *, is_likely: bool
+    ) -> None:
+        origin = site.context.origins[name]
         kinds = WiringFactKind.POSSIBLE_LEAKED_ARGUMENT, WiringFactKind.LEAKED_ARGUMENT
         fact = WiringFact(
-            kind=kinds[is_of_one and _names_use(site.location.file, name)],
+            kind=kinds[is_likely],
             subject=name,
             value=value,
             others=(site.file.path, origin.file, default),
@@ -191,6 +204,26 @@ class ContextActions:
             raise MissingArgumentError(variable.name)
         self.evaluator.note_missing(site, variable.name)
         site.context.set_value(variable, placeholder(variable.name), {variable})
+
+
+def note_undeclared(evaluator: LaunchEvaluator, site: ElementSite, file: FileInclusion) -> None:
+    """Note what an inclusion gives and no file behind it knows, if a near argument is not given."""
+    declared = evaluator.choices.declared
+    places = {each.plain_text("name"): each.location for each in site.children("arg", "let")}
+    unused = [] if UNKNOWN_NAME in declared else sorted(places.keys() - declared)
+    for name in unused:
+        near = [each for each in sorted(declared - places.keys()) if _is_near(name, each)]
+        if near and not any(_names_use(path, name) for path in file.paths()):
+            kind = WiringFactKind.UNDECLARED_ARGUMENT
+            fact = WiringFact(kind=kind, subject=name, value=near[0], others=(file.path,))
+            evaluator.wiring.append(replace(fact, evidence=(places[name],)))
+
+
+def _is_near(name: str, other: str) -> bool:
+    """Return whether one name has all words of the other at one end, or is spelled alike."""
+    shorter, longer = sorted((name, other), key=len)
+    is_end = longer.startswith(f"{shorter}_") or longer.endswith(f"_{shorter}")
+    return is_end or bool(get_close_matches(name, [other], 1, _NEAR_RATIO))
 
 
 def _is_equal(value: str, other: str) -> bool:

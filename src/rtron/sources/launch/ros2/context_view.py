@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from rtron.sources.launch.ros2.launch_context import LaunchContext
-from rtron.sources.launch.ros2.parameters.file_cache import YamlFileCache
+from rtron.sources.launch.ros2.parameters.file import YamlFileCache
 from rtron.sources.launch.ros2.substitutions.template import TemplateText
 
 

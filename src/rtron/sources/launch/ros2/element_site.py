@@ -2,9 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, LaunchFile, LaunchInclude, LaunchNode
 
 
@@ -16,6 +18,12 @@ class FileInclusion:
     depth: int
     nodes: list[LaunchNode] = field(default_factory=list)
     includes: list[tuple[Element, str, "FileInclusion"]] = field(default_factory=list)
+
+    def paths(self) -> Iterator[str]:
+        """Yield the paths of the file and of all that it includes."""
+        yield self.path
+        for _, _, file in self.includes:
+            yield from file.paths()
 
     def launch_file(self) -> LaunchFile:
         """Return the file with all that was found."""
@@ -66,3 +74,15 @@ class ElementSite:
     def plain_text(self, key: str) -> str:
         """Return an attribute as it is written; empty where it is not plain text."""
         return self.element.plain_text(key)
+
+
+@dataclass(frozen=True, slots=True)
+class SourceLocator:
+    """Finds the source of a file that is asked for in a package's share folder."""
+
+    workspace: Workspace
+
+    def __call__(self, path: str) -> str:
+        """Return a file's source: itself, or the one file of its package with its name."""
+        found = self.workspace.installed_source(Path(path))
+        return path if found == Path(path) else str(found)

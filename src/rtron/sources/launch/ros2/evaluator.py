@@ -14,15 +14,15 @@ from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.launch_context import LaunchContext, LaunchVariable
 from rtron.sources.launch.ros2.limits import LaunchLimits
-from rtron.sources.launch.ros2.parameters.file_cache import YamlFileCache
+from rtron.sources.launch.ros2.parameters.file import YamlFileCache
 from rtron.sources.launch.ros2.parameters.merge import ALL_NODES
 from rtron.sources.launch.ros2.substitutions.command_output import CommandOutput
 from rtron.sources.launch.ros2.substitutions.functions import (
     Function,
     format_bool,
+    loop_variable,
     require_arguments,
 )
-from rtron.sources.launch.ros2.substitutions.loops import loop_variable
 from rtron.sources.launch.ros2.substitutions.package_lookup import PackageLookup
 from rtron.sources.launch.ros2.substitutions.substitution import (
     MAX_GRAPH_TEXT,

@@ -14,19 +14,26 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError
-from rtron.sources.launch.ros2.bundled_files import GAZEBO_ACTIONS, as_include, bundled_launch_file
-from rtron.sources.launch.ros2.choices import LaunchChoices
-from rtron.sources.launch.ros2.collector import LaunchCollector
-from rtron.sources.launch.ros2.conditions import evaluate_condition, note_unknown_condition
-from rtron.sources.launch.ros2.context_actions import CONTEXT_TAGS, IGNORED_TAGS, ContextActions
+from rtron.sources.launch.ros2.choices import (
+    LaunchChoices,
+    evaluate_condition,
+    note_unknown_condition,
+)
+from rtron.sources.launch.ros2.context_actions import (
+    CONTEXT_TAGS,
+    IGNORED_TAGS,
+    ContextActions,
+    note_undeclared,
+)
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
+from rtron.sources.launch.ros2.file_search import GAZEBO_ACTIONS, as_include, bundled_launch_file
 from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.limits import MAX_INCLUDE_DEPTH
-from rtron.sources.launch.ros2.node_collector import LaunchNodeCollector
+from rtron.sources.launch.ros2.node_collector import LaunchCollector, LaunchNodeCollector
 from rtron.sources.launch.ros2.start_collector import GLOBAL_PARAMETER_TAGS
-from rtron.sources.launch.ros2.substitutions.loops import (
+from rtron.sources.launch.ros2.substitutions.functions import (
     LOOPS,
     UNKNOWN_COUNT,
     UNKNOWN_ITERATION,
@@ -35,7 +42,7 @@ from rtron.sources.launch.ros2.substitutions.loops import (
 from rtron.sources.launch.ros2.substitutions.template import has_placeholder
 from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.sources.launch.ros2.xml_yaml.parser import parse_elements
-from rtron.vocabulary import LaunchTree
+from rtron.vocabulary import LaunchTree, WiringFact, WiringFactKind
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
 _NODE_TAGS = frozenset({"node", "lifecycle_node", "node_container"})
@@ -198,10 +205,18 @@ class LaunchReader:
             "executable": self._collector.add_executable,
             "group": self._group,
             "include": self._include,
+            "lifecycle_transition": self._note_transition,
         }
+
+    def _note_transition(self, site: ElementSite) -> None:
+        kind = WiringFactKind.TRANSITION
+        fact = WiringFact(kind=kind, subject=site.file.path, evidence=(site.location,))
+        self._evaluator.wiring.append(fact)
 
     def _node(self, site: ElementSite) -> None:
         name = self._collector.add_node(site)
+        if site.has("autostart"):
+            self._note_transition(site)
         if site.tag == "node_container":
             self._components(site, name)
 
@@ -267,11 +282,14 @@ class LaunchReader:
             self._collector.note_not_included(site, path)
             return
         source = self._evaluator.files.locate_source(absolute_path(path))
-        level = self._evaluator.limits.level
+        level, choices = self._evaluator.limits.level, self._evaluator.choices
+        included, outer, choices.declared = None, choices.declared, set[str]()
         with self._evaluator.collect_errors(site):
             included = self._file(source, site.context, site.file.depth + 1)
             site.file.includes.append((site.element, path, included))
             site.context.leave_file(source, before)
+            note_undeclared(self._evaluator, site, included)
+        choices.declared |= outer if included else {*outer, UNKNOWN_NAME}
         self._evaluator.limits.level = level
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.folders import path_exists
 from rtron.sources.code.frontends.python.lowering import MAX_BYTES
-from rtron.sources.launch.ros2.collector import LaunchCollector
 from rtron.sources.launch.ros2.command_line import (
     argument_remaps,
     as_ros2_run,
@@ -18,6 +17,7 @@ from rtron.sources.launch.ros2.command_line import (
 )
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.launch_context import canonical_namespace
+from rtron.sources.launch.ros2.node_collector import LaunchCollector
 from rtron.sources.launch.ros2.parameters.merge import ALL_NODES, ParameterSource
 from rtron.sources.launch.ros2.parameters.node_configuration import NodeConfiguration
 from rtron.sources.launch.ros2.result import DeclaredArgument, LaunchStart, StartKind

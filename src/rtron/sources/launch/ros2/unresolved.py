@@ -19,7 +19,7 @@ from rtron.sources.launch.ros2.substitutions.template import (
     display_text,
     first_placeholder,
 )
-from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary import UnresolvedCause, UnresolvedItem
 from rtron.vocabulary.enums import HiddenPart
 
 _STARTING_TAGS = ("include", "composable_node")
@@ -35,19 +35,25 @@ class UnresolvedNotes:
     _missing_arguments: set[str] = field(default_factory=set)
 
     def note(
-        self, site: ElementSite, why: str, missing: str = "", hides: HiddenPart | None = None
+        self,
+        site: ElementSite,
+        why: str,
+        missing: str = "",
+        hides: HiddenPart | None = None,
+        package: str = "",
     ) -> None:
         """Note what cannot be read of an element, and the file that it names and is not there."""
         keys = ("file", "cmd", "name") if self.symbolic else ("file", "cmd")
         text = next(filter(None, map(site.plain_text, keys)), "")
         what = f"{site.tag} {display_text(text)[:80]}".strip()
+        package = package or first_placeholder(text + why).partition("find-pkg-share ")[2]
         entry = UnresolvedItem(
             what=what,
             why=display_text(why),
             missing=missing,
-            package=first_placeholder(text + why).partition("find-pkg-share ")[2]
-            or package_of(missing),
+            package=package or package_of(missing),
             hides=HiddenPart.NODES if site.tag in _STARTING_TAGS else hides,
+            cause=UnresolvedCause.MISSING_SOURCE if package else None,
             evidence=(site.location,),
         )
         if not self.symbolic or entry not in self._noted:
@@ -68,7 +74,7 @@ class UnresolvedNotes:
             find_missing = missing_file if site.tag == "include" else missing_parameter_file
             self.note(site, str(error), find_missing(error))
         except UnresolvableError as error:
-            self.note(site, str(error))
+            self.note(site, str(error), package=error.package)
         except MissingArgumentError as error:
             if site.file.depth == 0 and site.tag != "include" and not self.symbolic:
                 raise
@@ -86,8 +92,10 @@ class UnresolvedNotes:
         self._missing_arguments.add(name)
 
     def note_error(self, site: ElementSite, error: Exception) -> None:
-        """Note why a call has no value, unless that follows from what is noted already."""
+        """Note why a call has no value, unless that is noted already, or with its include."""
         if isinstance(error, MissingArgumentError):
             self.note_missing(site, error.name)
         elif not isinstance(error, UnknownPartError):
-            self.note(site, str(error))
+            package = getattr(error, "package", "")
+            if not (package and site.tag == "include"):
+                self.note(site, str(error), package=package)

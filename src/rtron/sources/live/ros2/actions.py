@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from rtron.sources.live.ros2.domain import Snapshot
-    from rtron.wire.ros2.service_endpoints import Ros2ServiceEndpoint
+    from rtron.wire.ros2.endpoints import Ros2ServiceEndpoint
 
 _ENTITY_BY_SUFFIX = {f"/_action/{end}": end for end in Ros2ActionEntity}
 _TYPE_SUFFIXES = {

@@ -15,12 +15,16 @@ from typing import TYPE_CHECKING, TypeVar
 from rtron.errors import SourceError
 from rtron.vocabulary import ROS2_ACTION_SERVICES
 from rtron.wire.ros2.discovery_info import DiscoveryInfoReader
-from rtron.wire.ros2.endpoints import Ros2Endpoint, gid_of, node_name, publishers_of, subscribers_of
-from rtron.wire.ros2.service_endpoints import (
+from rtron.wire.ros2.endpoints import (
+    Ros2Endpoint,
     Ros2ServiceEndpoint,
     clients_of,
+    gid_of,
+    node_name,
+    publishers_of,
     servers_of,
     service_endpoints_of_node,
+    subscribers_of,
 )
 
 if TYPE_CHECKING:

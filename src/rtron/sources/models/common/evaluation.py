@@ -15,7 +15,6 @@ from rtron.sources.declaration import (
     NodeSite,
 )
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.models.common.catalog import ModelCatalog, load_models
 from rtron.sources.models.common.expressions import ModelExpressions
 from rtron.sources.models.common.model_scope import ModelScope, node_scope
 from rtron.sources.models.common.node_site import resolve_ros2_site
@@ -28,7 +27,8 @@ from rtron.sources.models.common.values import (
     has_placeholder,
     placeholder,
 )
-from rtron.vocabulary import Durability, Evidence, Resolution, UnresolvedItem
+from rtron.sources.models.common.yaml_model import ModelCatalog, load_models
+from rtron.vocabulary import Durability, Evidence, Resolution, UnresolvedCause, UnresolvedItem
 
 MAX_DEPTH = 8
 MAX_ITEMS = 1000
@@ -241,7 +241,7 @@ class _ModelWalk:
         if model is None or use.depth == MAX_DEPTH:
             why = "no model of it" if model is None else "models use each other too deep"
             why = f"{why}: what it gives {scope.site.name} is missing"
-            self._note_unresolved(name, why, _evidence_of(entry, use))
+            self._note_unresolved(name, why, _evidence_of(entry, use), UnresolvedCause.MISSING_CODE)
             if model is None and not use.uncertain:
                 self._add_plugin(name, _used_scope(entry, scope, expressions))
             return
@@ -262,9 +262,16 @@ class _ModelWalk:
             loaded = LoadedPlugin(class_name=class_name, name=called, node=scope.private)
             self.plugins[loaded] = None
 
-    def _note_unresolved(self, what: str, why: str, evidence: tuple[Evidence, ...]) -> None:
+    def _note_unresolved(
+        self,
+        what: str,
+        why: str,
+        evidence: tuple[Evidence, ...],
+        cause: UnresolvedCause | None = None,
+    ) -> None:
         if len(self.unresolved) < MAX_ITEMS:
-            self.unresolved.append(UnresolvedItem(what=what, why=why, evidence=evidence))
+            note = UnresolvedItem(what=what, why=why, cause=cause, evidence=evidence)
+            self.unresolved.append(note)
 
 
 def _condition_holds(expressions: ModelExpressions, condition: str) -> bool:

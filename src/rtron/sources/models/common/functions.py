@@ -1,17 +1,48 @@
 """What an expression of a model may ask: parameters, arguments, plugin values, files.
 
-docs/models.md lists them; a function answers with a Hole where the answer is not known.
+A function answers with a Hole where the answer is not known.
+
+param(name, default)        a parameter; is_set(name): whether the launch gives it
+search(name, default)       a parameter, searched upwards
+children(prefix)            the names below `prefix.`
+numbered(name)              the numbers of `name0`, `name1`, …; counted(name): their values
+value(name, default)        an element of a Gazebo plugin
+robot_namespace()           of a Gazebo sensor plugin; plugin_namespace(): of a model plugin
+model()                     the name of a Gazebo model
+argument(index, default, valued), positional(valued), words()
+                            arguments; `valued` names options that take a value
+option(names, default)      the value of an option; has_option(names): whether it is given
+resolved(name)              the full name before remapping; remapped(name): after it
+since(distribution, unset)  whether `$ROS_DISTRO` is that distribution or a later one
+unknown(name)               a value that is unknown before the app runs
+truth(value)                a boolean; chosen(condition, yes, no): one of two values
+get(tree, key, default), items(list), keys(dict), split(text), range(first, last)
+                            parts of a value
+prefixed(prefix, frame), basename(name), parent(name)
+                            parts of names
+matches(name, patterns)     whether a shell pattern fits
+fixed_joints(name), moving_joints(name)
+                            joints of the robot description in a parameter
+yaml_file(path)             a YAML file
+lua_setting(folder, name, key, default)
+                            what a Lua file assigns last
+tree_nodes(path, usual_file, usual)
+                            the nodes of a behaviour tree
+rviz_subscriptions(path), rviz_publications(path), rviz_move_groups(path)
+                            from a configuration of rviz
+rviz2_subscriptions(path), rviz2_publications(path), rviz2_markers(path), rviz2_panels(path)
+                            from a configuration of rviz2
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
-from functools import partial
+from functools import lru_cache, partial
 from itertools import takewhile
 
+from rtron.errors import InputError
 from rtron.sources.models.common import arguments
 from rtron.sources.models.common.model_scope import ModelScope
 from rtron.sources.models.common.node_files import read_lua_setting, read_yaml_file, tree_nodes
-from rtron.sources.models.common.robot_joints import joints
 from rtron.sources.models.common.rviz import rviz_move_groups, rviz_publications, rviz_subscriptions
 from rtron.sources.models.common.rviz2 import (
     rviz2_markers,
@@ -27,6 +58,7 @@ from rtron.sources.models.common.values import (
     placeholder,
     with_placeholders,
 )
+from rtron.sources.xacro import XmlElement, parse_element
 from rtron.vocabulary import ParameterValue
 from rtron.vocabulary.parameters import pattern_matches
 
@@ -253,3 +285,35 @@ _PURE_FUNCTIONS: Mapping[str, Function] = {
     "tree_nodes": tree_nodes,
     "yaml_file": read_yaml_file,
 }
+
+
+_MOVING = frozenset({"revolute", "continuous", "prismatic"})
+
+
+def joints(description: Value, *, fixed: bool) -> list[dict[str, str]]:
+    """Return the `parent` and `child` links of the joints in the text of a description.
+
+    They are those that are fixed, or those that have a position.
+    """
+    types = frozenset({"fixed"}) if fixed else _MOVING
+    is_known = isinstance(description, str) and not isinstance(description, Placeholder)
+    found = _read_joints(description) if is_known else ()
+    return [{"parent": above, "child": below} for type, above, below in found if type in types]
+
+
+@lru_cache(maxsize=4)
+def _read_joints(description: str) -> tuple[tuple[str, str, str], ...]:
+    """Return type, parent and child of each joint; nothing of what cannot be read."""
+    try:
+        root = parse_element(description, "robot_description")
+    except InputError:
+        return ()
+    return tuple(
+        (joint.attributes.get("type", ""), _link(joint, "parent"), _link(joint, "child"))
+        for joint in root.elements("joint")
+    )
+
+
+def _link(joint: XmlElement, end: str) -> str:
+    found = joint.find(end)
+    return found.attributes.get("link", "") if found is not None else ""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.common.expression import typed_argument
-from rtron.sources.launch.common.yaml_scalars import check_int_range
+from rtron.sources.launch.common.yaml_tree import check_int_range
 from rtron.vocabulary import Evidence, LaunchNode, Parameter, ParameterTree
 from rtron.vocabulary.launch import canonical_name, resolve_name
 from rtron.vocabulary.parameters import pattern_matches

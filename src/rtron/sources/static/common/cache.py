@@ -2,22 +2,30 @@
 
 A result counts while RTron, the workspace's structure, the node's site and every file that was
 read for it are the same. The cache is a folder of the user's own: another's is not used.
+
+Which sources a program has, which file an `#include` or `import` means and which messages there
+are follow from the names of all files and from the content of a few.
 """
 
 import os
 import stat
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticSerializationError
 
+import rtron
 from rtron.errors import InputError
+from rtron.folders import walk
 from rtron.sources.bounded_file import content_hash, read_bounded
 from rtron.sources.static.common.task import InterpretationTask, TaskResult
+from rtron.sources.workspace import Workspace
 from rtron.vocabulary import ParameterTree
 
 MAX_ENTRY = 16 * 1024 * 1024
@@ -151,3 +159,42 @@ def _write_atomically(path: Path, data: bytes) -> None:
     with os.fdopen(os.open(temporary, flags, 0o600), "wb") as stream:
         stream.write(data)
     temporary.replace(path)
+
+
+_BUILD_FILE_SUFFIXES = (".xml", ".cmake", "CMakeLists.txt", "setup.py", "setup.cfg")
+
+
+_HASHES: WeakKeyDictionary[Workspace, str] = WeakKeyDictionary()
+
+
+def hash_workspace(workspace: Workspace) -> str:
+    """Return the hash of RTron itself and of a workspace's structure, at the first call."""
+    if workspace not in _HASHES:
+        parts = [_hash_own_code(), *map(str, workspace.folders)]
+        for name, package in sorted(workspace.packages.items()):
+            parts.extend((name, str(package), *_package_entries(package)))
+        _HASHES[workspace] = hash_texts(parts)
+    return _HASHES[workspace]
+
+
+def _package_entries(package: Path) -> Iterator[str]:
+    for folder, subfolders, files in walk(package):
+        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
+        for name in sorted(files):
+            path = Path(folder, name)
+            yield f"{path} {_executable_bits(path)}"
+            if name.endswith(_BUILD_FILE_SUFFIXES):
+                yield content_hash(path)
+
+
+def _executable_bits(path: Path) -> int:
+    try:
+        return path.stat().st_mode & 0o111
+    except OSError:
+        return 0
+
+
+@cache
+def _hash_own_code() -> str:
+    folder = Path(rtron.__file__).parent / "sources"
+    return hash_texts(content_hash(path) for path in sorted(folder.rglob("*.py")))

@@ -31,6 +31,7 @@ _LIBRARIES = {
     r"|\b(?:(?:easygo|go)pigo3?|brickpi3|picarx|robot_hat|ev3dev2?|pyfirmata2?)\b",
     "Modbus": r"\bpymodbus|minimalmodbus|\bmodbus(?:/modbus)?\.h",
     "TCP link": r"\bcreate_connection\(|\.connect\(\s*\(|\bconnect\([^;\n]{0,60}sockaddr",
+    "Bluetooth": r"\bbleak\b|bluetooth/(?:rfcomm|bluetooth)\.h|\bbluepy\b|\bpygatt\b",
     "LCM": r"\blcm/lcm|^[ \t]*(?:import|from) lcm\b",
     "vehicle link": r"pymavlink|mavsdk|dronekit|mavlink/v2\.0|djitellopy|olympe|dji_vehicle\.hpp",
     "vendor SDK": r"unitree_(?:legged_)?sdk|bosdyn|xarm\.wrapper|ugv_sdk|franka/robot|ur_rtde"
@@ -42,7 +43,8 @@ that connects to one.
 A terminal has termios too, and no speed that a program sets.
 """
 _SOCKETS = {
-    "MQTT": r"paho\.mqtt|<mosquitto|mqtt/async_client|MQTTClient|asyncio_mqtt|aiomqtt",
+    "MQTT": r"paho\.mqtt|\bmosquitto_new\b|mosqpp::|mqtt::(?:async_)?client\b|MQTTClient|aio_?mqtt"
+    r"|asyncio_mqtt",
     "WebSocket server": r"websockets\.serve|WebSocketServer|websocketpp/server|import tornado"
     r"|from autobahn|socketio\.(?:Async)?Server|uWS::",
     "web server": r"from flask|import flask|http\.server|from aiohttp import web|FastAPI\("
@@ -52,6 +54,14 @@ _SOCKETS = {
     "MAVLink link": r"[\"'](?:udpin|tcpin):/{0,2}(?!127\.|localhost)|[\"']udp://:14\d{3}\b",
     "gRPC server": r"grpc\.(?:aio\.)?server\(|grpc::ServerBuilder",
 }
+_OPERATORS = {
+    "joystick": r"pygame\.joystick|from pygame import joystick|\binputs import get_gamepad"
+    r"|\bevdev\b|/dev/input/|linux/joystick\.h|SDL_Joystick|SDL_GameController|\bhidapi\b",
+    "keyboard": r"\bpynput\b|\btty\.set(?:raw|cbreak)|termios\.tcsetattr"
+    r"|tcsetattr\(\s*(?:0|STDIN|kfd)|\bcurses\.|ncurses\.h|pygame\.K_\w|^import keyboard\b",
+    "window": r"\btkinter\b|\bTkinter\b|\bPy(?:Qt|Side)\d\b|python_qt_binding|\bQApplication\b",
+}
+"""Where a person commands a node beside ROS."""
 _COMMAND = r"(?<![a-z])(?:cmd_?vel|cmd|command|vel|velocity|twist|joy|setpoint|teleop|drive)"
 _AGE = (
     r"watch_?dog|dead_?man|fail_?safe"
@@ -85,6 +95,7 @@ _KINDS = {
         word: rf"(?:{names})(?!\w{{0,40}}_msgs)" for word, names in _LIBRARIES.items()
     },
     WiringFactKind.SOCKET: _SOCKETS,
+    WiringFactKind.OPERATOR: _OPERATORS,
     WiringFactKind.COMMAND_AGE: {"age of a command": f"(?i:{_AGE})"},
 }
 _IMPORTS = re.compile(
@@ -121,6 +132,17 @@ def last_messages(part: NodePart) -> Iterator[WiringFact]:
             value=last.fate.value,
             others=() if last.seconds is None else (f"{last.seconds:g} s",),
             evidence=last.evidence,
+        )
+
+
+def message_flows(part: NodePart) -> Iterator[WiringFact]:
+    """Yield a fact for what each subscription of a part leads to."""
+    for flow in part.interface.message_flows:
+        yield WiringFact(
+            kind=WiringFactKind.MESSAGE_FLOW,
+            subject=part.owner,
+            others=flow.requests,
+            evidence=flow.evidence,
         )
 
 

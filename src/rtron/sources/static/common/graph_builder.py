@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
-from rtron.sources.code.reachability import UNREACHED
 from rtron.vocabulary import (
     Action,
     Direction,
@@ -15,6 +14,7 @@ from rtron.vocabulary import (
     Service,
     ServiceClient,
     Topic,
+    UnresolvedCause,
     UnresolvedItem,
     WiringFact,
 )
@@ -96,7 +96,8 @@ def _merge_notes(notes: Iterable[UnresolvedItem]) -> Iterator[UnresolvedItem]:
     merged: dict[tuple[str, ...], UnresolvedItem] = {}
     for note in notes:
         file = note.evidence[0].file if note.evidence else ""
-        key = (note.why if note.why == UNREACHED else note.what, note.why, note.missing, file)
+        what = "" if note.cause is UnresolvedCause.UNREACHED else note.what
+        key = (what, note.why, note.missing, file)
         first = merged.get(key, note)
         merged[key] = _with_places(first, (*first.evidence, *note.evidence))
     yield from merged.values()
@@ -105,6 +106,6 @@ def _merge_notes(notes: Iterable[UnresolvedItem]) -> Iterator[UnresolvedItem]:
 def _with_places(note: UnresolvedItem, places: Iterable[Evidence]) -> UnresolvedItem:
     evidence = tuple(dict.fromkeys(places))
     what, more = note.what.partition(" and ")[0], len(evidence) - 1
-    if note.why != UNREACHED or not more:
+    if note.cause is not UnresolvedCause.UNREACHED or not more:
         return replace(note, evidence=evidence)
     return replace(note, what=f"{what} and {more} more", evidence=evidence)

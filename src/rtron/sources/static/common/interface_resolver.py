@@ -14,7 +14,7 @@ from rtron.sources.static.common.scan_options import Progress
 from rtron.sources.static.common.task import InterpretationTask, TaskResult
 from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Resolution, Trust, UnresolvedItem
+from rtron.vocabulary import Resolution, Trust, UnresolvedCause, UnresolvedItem
 
 _CUT = "its source is here and can be followed in part only; the model of that name counts, too"
 _UNDECIDED = "its source leaves open whether this is made; the model of that name counts, not this"
@@ -116,7 +116,8 @@ def _decided_by_model(interface: NodeInterface, modelled: NodeInterface) -> Node
     more = f" and {len(left_out) - 1} more" if len(left_out) > 1 else ""
     places = dict.fromkeys(each.evidence[0] for each in left_out if each.evidence)
     what = f"{left_out[0].kind.value} {left_out[0].name}{more}"
-    note = UnresolvedItem(what=what, why=_UNDECIDED, evidence=tuple(places))
+    cause, evidence = UnresolvedCause.RUN_TIME, tuple(places)
+    note = UnresolvedItem(what=what, why=_UNDECIDED, cause=cause, evidence=evidence)
     remaining = tuple(each for each in interface.declarations if each not in left_out)
     return _with_note(replace(interface, declarations=remaining), note)
 

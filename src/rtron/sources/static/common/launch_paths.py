@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.folders import path_exists
-from rtron.sources.launch.common.file_format import is_ros2_launch_file
+from rtron.sources.launch.common.launch_file import is_ros2_launch_file
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_files import PackageFiles, is_regular, list_files
 

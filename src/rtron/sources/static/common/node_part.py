@@ -22,7 +22,7 @@ from rtron.sources.static.common.task import (
 from rtron.sources.workspace import Plugin, Program, ProgramLanguage, Workspace
 from rtron.sources.workspace.catalog import NODELET
 from rtron.sources.workspace.package_files import is_in_build_files
-from rtron.vocabulary import Resolution, Trust, UnresolvedItem
+from rtron.vocabulary import Resolution, Trust, UnresolvedCause, UnresolvedItem
 from rtron.vocabulary.launch import resolve_name
 
 MISSING_PROGRAM = "its package is here, and makes no program of this name"
@@ -37,6 +37,7 @@ _NOT_FOLLOWED = "commands that are not followed make programs of its package"
 _NOT_READ = "its package is here, and what this program is written in is not read"
 _NO_LIBRARY = "its package is here, and registers it in a library that is not made there"
 _NO_FILES = "its package is here, and none of the sources of this program: generated or missing"
+_MISSING, _PARTLY_READ = UnresolvedCause.MISSING_SOURCE, UnresolvedCause.PARTLY_READ
 _TOPICS = frozenset({DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE})
 _KINDS = {
     ProgramLanguage.CPP: TaskKind.CPP,
@@ -92,15 +93,16 @@ class NodePart:
         return is_source and not is_open and not any("{" in d.name for d in interface.declarations)
 
     def with_missing_note(
-        self, what: str, why: str, missing: str = "", nearest: str = ""
+        self, what: str, why: str, cause: UnresolvedCause | None = None
     ) -> "NodePart":
         """Return the part with a note instead of an interface; its nodes keep their names."""
-        note = UnresolvedItem(
-            what=what, why=why, missing=missing, nearest=nearest, evidence=(self.node.evidence,)
-        )
-        return replace(
-            self, interface=NodeInterface(nodes=self.interface.nodes, unresolved=(note,))
-        )
+        return self.with_only_note(UnresolvedItem(what=what, why=why, cause=cause))
+
+    def with_only_note(self, note: UnresolvedItem) -> "NodePart":
+        """Return the part with a note, at its place, instead of an interface."""
+        note = replace(note, evidence=(self.node.evidence,))
+        found = NodeInterface(nodes=self.interface.nodes, unresolved=(note,))
+        return replace(self, interface=found)
 
 
 def node_parts(node: AppNode, workspace: Workspace, models: ModelCatalog) -> Iterator[NodePart]:
@@ -125,15 +127,18 @@ def _without_program(part: NodePart, workspace: Workspace) -> NodePart:
     program, trust = f"{node.package}/{node.type}", workspace.trust(node.package)
     what = f"node {node.name} ({program})"
     if trust is not Trust.OWN:
-        why = _NOT_HERE if trust is Trust.UNKNOWN else _NO_SOURCE
-        return part.with_missing_note(what, why)
+        why, cause = _NOT_HERE if trust is Trust.UNKNOWN else _NO_SOURCE, _MISSING
+        return part.with_only_note(
+            UnresolvedItem(what=what, why=why, package=node.package, cause=cause)
+        )
     if why := _why_not_read(node, workspace):
-        return part.with_missing_note(what, why)
+        return part.with_missing_note(what, why, _PARTLY_READ if why == _NOT_READ else None)
     why, names = MISSING_PROGRAM, workspace.program_names(node.package)
     if node.container:
         why, names = MISSING_CLASS, workspace.component_names(node.package)
     nearest = _nearest(node.type, names)
-    return part.with_missing_note(what, f"{why}: {nearest}", program, nearest)
+    why = f"{why}: {nearest}"
+    return part.with_only_note(UnresolvedItem(what=what, why=why, missing=program, nearest=nearest))
 
 
 def _why_not_read(node: AppNode, workspace: Workspace) -> str:
@@ -210,7 +215,8 @@ def _nodelet(part: NodePart, name: str, workspace: Workspace, models: ModelCatal
     part = _with_model(part, model)
     if part.task is not None or part.model is not None:
         return part
-    return part.with_missing_note(f"nodelet {name}", _missing_nodelet(name, plugin, workspace))
+    why = _missing_nodelet(name, plugin, workspace)
+    return part.with_missing_note(f"nodelet {name}", why, _MISSING if why == _NO_SOURCE else None)
 
 
 def _missing_nodelet(name: str, plugin: Plugin | None, workspace: Workspace) -> str:

@@ -72,5 +72,6 @@ def with_plugin(part: NodePart, task: InterpretationTask, result: TaskResult) ->
         frame_uses=(*before.frame_uses, *its.frame_uses),
         mistyped=(*before.mistyped, *its.mistyped),
         last_messages=(*before.last_messages, *its.last_messages),
+        message_flows=(*before.message_flows, *its.message_flows),
     )
     return replace(part, interface=interface)

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtron.sources.bounded_file import content_hash
+from rtron.sources.code import ir
 from rtron.sources.code.interpreter.execution.source_provider import PluginSource, SourceProvider
-from rtron.sources.code.ir import SourceLanguage, Unit
 from rtron.sources.code.program_runner import (
     run_component,
     run_cpp,
@@ -139,7 +139,7 @@ class TrackedFiles:
     files: SourceProvider
     paths_read: dict[Path, None] = field(default_factory=dict)
 
-    def lowered_unit(self, path: Path, language: SourceLanguage) -> Unit:
+    def lowered_unit(self, path: Path, language: ir.SourceLanguage) -> ir.Unit:
         """Return a file, lowered."""
         self.paths_read[path] = None
         return self.files.lowered_unit(path, language)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary import Evidence, UnresolvedCause, UnresolvedItem
 from rtron.vocabulary.enums import HiddenPart
 
 
@@ -12,7 +12,14 @@ class UnresolvedList:
 
     entries: list[UnresolvedItem] = field(default_factory=list)
 
-    def add(self, what: str, why: str, location: Evidence, hides: HiddenPart | None = None) -> None:
+    def add(
+        self,
+        what: str,
+        why: str,
+        location: Evidence,
+        hides: HiddenPart | None = None,
+        cause: UnresolvedCause | None = None,
+    ) -> None:
         """Note what is unresolved, why, and where, and what may be behind it."""
-        note = UnresolvedItem(what=what, why=why, hides=hides, evidence=(location,))
+        note = UnresolvedItem(what=what, why=why, hides=hides, cause=cause, evidence=(location,))
         self.entries.append(note)

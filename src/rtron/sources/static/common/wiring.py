@@ -24,7 +24,10 @@ from rtron.vocabulary.launch import resolve_name
 from rtron.vocabulary.parameters import pattern_matches
 
 _NODELET = "nodelet"
-_OF_ONE_SOURCE = frozenset({"rosgraph_msgs/Clock", "nav_msgs/OccupancyGrid"})
+_JOINTS = "sensor_msgs/JointState"
+_OF_ONE_SOURCE = frozenset({"rosgraph_msgs/Clock", "nav_msgs/OccupancyGrid", _JOINTS})
+_OF_ALL_JOINTS = ("joint_state_publisher", "joint_state_publisher_gui")
+"""Packages whose node publishes each joint of the robot; of other nodes each may have its own."""
 _REPEATED = "-r --rate"
 _ONCE, _TIMES = "-1 --once", "-t --times"
 _FEW = 10
@@ -163,10 +166,12 @@ def sent_once(part: NodePart) -> Iterator[WiringFact]:
 class ProgramOutputs:
     """What each instance of a program publishes: nodes, and nodelets by the class they load.
 
-    Of what has one source in an app, a clock or a map, all publishers are noted.
+    Of what has one source in an app, a clock, a map or a joint, all publishers are noted.
     """
 
-    _sources: dict[str, dict[str, AppNode]] = field(default_factory=lambda: defaultdict(dict))
+    _sources: dict[tuple[str, bool], dict[str, AppNode]] = field(
+        default_factory=lambda: defaultdict(dict)
+    )
     _topics: dict[_Program, dict[str, set[str]]] = field(default_factory=dict)
     _places: dict[str, Evidence] = field(default_factory=dict)
 
@@ -175,17 +180,19 @@ class ProgramOutputs:
         node, topic = part.node, end.topic
         if end.implicit:
             return
-        if normalise_type(end.type) in _OF_ONE_SOURCE and "{" not in topic + end.node:
-            self._sources[topic].setdefault(end.node, node)
+        type = normalise_type(end.type)
+        if type in _OF_ONE_SOURCE and "{" not in topic + end.node:
+            self._sources[topic, type == _JOINTS].setdefault(end.node, node)
         instances = self._topics.setdefault(_program(part), defaultdict(set))
         instances[node.name].add(topic)
         self._places[node.name] = node.evidence
 
     def second_sources(self) -> Iterator[WiringFact]:
-        """Yield a fact for each clock and map that more than one node publishes for sure."""
-        for topic, nodes in self._sources.items():
+        """Yield a fact for each clock, map and joint that more than one publishes for sure."""
+        for (topic, is_joints), nodes in self._sources.items():
             pairs = combinations(nodes.values(), 2)
-            if len(nodes) > 1 and all(may_both_start(*pair) for pair in pairs):
+            is_one = not is_joints or any(n.package in _OF_ALL_JOINTS for n in nodes.values())
+            if is_one and len(nodes) > 1 and all(may_both_start(*pair) for pair in pairs):
                 yield WiringFact(
                     kind=WiringFactKind.SECOND_SOURCE,
                     subject=topic,
@@ -201,7 +208,8 @@ class ProgramOutputs:
             if len(instances) > 1 and all_differ:
                 names = tuple(sorted(instances))
                 places = tuple(self._places[name] for name in names)
-                for topic in sorted(t for t in common - self._sources.keys() if "{" not in t):
+                sources = {topic for topic, _ in self._sources}
+                for topic in sorted(each for each in common - sources if "{" not in each):
                     kind = WiringFactKind.SHARED_OUTPUT
                     yield WiringFact(kind=kind, subject=topic, others=names, evidence=places)
 

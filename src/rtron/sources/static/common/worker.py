@@ -17,7 +17,7 @@ from rtron.sources.declaration import NodeInterface
 from rtron.sources.static.common.parent_process import follow_parent
 from rtron.sources.static.common.task import InterpretationTask, TaskResult, run_task
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary import Evidence, UnresolvedCause, UnresolvedItem
 
 RECURSION_LIMIT = 20_000
 GC_THRESHOLD = 200_000
@@ -96,7 +96,8 @@ def run_in_worker(task: InterpretationTask, seconds: float) -> TaskResult:
 def failed_result(task: InterpretationTask, why: str) -> TaskResult:
     """Return the result of a task that came to nothing."""
     places = tuple(Evidence(file=str(source)) for source in task.sources[:1])
-    note = UnresolvedItem(what=f"the program of {task.site.name}", why=why, evidence=places)
+    what, cause = f"the program of {task.site.name}", UnresolvedCause.PARTLY_READ
+    note = UnresolvedItem(what=what, why=why, cause=cause, evidence=places)
     return TaskResult(interface=NodeInterface(unresolved=(note,)))
 
 

@@ -1,4 +1,8 @@
-"""From folders and launch files to the interaction graph of the app that they start."""
+"""From folders and launch files to the interaction graph of the app that they start.
+
+Its topics and services are those of the bridge, which makes them for it by the names that it sends
+(ROS wiki: rosserial).
+"""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
@@ -6,27 +10,29 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.folders import walk
 from rtron.sources.launch.common.packages import PackageIndex
 from rtron.sources.launch.common.undeclared_arguments import undeclared_arguments
 from rtron.sources.launch.ros1.reader import read_launches
+from rtron.sources.models.common.schema import NodeRole
 from rtron.sources.models.packages import known_packages
 from rtron.sources.static.common.app_node import AppNode, node_of_launch
-from rtron.sources.static.common.cache import open_cache
+from rtron.sources.static.common.cache import hash_workspace, open_cache
 from rtron.sources.static.common.interface_resolver import InterfaceResolver
 from rtron.sources.static.common.launch_paths import LaunchRequest
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.common.node_sources import file_content
 from rtron.sources.static.common.scan_options import ScanOptions
+from rtron.sources.static.common.task import InterpretationTask, TaskKind
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.common.worker_pool import WorkerPool
-from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros1.assembly import Assembly
-from rtron.sources.static.ros1.firmware import with_firmware
 from rtron.sources.static.ros1.node_parameters import unread_parameters
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch, RuntimeLaunches
 from rtron.sources.static.ros1.simulation import Simulation
 from rtron.sources.workspace import read_workspace
 from rtron.sources.xacro import RobotDescriptions
-from rtron.vocabulary import InteractionGraph, LaunchTree, ParameterTree
+from rtron.vocabulary import Evidence, InteractionGraph, LaunchTree, ParameterTree, UnresolvedItem
 from rtron.vocabulary.enums import HiddenPart
 
 
@@ -209,3 +215,64 @@ def _assemble(
         started=tuple(launch_trees.runtime_launches),
         parameters=launch_trees.parameters,
     )
+
+
+MAX_FOLDERS = 5_000
+_NOT_OF_THE_APP = frozenset({"examples", "libraries", "ros_lib"})
+"""Folders of Arduino's libraries, whose sketches are examples."""
+_READ = "is taken for the firmware behind it; what runs there may be another"
+
+
+def with_firmware(parts: Sequence[NodePart], resolver: InterfaceResolver) -> list[NodePart]:
+    """Return the parts of an app, a lone bridge of rosserial with what the lone sketch declares.
+
+    Where there are several, each bridge has a note on them.
+    """
+    bridges = [p for p in parts if p.model is not None and p.model.role is NodeRole.FIRMWARE]
+    sketches = list(_sketches(resolver.workspace.folders)) if bridges else []
+    if not sketches:
+        return list(parts)
+    bridge = bridges[0]
+    if len(bridges) == len(sketches) == 1:
+        return [_read_sketch(p, sketches[0], resolver) if p is bridge else p for p in parts]
+    return [_with_note(p, sketches) if p in bridges else p for p in parts]
+
+
+def _read_sketch(
+    bridge: NodePart, sketch: tuple[Path, ...], resolver: InterfaceResolver
+) -> NodePart:
+    task = InterpretationTask(kind=TaskKind.SKETCH, sources=sketch, site=bridge.node.site)
+    (found,) = resolver.resolve_parts([replace(bridge, model=None, known_model=None, task=task)])
+    of_bridge = bridge.interface
+    note = UnresolvedItem(
+        what=f"sketch {sketch[0].name}", why=_READ, evidence=(Evidence(file=str(sketch[0])),)
+    )
+    interface = replace(
+        found.interface,
+        declarations=(*of_bridge.declarations, *found.interface.declarations),
+        unresolved=(note, *found.interface.unresolved),
+    )
+    return replace(bridge, task=task, interface=interface)
+
+
+def _with_note(bridge: NodePart, sketches: Iterable[tuple[Path, ...]]) -> NodePart:
+    note = UnresolvedItem(
+        what=f"firmware of {bridge.node.name}",
+        why="several sketches or bridges are here: which belongs to it is not known",
+        evidence=tuple(Evidence(file=str(sketch[0])) for sketch in sketches),
+    )
+    interface = bridge.interface
+    return replace(bridge, interface=replace(interface, unresolved=(*interface.unresolved, note)))
+
+
+def _sketches(folders: Iterable[Path]) -> Iterator[tuple[Path, ...]]:
+    """Yield the files of each sketch that uses rosserial, the one called like its folder first."""
+    for count, (folder, inner, names) in enumerate(
+        listing for top in folders for listing in walk(top)
+    ):
+        inner[:] = [n for n in inner if n not in _NOT_OF_THE_APP and not n.startswith(".")]
+        files = [Path(folder) / name for name in sorted(names) if name.endswith(".ino")]
+        if any(b"<ros.h>" in file_content(file) for file in files):
+            yield tuple(sorted(files, key=lambda file: file.stem != file.parent.name))
+        if count > MAX_FOLDERS:
+            return

@@ -8,11 +8,10 @@ from pathlib import Path
 
 from rtron.sources.declaration import Declaration, DeclarationKind, NodeSite
 from rtron.sources.launch.common.packages import find_packages
-from rtron.sources.static.common.cache import open_cache
+from rtron.sources.static.common.cache import hash_workspace, open_cache
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.task import InterpretationTask, TaskKind, TaskResult
 from rtron.sources.static.common.worker_pool import WorkerPool
-from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.workspace import Program, ProgramLanguage, Workspace
 from rtron.sources.workspace.catalog import NODELET
 from rtron.sources.workspace.package_contents import TargetKind

@@ -4,8 +4,8 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from math import isfinite
 
-from rtron.sources.static.common.near_parameters import near_parameters, unread_parameter
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.common.topic_parameters import near_parameters, unread_parameter
 from rtron.vocabulary import (
     NodeParameter,
     NodeParameterValue,

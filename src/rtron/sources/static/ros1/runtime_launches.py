@@ -15,7 +15,7 @@ from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Evidence, ParameterTree, UnresolvedItem
+from rtron.vocabulary import Evidence, ParameterTree, UnresolvedCause, UnresolvedItem
 from rtron.vocabulary.launch import canonical_name
 
 MAX_RUNTIME_STARTS = 1000
@@ -85,7 +85,8 @@ def runtime_launch(
     """Return the launch file that is started, or why it is not known."""
     location = next(iter(start.evidence), part.node.evidence)
     if "{" in start.path:
-        return start.unread(part.owner, "its name is not known before the app runs")
+        why = "its name is not known before the app runs"
+        return start.unread(part.owner, why, UnresolvedCause.RUN_TIME)
     try:
         path = find_launch_file(start.path, workspace)
     except InputError as error:

@@ -21,7 +21,7 @@ from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.workspace import Workspace
 from rtron.sources.workspace.package_files import is_regular
 from rtron.sources.xacro import RobotDescriptions, parse_element, read_element
-from rtron.vocabulary import Evidence, Parameter, UnresolvedItem
+from rtron.vocabulary import Evidence, Parameter, UnresolvedCause, UnresolvedItem
 from rtron.vocabulary.launch import canonical_name, resolve_name
 
 _WORLDS = (".world", ".sdf")
@@ -76,7 +76,8 @@ class Simulation:
         model = self.models.gazebo_plugin(plugin.filename)
         if model is None:
             part = replace(part, node=replace(server.node, evidence=plugin.evidence))
-            return part.with_missing_note(f"Gazebo plugin {plugin.filename}", "no model of it")
+            what, cause = f"Gazebo plugin {plugin.filename}", UnresolvedCause.MISSING_CODE
+            return part.with_missing_note(what, "no model of it", cause)
         element = plugin_element(plugin, namespace)
         interface = plugin_interface(model, server.node.site, element, self.models)
         return replace(part, interface=interface.with_location(plugin.evidence))
@@ -148,7 +149,7 @@ class Simulation:
         what = f"model of {spawner.name}"
         if path is None or not is_regular(Path(path)):
             why = "its description is not known before the app runs"
-            self._unresolved.add(what, why, spawner.evidence)
+            self._unresolved.add(what, why, spawner.evidence, cause=UnresolvedCause.RUN_TIME)
             return ()
         try:
             return read_plugins(read_element(Path(path)))

@@ -13,13 +13,12 @@ from rtron.sources.launch.common.yaml_tree import YamlTree
 from rtron.sources.launch.ros2.app import read_app_launch
 from rtron.sources.launch.ros2.result import AppLaunch
 from rtron.sources.models import ROS2_LIBRARY, ModelCatalog, load_models
-from rtron.sources.static.common.cache import open_cache
+from rtron.sources.static.common.cache import hash_workspace, open_cache
 from rtron.sources.static.common.interface_resolver import InterfaceResolver
 from rtron.sources.static.common.launch_paths import LaunchRequest
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.worker import deep_recursion
 from rtron.sources.static.common.worker_pool import WorkerPool
-from rtron.sources.static.common.workspace_hash import hash_workspace
 from rtron.sources.static.ros2.app_nodes import AppNodeBuilder
 from rtron.sources.static.ros2.assembly import Ros2Assembly, duplicate_nodes
 from rtron.sources.static.ros2.controllers import ControllerParts

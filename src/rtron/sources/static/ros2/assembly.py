@@ -10,16 +10,15 @@ from itertools import islice
 
 from rtron.sources.declaration import CreatedNode, Declaration, GazeboTopic
 from rtron.sources.static.common.app_node import AppNode, may_both_start
-from rtron.sources.static.common.devices import last_messages
+from rtron.sources.static.common.devices import last_messages, message_flows
 from rtron.sources.static.common.frames import FrameBroadcasters, node_name
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import TaskKind
 from rtron.sources.static.common.topic_parameters import unused_topic_parameters
 from rtron.sources.static.common.wiring import ProgramOutputs, RemapUses, sent_once
-from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities
+from rtron.sources.static.ros2.endpoints import RemapRules, graph_entities, parameter_value
 from rtron.sources.static.ros2.gazebo_topics import mismatched_bridges
-from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import (
     Direction,
@@ -62,7 +61,7 @@ class Ros2Assembly(GraphBuilder):
                 self.add_entity(entity)
                 if isinstance(entity, Endpoint) and entity.direction is Direction.PUBLISH:
                     self.program_outputs.add(part, entity)
-        self.add_wiring(*last_messages(part), *sent_once(part))
+        self.add_wiring(*last_messages(part), *message_flows(part), *sent_once(part))
         for created in islice(_created_nodes(part), 1):
             self.frames.add(part, _remap_rules(created, part)(TRANSFORMS))
             self.frames.activated.update(_activated_nodes(created.name, part))

@@ -19,7 +19,7 @@ from rtron.sources.static.common.app_node import AppNode
 from rtron.sources.static.common.frames import node_name
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import InterpretationTask, TaskKind
-from rtron.sources.static.ros2.parameter_values import parameter_file_settings, parameter_value
+from rtron.sources.static.ros2.endpoints import parameter_file_settings, parameter_value
 from rtron.sources.workspace.plugin_description import PluginClass
 from rtron.vocabulary import UnresolvedItem, WiringFact, WiringFactKind
 from rtron.vocabulary.remap_rules import RemapRule, expand_name, parse_remap_rules

@@ -18,8 +18,8 @@ from rtron.sources.declaration import (
     NodeSite,
 )
 from rtron.sources.launch.common.yaml_tree import YamlLeaf, YamlTree, parse_yaml
+from rtron.sources.static.ros2.endpoints import parameter_value
 from rtron.sources.static.ros2.gazebo_topics import gazebo_name
-from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.vocabulary import Evidence, ParameterValue, Resolution, UnresolvedItem
 from rtron.vocabulary.remap_rules import expand_name
 

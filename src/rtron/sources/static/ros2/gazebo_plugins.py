@@ -18,11 +18,11 @@ from rtron.sources.models.common.node_site import resolve_ros2_site
 from rtron.sources.models.common.plugin_element import plugin_element
 from rtron.sources.models.common.schema import Model, NodeRole
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.ros2.endpoints import parameter_file_settings
 from rtron.sources.static.ros2.gazebo_topics import plugin_topics
-from rtron.sources.static.ros2.parameter_values import parameter_file_settings
 from rtron.sources.static.ros2.spawned_model import SpawnedModel, find_spawned_model
 from rtron.sources.xacro import parse_element
-from rtron.vocabulary import UnresolvedItem
+from rtron.vocabulary import UnresolvedCause
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import RemapRule, parse_remap_rules
 
@@ -55,7 +55,8 @@ class GazeboPluginNodes:
             spawned = find_spawned_model(spawner, parts, self.files)
             model, plugins = _plugins(spawned) if spawned is not None else ("", ())
         except InputError as error:
-            yield _missing_plugin(spawner, f"what {spawner.node.name} spawns", str(error))
+            what = f"what {spawner.node.name} spawns"
+            yield replace(spawner, model=None).with_missing_note(what, str(error))
             return
         given = option(spawner.node.site.args, "-name --name") or ""
         topics = tuple(plugin_topics(plugins, given, model))
@@ -73,7 +74,8 @@ class GazeboPluginNodes:
             if model is not None:
                 yield self._part(plugin, model, spawner)
             elif not plugin.filename.startswith(_SYSTEM_PREFIXES):
-                yield _missing_plugin(spawner, f"Gazebo plugin {plugin.filename}", "no model of it")
+                what, cause = f"Gazebo plugin {plugin.filename}", UnresolvedCause.MISSING_CODE
+                yield replace(spawner, model=None).with_missing_note(what, "no model of it", cause)
 
     def _part(self, plugin: GazeboPlugin, model: Model, spawner: NodePart) -> NodePart:
         """Return the part of a plugin's node; that of ros2_control hosts controllers."""
@@ -85,7 +87,8 @@ class GazeboPluginNodes:
         try:
             settings = tuple(self._settings(plugin)) if is_manager else ()
         except InputError as error:
-            return _missing_plugin(spawner, f"parameters of {node_name}", str(error))
+            what = f"parameters of {node_name}"
+            return replace(spawner, model=None).with_missing_note(what, str(error))
         site = NodeSite(
             name=canonical_name(f"/{spawner_namespace or _namespace(plugin)}/{node_name}"),
             ros=2,
@@ -146,10 +149,3 @@ def _remap_rules(plugin: GazeboPlugin) -> tuple[RemapRule, ...]:
     return tuple(
         rule for word in words for rule in parse_remap_rules(f"-r {word}", in_ros_args=True)
     )
-
-
-def _missing_plugin(spawner: NodePart, what: str, why: str) -> NodePart:
-    """Return the spawner with a note instead of all that it declares."""
-    note = UnresolvedItem(what=what, why=why, evidence=(spawner.node.evidence,))
-    nodes = spawner.interface.nodes
-    return replace(spawner, model=None, interface=NodeInterface(nodes=nodes, unresolved=(note,)))

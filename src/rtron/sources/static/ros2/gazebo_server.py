@@ -13,8 +13,8 @@ from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite
 from rtron.sources.gazebo import GazeboPlugin, GazeboWorld, read_world
+from rtron.sources.launch.ros2.element_site import SourceLocator
 from rtron.sources.launch.ros2.result import LaunchStart
-from rtron.sources.launch.ros2.source_locator import SourceLocator
 from rtron.sources.models import PluginElement, plugin_interface
 from rtron.sources.models.common.arguments import positional, user_arguments
 from rtron.sources.static.common.app_node import AppNode
@@ -22,7 +22,7 @@ from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.ros2.gazebo_plugins import PACKAGE, USE_SIM_TIME, GazeboPluginNodes
 from rtron.sources.workspace.package_files import is_regular
-from rtron.vocabulary import Evidence
+from rtron.vocabulary import Evidence, UnresolvedCause
 
 _HOOK_KINDS = frozenset({"prepend-non-duplicate", "prepend-non-duplicate-if-exists"})
 _SUFFIXES = (".dsv", ".dsv.in")
@@ -124,7 +124,8 @@ class GazeboServers:
             yield NodePart(node=server, owner=server.name, model=model, interface=interface)
 
     def _unmodelled(self, filename: str, location: Evidence) -> None:
-        self.unresolved.add(f"Gazebo plugin {filename}", "no model of it", location)
+        what, cause = f"Gazebo plugin {filename}", UnresolvedCause.MISSING_CODE
+        self.unresolved.add(what, "no model of it", location, cause=cause)
 
     def _world(self, server: AppNode) -> GazeboWorld:
         world_arguments = [word for word in positional(server.site.args, _VALUED) if word.strip()]

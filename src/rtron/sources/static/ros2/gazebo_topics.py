@@ -64,7 +64,7 @@ def gazebo_name(name: str) -> str:
 
 
 def mismatched_bridges(topics: Sequence[GazeboTopic]) -> Iterator[WiringFact]:
-    """Yield a fact for each topic that bridges carry past the plugin, or in the wrong direction."""
+    """Yield what bridges carry past the plugin, in the wrong direction, or for another model."""
     bridged, of_plugins = [t for t in topics if t.bridge], [t for t in topics if not t.bridge]
     for carried in bridged:
         if carried.type == _CLOCK and carried.to_gazebo:
@@ -73,6 +73,10 @@ def mismatched_bridges(topics: Sequence[GazeboTopic]) -> Iterator[WiringFact]:
             is_same = (carried.name, carried.type) == (other.name, other.type)
             if is_same and not _is_its_way(other, carried):
                 yield _fact(carried, other)
+        if of_plugins and _is_of_another(carried.name, of_plugins):
+            kind, others = WiringFactKind.OTHER_MODEL, (carried.bridge,)
+            fact = WiringFact(kind=kind, subject=carried.name, others=others)
+            yield replace(fact, evidence=carried.evidence)
     if not all(each.type for each in of_plugins):
         return
     for type, to_ros in sorted({(each.type, each.to_ros) for each in of_plugins}):

@@ -14,11 +14,10 @@ from rtron.sources.models import Model, ModelCatalog, node_interface
 from rtron.sources.models.common.schema import NodeRole
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.task import InterpretationTask, TaskKind
-from rtron.sources.static.ros2.endpoints import RemapRules
-from rtron.sources.static.ros2.parameter_values import parameter_value
+from rtron.sources.static.ros2.endpoints import RemapRules, parameter_value
 from rtron.sources.static.ros2.spawned_model import DESCRIPTION, published_description
 from rtron.sources.xacro import XmlElement, parse_element
-from rtron.vocabulary import UnknownValue
+from rtron.vocabulary import UnknownValue, UnresolvedCause
 from rtron.vocabulary.remap_rules import expand_name
 
 _PLUGIN_BASE = "hardware_interface"
@@ -65,7 +64,8 @@ class HardwareParts:
                 yield replace(part, interface=self._interface(model, hardware, manager, name))
             elif plugin not in _JOINS_NOTHING:
                 what = f"hardware {hardware.name} ({plugin})"
-                yield part.with_missing_note(what, "no source of it is here: what it joins is not")
+                why = "no source of it is here: what it joins is not"
+                yield part.with_missing_note(what, why, UnresolvedCause.MISSING_SOURCE)
 
     def _interface(
         self, model: Model, hardware: HardwareDescription, manager: NodePart, name: str

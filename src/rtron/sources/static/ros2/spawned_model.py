@@ -13,8 +13,7 @@ from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import DeclarationKind, NodeSite
 from rtron.sources.models.common.arguments import option
 from rtron.sources.static.common.node_part import NodePart
-from rtron.sources.static.ros2.endpoints import RemapRules
-from rtron.sources.static.ros2.parameter_values import parameter_value
+from rtron.sources.static.ros2.endpoints import RemapRules, parameter_value
 from rtron.vocabulary import Evidence, UnknownValue
 from rtron.vocabulary.remap_rules import expand_name
 

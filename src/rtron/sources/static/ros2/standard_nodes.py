@@ -19,9 +19,9 @@ from rtron.sources.launch.common.yaml_tree import YamlTree
 from rtron.sources.models import Model
 from rtron.sources.models.common.node_site import resolve_ros2_site
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.ros2.endpoints import parameter_value
 from rtron.sources.static.ros2.gazebo_bridge import bridge_interface
 from rtron.sources.static.ros2.loading_commands import CONTAINER_PACKAGE
-from rtron.sources.static.ros2.parameter_values import parameter_value
 from rtron.vocabulary import NodeParameter
 from rtron.vocabulary.parameters import pattern_matches
 

@@ -7,20 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import TypeAlias
 
+from rtron.sources.code import ir
 from rtron.sources.code.endpoint_calls import ENDPOINT_CALLS
-from rtron.sources.code.ir import (
-    Assign,
-    Attr,
-    Call,
-    Declare,
-    Expr,
-    Function,
-    Name,
-    Return,
-    SourceLanguage,
-    Unit,
-    While,
-)
 from rtron.sources.code.ir.references import ir_nodes
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.static.common.node_sources import CPP, node_sources
@@ -84,8 +72,8 @@ def with_state_publishers(graph: InteractionGraph, workspace: Workspace) -> Inte
     return replace(graph, wiring=(*graph.wiring, *facts))
 
 
-def _language(path: Path) -> SourceLanguage:
-    return SourceLanguage.CPP if path.suffix in CPP else SourceLanguage.PYTHON
+def _language(path: Path) -> ir.SourceLanguage:
+    return ir.SourceLanguage.CPP if path.suffix in CPP else ir.SourceLanguage.PYTHON
 
 
 def _is_candidate(graph: InteractionGraph, end: Endpoint) -> bool:
@@ -110,15 +98,15 @@ def _facts(end: Endpoint, source: _NodeSource) -> Iterator[WiringFact]:
         yield WiringFact(kind=kind, subject=end.topic, value=end.node, evidence=end.evidence)
 
 
-def _node_source(units: Sequence[Unit]) -> _NodeSource:
+def _node_source(units: Sequence[ir.Unit]) -> _NodeSource:
     nodes = [node for unit in units for node in ir_nodes(_parts(unit))]
-    functions = [node for node in nodes if isinstance(node, Function)]
+    functions = [node for node in nodes if isinstance(node, ir.Function)]
     named = [function for function in functions if function.name[:1] not in {"", "<"}]
     mentions = {node.key: _mentions((node.body, node.initialisers)) for node in named}
-    loops = (_mentions(node.body) for node in nodes if isinstance(node, While))
-    calls = [node for node in nodes if isinstance(node, Call)]
+    loops = (_mentions(node.body) for node in nodes if isinstance(node, ir.While))
+    calls = [node for node in nodes if isinstance(node, ir.Call)]
     passed_on = (_mentions((call.args, call.keywords)) for call in calls if _keeps(call))
-    values = (node.value for node in nodes if isinstance(node, (Assign, Declare, Return)))
+    values = (node.value for node in nodes if isinstance(node, (ir.Assign, ir.Declare, ir.Return)))
     return _NodeSource(
         made=_made(units),
         sent=set().union(*map(_sent, calls)),
@@ -130,47 +118,47 @@ def _node_source(units: Sequence[Unit]) -> _NodeSource:
     )
 
 
-def _made(units: Iterable[Unit]) -> Mapping[tuple[str, int], set[str]]:
+def _made(units: Iterable[ir.Unit]) -> Mapping[tuple[str, int], set[str]]:
     """Return the variables that get an endpoint, by the file and line that make it."""
     found: dict[tuple[str, int], set[str]] = defaultdict(set)
     for unit in units:
         for name, value in _given(unit):
             for node in ir_nodes(value):
-                if isinstance(node, Call) and _name(node.function) in _MAKERS:
+                if isinstance(node, ir.Call) and _name(node.function) in _MAKERS:
                     found[unit.file, node.line].add(name)
     return found
 
 
-def _given(unit: Unit) -> Iterator[tuple[str, object]]:
+def _given(unit: ir.Unit) -> Iterator[tuple[str, object]]:
     """Yield the variables of a file that get a value, with it."""
     for node in ir_nodes(_parts(unit)):
-        if isinstance(node, Assign):
+        if isinstance(node, ir.Assign):
             yield from ((_name(target), node.value) for target in node.targets)
-        elif isinstance(node, Declare):
+        elif isinstance(node, ir.Declare):
             yield node.name, node.value
-        elif isinstance(node, Function):
+        elif isinstance(node, ir.Function):
             yield from node.initialisers
 
 
-def _parts(unit: Unit) -> tuple[object, ...]:
+def _parts(unit: ir.Unit) -> tuple[object, ...]:
     return (unit.body, unit.functions, unit.classes)
 
 
-def _name(expression: Expr) -> str:
+def _name(expression: ir.Expr) -> str:
     """Return the last part of a name: `state_` of `this->state_`."""
-    if isinstance(expression, Attr):
+    if isinstance(expression, ir.Attr):
         return expression.name
-    return expression.id.rpartition("::")[2] if isinstance(expression, Name) else ""
+    return expression.id.rpartition("::")[2] if isinstance(expression, ir.Name) else ""
 
 
 def _mentions(part: object) -> set[str]:
     """Return the plain names of all variables and functions in a part of the code."""
-    return {_name(node) for node in ir_nodes(part) if isinstance(node, (Attr, Name))}
+    return {_name(node) for node in ir_nodes(part) if isinstance(node, (ir.Attr, ir.Name))}
 
 
-def _sent(call: Call) -> set[str]:
+def _sent(call: ir.Call) -> set[str]:
     """Return the names of what a call may publish by."""
-    if not isinstance(call.function, Attr) or call.function.name != "publish":
+    if not isinstance(call.function, ir.Attr) or call.function.name != "publish":
         return set()
     return _mentions(call.function.owner)
 
@@ -189,7 +177,7 @@ def _is_repeated(source: _NodeSource, publisher: str) -> bool:
 
 
 def _users(
-    functions: Iterable[Function], mentions: Mapping[_Key, set[str]]
+    functions: Iterable[ir.Function], mentions: Mapping[_Key, set[str]]
 ) -> Mapping[str, set[str]]:
     """Return the functions that mention each name; constructors apart."""
     users: dict[str, set[str]] = defaultdict(set)
@@ -201,6 +189,6 @@ def _users(
     return users
 
 
-def _keeps(call: Call) -> bool:
+def _keeps(call: ir.Call) -> bool:
     """Return whether what is called may call what it is given at any time."""
     return _name(call.function) not in _ON_REQUEST | _WRAPPERS

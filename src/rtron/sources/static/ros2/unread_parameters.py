@@ -8,8 +8,8 @@ from pathlib import PurePath
 
 from rtron.sources.launch.ros2.result import LaunchStart
 from rtron.sources.static.common.frames import node_name
-from rtron.sources.static.common.near_parameters import near_parameters, unread_parameter
 from rtron.sources.static.common.node_part import NodePart
+from rtron.sources.static.common.topic_parameters import near_parameters, unread_parameter
 from rtron.sources.static.ros2.app_nodes import process_name
 from rtron.vocabulary import WiringFact, WiringFactKind
 from rtron.vocabulary.names import fits_open_name

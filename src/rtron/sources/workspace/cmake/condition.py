@@ -5,8 +5,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from rtron.sources.workspace.cmake.command_call import (
+    ExpandedArgument,
+    Lookup,
+    VariableValue,
+    split_list,
+)
 from rtron.sources.workspace.cmake.patterns import plain_pattern
-from rtron.sources.workspace.cmake.values import ExpandedArgument, Lookup, VariableValue, split_list
 
 MAX_NESTED = 32
 

@@ -8,9 +8,17 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
-from rtron.sources.workspace.cmake.blocks import Branch, CommandBlock, Statement, nest_blocks
 from rtron.sources.workspace.cmake.build import PackageBuild
-from rtron.sources.workspace.cmake.command_call import CommandCall, StepBudget, VariableScope
+from rtron.sources.workspace.cmake.command_call import (
+    BoundsError,
+    CommandCall,
+    ExpandedArgument,
+    StepBudget,
+    VariableScope,
+    VariableValue,
+    expand_arguments,
+    split_list,
+)
 from rtron.sources.workspace.cmake.commands import (
     COMMANDS,
     TARGET_MAKERS,
@@ -18,13 +26,14 @@ from rtron.sources.workspace.cmake.commands import (
     note_unknown_command,
 )
 from rtron.sources.workspace.cmake.condition import ConditionContext, Truth, evaluate_condition
-from rtron.sources.workspace.cmake.tokenizer import CMakeCommand, CommandArgument, read_commands
-from rtron.sources.workspace.cmake.values import (
-    BoundsError,
-    ExpandedArgument,
-    VariableValue,
-    expand_arguments,
-    split_list,
+from rtron.sources.workspace.cmake.tokenizer import (
+    Branch,
+    CMakeCommand,
+    CommandArgument,
+    CommandBlock,
+    Statement,
+    nest_blocks,
+    read_commands,
 )
 from rtron.sources.workspace.cmake.variable_scope import (
     argument_variables,

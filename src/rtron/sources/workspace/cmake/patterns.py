@@ -7,7 +7,7 @@ import re
 from fnmatch import translate
 from functools import lru_cache
 
-from rtron.sources.workspace.cmake.values import MAX_LENGTH
+from rtron.sources.workspace.cmake.command_call import MAX_LENGTH
 
 _TOKEN = re.compile(r"\.\*|\\(?P<escaped>[^\w\s])|(?P<any>\.)|(?P<plain>[\w /=:,@%&~!<>'\"-])")
 _ENDING = r"\.[^.]*"

@@ -6,8 +6,7 @@ from functools import partial
 from pathlib import Path, PurePath
 
 from rtron.sources.workspace.cmake.build import COMPILED, defined_macros, generator_words
-from rtron.sources.workspace.cmake.command_call import CommandCall, split_by_keyword
-from rtron.sources.workspace.cmake.values import split_list
+from rtron.sources.workspace.cmake.command_call import CommandCall, split_by_keyword, split_list
 from rtron.sources.workspace.cmake.variables import Handler
 from rtron.sources.workspace.package_contents import TargetKind
 

@@ -3,8 +3,12 @@
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 
-from rtron.sources.workspace.cmake.command_call import VariableScope
-from rtron.sources.workspace.cmake.values import ExpandedArgument, VariableValue, split_list
+from rtron.sources.workspace.cmake.command_call import (
+    ExpandedArgument,
+    VariableScope,
+    VariableValue,
+    split_list,
+)
 
 _NUMBERED = 10
 _MOST_NUMBERED = 32

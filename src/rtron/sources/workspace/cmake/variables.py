@@ -6,11 +6,13 @@ from itertools import pairwise
 from pathlib import Path, PurePath
 from typing import TypeAlias
 
-from rtron.sources.workspace.cmake.command_call import CommandCall
+from rtron.sources.workspace.cmake.command_call import CommandCall, VariableValue, split_list
 from rtron.sources.workspace.cmake.condition import constant_truth
-from rtron.sources.workspace.cmake.list_operations import LIST_CHANGES, LIST_RESULTS
-from rtron.sources.workspace.cmake.string_operations import string_operation
-from rtron.sources.workspace.cmake.values import VariableValue, split_list
+from rtron.sources.workspace.cmake.list_operations import (
+    LIST_CHANGES,
+    LIST_RESULTS,
+    string_operation,
+)
 
 Handler: TypeAlias = Callable[[CommandCall], None]
 

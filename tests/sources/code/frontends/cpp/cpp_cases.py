@@ -1,10 +1,10 @@
 """C++ lowered for the tests: a unit, a function's statements, one expression."""
 
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp import lower_cpp
-from rtron.sources.code.ir import Evaluate, Name, TypeRef
 
-A, B, C, D = Name("a"), Name("b"), Name("c"), Name("d")
-INT, FOO = TypeRef("int"), TypeRef("Foo")
+A, B, C, D = ir.Name("a"), ir.Name("b"), ir.Name("c"), ir.Name("d")
+INT, FOO = ir.TypeRef("int"), ir.TypeRef("Foo")
 
 
 def unit(text, defined=None):
@@ -26,7 +26,7 @@ def statement(text):
 
 def expression(text):
     one = statement(f"{text};")
-    assert isinstance(one, Evaluate)
+    assert isinstance(one, ir.Evaluate)
     return one.value
 
 

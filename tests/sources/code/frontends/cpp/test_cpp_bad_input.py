@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from example_budget import examples
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp import lower_cpp
-from rtron.sources.code.ir import Const, SourceLanguage
 
 GOOD = b"""#include "a.h"
 #define NAME(x) "n" #x
@@ -24,7 +24,7 @@ void A::f(const T& x) { for (auto& v : x) { switch (v) { case 1: g(v++); break; 
 @given(st.binary(max_size=300))
 @settings(max_examples=examples(200), deadline=None)
 def test_bytes_never_raise(data):
-    assert lower_cpp("f.cpp", data).language is SourceLanguage.CPP
+    assert lower_cpp("f.cpp", data).language is ir.SourceLanguage.CPP
 
 
 @given(st.integers(0, len(GOOD)), st.integers(0, 20), st.binary(max_size=8))
@@ -63,7 +63,7 @@ def test_an_error_is_noted_and_the_rest_is_read():
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
 def test_encodings(encoding):
     (one,) = lower_cpp("f.cpp", 'auto x = "\u00e9";\r\n'.encode(encoding)).body
-    assert one.value == Const("\u00e9")
+    assert one.value == ir.Const("\u00e9")
 
 
 def test_a_file_too_large_is_a_problem():

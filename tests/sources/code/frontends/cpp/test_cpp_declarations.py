@@ -3,7 +3,7 @@
 import pytest
 from cpp_cases import FOO, INT, A, unit
 
-from rtron.sources.code.ir import Const, Declare, New, Param, TypeRef
+from rtron.sources.code import ir
 
 
 def names(text):
@@ -42,13 +42,13 @@ def test_a_class():
     lowered = unit(text)
     (made,) = lowered.classes
     assert (made.name, made.template, made.line) == ("A", ("T",), 1)
-    assert made.bases == (TypeRef("n::B", (TypeRef("T"),)), TypeRef("C"))
+    assert made.bases == (ir.TypeRef("n::B", (ir.TypeRef("T"),)), ir.TypeRef("C"))
     assert made.fields == (
-        Declare("y_", INT, Const(3), line=4),
-        Declare("z", FOO, pointer=True, static=True, line=5),
+        ir.Declare("y_", INT, ir.Const(3), line=4),
+        ir.Declare("z", FOO, pointer=True, static=True, line=5),
     )
     constructor, method = lowered.functions
-    assert constructor.params == (Param("x", INT, Const(1)),)
+    assert constructor.params == (ir.Param("x", INT, ir.Const(1)),)
     assert [name for name, _ in constructor.initialisers] == ["n::B", "y_"]
     assert method.body is None
     assert [param.reference for param in method.params] == [True, False]
@@ -64,9 +64,9 @@ def test_aliases_usings_enums_and_exports():
     )
     lowered = unit(text)
     assert lowered.aliases == (
-        ("n::P", TypeRef("T", (INT,))),
+        ("n::P", ir.TypeRef("T", (INT,))),
         ("n::Q", FOO),
-        ("n::m", TypeRef("a::b")),
+        ("n::m", ir.TypeRef("a::b")),
     )
     assert lowered.usings == ("std", "x::y")
     enums = dict(lowered.enums)
@@ -81,9 +81,9 @@ def test_aliases_usings_enums_and_exports():
 
 def test_variables_of_namespaces_are_qualified():
     assert unit("namespace n { Foo x(1), y; int Foo::k = 3; extern int z; }").body == (
-        Declare("n::x", FOO, New(FOO, (Const(1),), 1), line=1),
-        Declare("n::y", FOO, line=1),
-        Declare("n::Foo::k", INT, Const(3), line=1),
+        ir.Declare("n::x", FOO, ir.New(FOO, (ir.Const(1),), 1), line=1),
+        ir.Declare("n::y", FOO, line=1),
+        ir.Declare("n::Foo::k", INT, ir.Const(3), line=1),
     )
 
 
@@ -94,4 +94,4 @@ def test_words_of_qt():
         "); }"
     )
     assert names(text) == ["A::f", "A::g", "h"]
-    assert unit("auto x = a;").body == (Declare("x", None, A, line=1),)
+    assert unit("auto x = a;").body == (ir.Declare("x", None, A, line=1),)

@@ -3,30 +3,9 @@
 import pytest
 from cpp_cases import FOO, INT, A, B, C, expression, initial, statement, statements
 
-from rtron.sources.code.ir import (
-    BRACES,
-    Assign,
-    Attr,
-    Binary,
-    Call,
-    Conditional,
-    Const,
-    Delete,
-    Evaluate,
-    Index,
-    Lambda,
-    Logic,
-    Name,
-    New,
-    Opaque,
-    Param,
-    Return,
-    SequenceExpr,
-    TypeRef,
-    Unary,
-)
+from rtron.sources.code import ir
 
-ONE = Const(1)
+ONE = ir.Const(1)
 
 
 @pytest.mark.parametrize(
@@ -62,7 +41,7 @@ ONE = Const(1)
 )
 def test_literals(text, value):
     found = expression(text)
-    assert found == Const(value)
+    assert found == ir.Const(value)
     assert type(found.value) is type(value)
 
 
@@ -70,61 +49,63 @@ def test_literals(text, value):
     ("text", "value"),
     [
         ("a", A),
-        ("this", Name("this")),
-        ("ns::T::b", Name("ns::T::b")),
+        ("this", ir.Name("this")),
+        ("ns::T::b", ir.Name("ns::T::b")),
         ("::a", A),
-        ("a.b", Attr(A, "b")),
-        ("a->b", Attr(A, "b")),
-        ("(*a).b", Attr(A, "b")),
+        ("a.b", ir.Attr(A, "b")),
+        ("a->b", ir.Attr(A, "b")),
+        ("(*a).b", ir.Attr(A, "b")),
         ("*a", A),
         ("&a", A),
-        ("&C::m", Name("C::m")),
-        ("a[b]", Index(A, B)),
-        ("a[b][1]", Index(Index(A, B), ONE)),
-        ("m[{a, b}]", Index(Name("m"), SequenceExpr((A, B), BRACES))),
+        ("&C::m", ir.Name("C::m")),
+        ("a[b]", ir.Index(A, B)),
+        ("a[b][1]", ir.Index(ir.Index(A, B), ONE)),
+        ("m[{a, b}]", ir.Index(ir.Name("m"), ir.SequenceExpr((A, B), ir.BRACES))),
         ("(a)", A),
         ("static_cast<int>(a)", A),
-        ("boost::shared_ptr<Foo>(a)", Call(Name("boost::shared_ptr", (FOO,)), (A,), (), 2)),
+        ("boost::shared_ptr<Foo>(a)", ir.Call(ir.Name("boost::shared_ptr", (FOO,)), (A,), (), 2)),
         ("(double)a", A),
-        ("int(a)", Call(Name("int"), (A,), (), 2)),
-        ("a()", Call(A, (), (), 2)),
-        ("a(b, 1)", Call(A, (B, ONE), (), 2)),
-        ("a.f<int>(1)", Call(Attr(A, "f", (INT,)), (ONE,), (), 2)),
-        ("a.template f<int>(1)", Call(Attr(A, "f", (INT,)), (ONE,), (), 2)),
-        ("n::f<Foo, 3>(a)", Call(Name("n::f", (FOO, TypeRef("3"))), (A,), (), 2)),
-        ("T<Foo>::make(a)", Call(Name("T::make", (FOO,)), (A,), (), 2)),
-        ("std::move(a)", Call(Name("std::move"), (A,), (), 2)),
-        ("Base::run()", Call(Name("Base::run"), (), (), 2)),
-        ("new Foo(1)", New(FOO, (ONE,), 2)),
-        ("new Foo", New(FOO, (), 2)),
-        ("new n::T<int>{a}", New(TypeRef("n::T", (INT,)), (A,), 2, braced=True)),
-        ("new Foo[3]", New(TypeRef("array", (FOO, TypeRef("3"))), (), 2)),
-        ("Foo{1, a}", New(FOO, (ONE, A), 2, braced=True)),
-        ("a + b * c", Binary("+", A, Binary("*", B, C, 2), 2)),
-        ("a - b - c", Binary("-", Binary("-", A, B, 2), C, 2)),
-        ("a << b << c", Binary("<<", Binary("<<", A, B, 2), C, 2)),
-        ("a >= b", Binary(">=", A, B, 2)),
-        ("a bitand b", Binary("&", A, B, 2)),
-        ("a && b && c", Logic("and", (A, B, C))),
-        ("a || b && c", Logic("or", (A, Logic("and", (B, C))))),
-        ("!a", Unary("not", A)),
-        ("not a", Unary("not", A)),
-        ("~a", Unary("~", A)),
-        ("-a", Unary("-", A)),
-        ("a ? b : c", Conditional(A, B, C)),
-        ("sizeof(a)", Opaque((), "sizeof(a)")),
+        ("int(a)", ir.Call(ir.Name("int"), (A,), (), 2)),
+        ("a()", ir.Call(A, (), (), 2)),
+        ("a(b, 1)", ir.Call(A, (B, ONE), (), 2)),
+        ("a.f<int>(1)", ir.Call(ir.Attr(A, "f", (INT,)), (ONE,), (), 2)),
+        ("a.template f<int>(1)", ir.Call(ir.Attr(A, "f", (INT,)), (ONE,), (), 2)),
+        ("n::f<Foo, 3>(a)", ir.Call(ir.Name("n::f", (FOO, ir.TypeRef("3"))), (A,), (), 2)),
+        ("T<Foo>::make(a)", ir.Call(ir.Name("T::make", (FOO,)), (A,), (), 2)),
+        ("std::move(a)", ir.Call(ir.Name("std::move"), (A,), (), 2)),
+        ("Base::run()", ir.Call(ir.Name("Base::run"), (), (), 2)),
+        ("new Foo(1)", ir.New(FOO, (ONE,), 2)),
+        ("new Foo", ir.New(FOO, (), 2)),
+        ("new n::T<int>{a}", ir.New(ir.TypeRef("n::T", (INT,)), (A,), 2, braced=True)),
+        ("new Foo[3]", ir.New(ir.TypeRef("array", (FOO, ir.TypeRef("3"))), (), 2)),
+        ("Foo{1, a}", ir.New(FOO, (ONE, A), 2, braced=True)),
+        ("a + b * c", ir.Binary("+", A, ir.Binary("*", B, C, 2), 2)),
+        ("a - b - c", ir.Binary("-", ir.Binary("-", A, B, 2), C, 2)),
+        ("a << b << c", ir.Binary("<<", ir.Binary("<<", A, B, 2), C, 2)),
+        ("a >= b", ir.Binary(">=", A, B, 2)),
+        ("a bitand b", ir.Binary("&", A, B, 2)),
+        ("a && b && c", ir.Logic("and", (A, B, C))),
+        ("a || b && c", ir.Logic("or", (A, ir.Logic("and", (B, C))))),
+        ("!a", ir.Unary("not", A)),
+        ("not a", ir.Unary("not", A)),
+        ("~a", ir.Unary("~", A)),
+        ("-a", ir.Unary("-", A)),
+        ("a ? b : c", ir.Conditional(A, B, C)),
+        ("sizeof(a)", ir.Opaque((), "sizeof(a)")),
         (
             'f({{"a", 1}})',
-            Call(
-                Name("f"),
-                (SequenceExpr((SequenceExpr((Const("a"), ONE), BRACES),), BRACES),),
+            ir.Call(
+                ir.Name("f"),
+                (ir.SequenceExpr((ir.SequenceExpr((ir.Const("a"), ONE), ir.BRACES),), ir.BRACES),),
                 (),
                 2,
             ),
         ),
         (
             "boost::bind(&C::m, this, _1)",
-            Call(Name("boost::bind"), (Name("C::m"), Name("this"), Name("_1")), (), 2),
+            ir.Call(
+                ir.Name("boost::bind"), (ir.Name("C::m"), ir.Name("this"), ir.Name("_1")), (), 2
+            ),
         ),
     ],
 )
@@ -134,27 +115,27 @@ def test_expressions(text, value):
 
 def test_a_lambda_is_a_function_without_a_name():
     value = initial("auto g = [&, a](const Foo& x, int& y) -> int { return y; };")
-    assert isinstance(value, Lambda)
-    x, y = Param("x", FOO, constant=True), Param("y", INT, reference=True)
+    assert isinstance(value, ir.Lambda)
+    x, y = ir.Param("x", FOO, constant=True), ir.Param("y", INT, reference=True)
     assert value.function.params == (x, y)
     assert (value.function.returns, value.function.name) == (INT, "")
-    assert value.function.body == (Return(Name("y"), 2),)
+    assert value.function.body == (ir.Return(ir.Name("y"), 2),)
     assert value.copies == ("a",)
 
 
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("a = b", Assign((A,), B, 2)),
-        ("a = b = c", Assign((A, B), C, 2)),
-        ("a += b", Assign((A,), Binary("+", A, B, 2), 2)),
-        ("a <<= 1", Assign((A,), Binary("<<", A, ONE, 2), 2)),
-        ("a++", Assign((A,), Binary("+", A, ONE, 2), 2)),
-        ("--a", Assign((A,), Binary("-", A, ONE, 2), 2)),
-        ("a.b[1] = c", Assign((Index(Attr(A, "b"), ONE),), C, 2)),
-        ("*a = b", Assign((A,), B, 2)),
-        ("delete a", Delete((A,))),
-        ("delete[] a", Delete((A,))),
+        ("a = b", ir.Assign((A,), B, 2)),
+        ("a = b = c", ir.Assign((A, B), C, 2)),
+        ("a += b", ir.Assign((A,), ir.Binary("+", A, B, 2), 2)),
+        ("a <<= 1", ir.Assign((A,), ir.Binary("<<", A, ONE, 2), 2)),
+        ("a++", ir.Assign((A,), ir.Binary("+", A, ONE, 2), 2)),
+        ("--a", ir.Assign((A,), ir.Binary("-", A, ONE, 2), 2)),
+        ("a.b[1] = c", ir.Assign((ir.Index(ir.Attr(A, "b"), ONE),), C, 2)),
+        ("*a = b", ir.Assign((A,), B, 2)),
+        ("delete a", ir.Delete((A,))),
+        ("delete[] a", ir.Delete((A,))),
     ],
 )
 def test_expressions_that_are_statements(text, value):
@@ -162,39 +143,39 @@ def test_expressions_that_are_statements(text, value):
 
 
 def test_what_an_expression_changes_stands_before_its_statement():
-    add = Assign((B,), Binary("+", B, ONE, 2), 2)
-    old = Binary("-", B, ONE, 2)
-    assert statements("a[b++] = c;") == (add, Assign((Index(A, old),), C, 2))
-    assert statements("f(++b);") == (add, Evaluate(Call(Name("f"), (B,), (), 2), 2))
+    add = ir.Assign((B,), ir.Binary("+", B, ONE, 2), 2)
+    old = ir.Binary("-", B, ONE, 2)
+    assert statements("a[b++] = c;") == (add, ir.Assign((ir.Index(A, old),), C, 2))
+    assert statements("f(++b);") == (add, ir.Evaluate(ir.Call(ir.Name("f"), (B,), (), 2), 2))
     assert statements("f(a = b);") == (
-        Assign((A,), B, 2),
-        Evaluate(Call(Name("f"), (A,), (), 2), 2),
+        ir.Assign((A,), B, 2),
+        ir.Evaluate(ir.Call(ir.Name("f"), (A,), (), 2), 2),
     )
-    assert statements("a, b;") == (Evaluate(A, 2), Evaluate(B, 2))
+    assert statements("a, b;") == (ir.Evaluate(A, 2), ir.Evaluate(B, 2))
 
 
 def test_what_may_not_be_evaluated_is_not_put_before():
-    assert expression("a && (b = c)") == Logic("and", (A, Opaque((B, C), "b = c")))
+    assert expression("a && (b = c)") == ir.Logic("and", (A, ir.Opaque((B, C), "b = c")))
 
 
 def test_a_chain_longer_than_the_bound_keeps_its_last_operands():
     found = expression("a" + " << f(b)" * 500)
     depth = 0
-    while isinstance(found, Binary):
+    while isinstance(found, ir.Binary):
         found, depth = found.left, depth + 1
     assert depth == 45
-    assert isinstance(found, Opaque)
-    assert found.parts[-1] == Call(Name("f"), (B,), (), 2)
+    assert isinstance(found, ir.Opaque)
+    assert found.parts[-1] == ir.Call(ir.Name("f"), (B,), (), 2)
     assert len(found.parts) == 500 - 45 + 1
 
 
 @pytest.mark.parametrize(
     ("written", "type"),
     [
-        ("Foo<A>", TypeRef("Foo", (TypeRef("A"),))),
-        ("n::Foo<A>", TypeRef("n::Foo", (TypeRef("A"),))),
-        ("Foo<A<int>>", TypeRef("Foo", (TypeRef("A", (INT,)),))),
-        ("Foo<A>, 3", TypeRef("Foo", (TypeRef("A"),))),
+        ("Foo<A>", ir.TypeRef("Foo", (ir.TypeRef("A"),))),
+        ("n::Foo<A>", ir.TypeRef("n::Foo", (ir.TypeRef("A"),))),
+        ("Foo<A<int>>", ir.TypeRef("Foo", (ir.TypeRef("A", (INT,)),))),
+        ("Foo<A>, 3", ir.TypeRef("Foo", (ir.TypeRef("A"),))),
     ],
 )
 @pytest.mark.parametrize("outer", ["f", "n::f"])

@@ -3,8 +3,8 @@
 import pytest
 from cpp_cases import unit
 
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp.preprocessor import preprocess
-from rtron.sources.code.ir import Const, Declare, Name, SourceProblem
 
 
 def code(text, defined=None):
@@ -126,9 +126,9 @@ def test_macros_that_are_expressions_are_declared_for_other_files():
     text = '#define TOPIC "/a" "b"\n#define N 3\n#define T n::f\n'
     text += "#define F(x) x\n#define G\n#define S if (\n"
     assert unit(text).body == (
-        Declare("TOPIC", None, Const("/ab"), static=True, line=1),
-        Declare("N", None, Const(3), static=True, line=2),
-        Declare("T", None, Name("n::f"), static=True, line=3),
+        ir.Declare("TOPIC", None, ir.Const("/ab"), static=True, line=1),
+        ir.Declare("N", None, ir.Const(3), static=True, line=2),
+        ir.Declare("T", None, ir.Name("n::f"), static=True, line=3),
     )
 
 
@@ -136,12 +136,12 @@ def test_expansion_is_bounded():
     text = "#define A0 x\n" + "".join(f"#define A{n + 1} A{n} A{n}\n" for n in range(60))
     read = preprocess(f"{text}A60\nA2\n", {})
     assert read.code.split() == ["A60", "x", "x", "x", "x"]
-    assert read.problems == (SourceProblem(62, "A60 expands to too much text; not expanded"),)
+    assert read.problems == (ir.SourceProblem(62, "A60 expands to too much text; not expanded"),)
     read = preprocess(text + "A60\n" * 20, {})
     assert read.code.split() == ["A60"] * 20
     assert read.problems == (
-        *(SourceProblem(62 + n, "A60 expands to too much text; not expanded") for n in range(4)),
-        SourceProblem(82, "macros expand to too much text; the rest is not expanded"),
+        *(ir.SourceProblem(62 + n, "A60 expands to too much text; not expanded") for n in range(4)),
+        ir.SourceProblem(82, "macros expand to too much text; the rest is not expanded"),
     )
 
 
@@ -150,12 +150,12 @@ def test_nested_uses_are_bounded(depth):
     use = "F(" * depth + "\n1" + ")" * depth
     read = preprocess(f"#define F(x) x x\n\na {use}; F(b)\n", {})
     assert read.code == f"\n\na {use}; b b\n"
-    assert read.problems == (SourceProblem(3, "F expands to too much text; not expanded"),)
+    assert read.problems == (ir.SourceProblem(3, "F expands to too much text; not expanded"),)
 
 
 def test_a_long_condition_is_noted_where_it_stands():
     read = preprocess("#define F(x) x x\n#if " + "F(" * 30 + "0" + ")" * 30 + "\na\n#endif\n", {})
-    assert SourceProblem(2, "F expands to too much text; not expanded") in read.problems
+    assert ir.SourceProblem(2, "F expands to too much text; not expanded") in read.problems
 
 
 def test_nested_uses_are_expanded_within_the_bound():

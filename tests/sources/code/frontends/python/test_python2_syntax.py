@@ -4,9 +4,9 @@ import ast
 
 import pytest
 
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.python import lower_python
 from rtron.sources.code.frontends.python.python2_syntax import as_python3
-from rtron.sources.code.ir import Assign, Name, SequenceExpr
 
 SAME = [
     ("print", "print()"),
@@ -81,10 +81,10 @@ def test_python_2_means_what_python_3_says(old, new):
 def test_a_tuple_among_parameters_is_taken_apart():
     (define,) = lower_python("f.py", b"def f(a, (b, (c, d)), e=1):\n  print b\n").body
     names = [param.name for param in define.definition.params]
-    inner = SequenceExpr((Name("c"), Name("d")), "tuple")
+    inner = ir.SequenceExpr((ir.Name("c"), ir.Name("d")), "tuple")
     assert names[0::2] == ["a", "e"]
-    assert define.definition.body[0] == Assign(
-        (SequenceExpr((Name("b"), inner), "tuple"),), Name(names[1]), 1
+    assert define.definition.body[0] == ir.Assign(
+        (ir.SequenceExpr((ir.Name("b"), inner), "tuple"),), ir.Name(names[1]), 1
     )
 
 

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpu_time import growth
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.python import lower_python
 from rtron.sources.code.frontends.python.tokenizer import statements, tokenize
-from rtron.sources.code.ir import Assign, Const, Define, Opaque, SourceLanguage, SourceProblem
 
 SAMPLE = """\
 # -*- coding: utf-8 -*-
@@ -40,7 +40,7 @@ def lines_of(unit):
 
 
 def names(unit):
-    return [made.definition.name for made in unit.body if isinstance(made, Define)]
+    return [made.definition.name for made in unit.body if isinstance(made, ir.Define)]
 
 
 BROKEN = {
@@ -85,7 +85,7 @@ def test_an_unclosed_text_takes_what_is_behind_it_only():
 
 def test_too_many_errors_leave_what_stands_before():
     unit = lowered("a = 1\n" + "b = = 2\n" * 1000 + "c = 3\n")
-    assert unit.body[0] == Assign(unit.body[0].targets, Const(1), 1)
+    assert unit.body[0] == ir.Assign(unit.body[0].targets, ir.Const(1), 1)
     assert 0 < len(unit.problems) <= 61
 
 
@@ -112,14 +112,14 @@ def test_bytes_become_text_as_python_says(data, text, line):
         data = b"'" + data + b"'"
     begin = data.rindex(b"'", 0, -1)
     unit = lowered(data[:begin] + b"a = " + data[begin:])
-    assert unit.body[-1].value == Const(text)
+    assert unit.body[-1].value == ir.Const(text)
     assert lines_of(unit) == ([line] if line else [])
 
 
 def test_nul_bytes_are_spaces():
     unit = lowered(b"a = 1\nb =\0 2\n")
-    assert [statement.value for statement in unit.body] == [Const(1), Const(2)]
-    assert unit.problems == (SourceProblem(2, "NUL bytes"),)
+    assert [statement.value for statement in unit.body] == [ir.Const(1), ir.Const(2)]
+    assert unit.problems == (ir.SourceProblem(2, "NUL bytes"),)
 
 
 @pytest.mark.parametrize(("more", "read"), [(0, True), (1, False)])
@@ -165,7 +165,7 @@ def test_an_expression_is_cut_at_a_hundred_levels():
 
 def test_a_snippet_is_short():
     (statement,) = lowered("a = " + "9" * 500 + "j").body
-    assert isinstance(statement.value, Opaque)
+    assert isinstance(statement.value, ir.Opaque)
     assert len(statement.value.text) == 60
 
 
@@ -202,12 +202,12 @@ def test_the_time_of_a_hostile_file_grows_with_its_size(kind):
 
 @given(st.binary(max_size=300))
 def test_any_bytes_are_read(data):
-    assert lowered(data).language is SourceLanguage.PYTHON
+    assert lowered(data).language is ir.SourceLanguage.PYTHON
 
 
 @given(st.lists(st.sampled_from(SAMPLE.split(" ") + list("()[]{}:,;'\"`\n\t\\=")), max_size=60))
 def test_any_words_are_read(words):
-    assert lowered(" ".join(words)).language is SourceLanguage.PYTHON
+    assert lowered(" ".join(words)).language is ir.SourceLanguage.PYTHON
 
 
 @pytest.mark.parametrize("seed", range(150))

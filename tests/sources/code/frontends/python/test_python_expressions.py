@@ -8,35 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.python import lower_python
-from rtron.sources.code.ir import (
-    Assign,
-    AssignExpr,
-    Attr,
-    Binary,
-    Call,
-    Comprehension,
-    Concat,
-    Conditional,
-    Const,
-    Evaluate,
-    Function,
-    Index,
-    Lambda,
-    Logic,
-    MappingExpr,
-    Name,
-    Opaque,
-    Param,
-    Return,
-    SequenceExpr,
-    Star,
-    Unary,
-    Yield,
-)
 from rtron.sources.code.ir.references import ir_nodes
 
-A, B, C = Name("a"), Name("b"), Name("c")
+A, B, C = ir.Name("a"), ir.Name("b"), ir.Name("c")
 
 
 def body(text):
@@ -52,48 +28,48 @@ def value(text):
 
 CASES = {
     "a": A,
-    "'s'": Const("s"),
-    "'s' 't'": Const("st"),
-    "b's'": Const(b"s"),
-    "1": Const(1),
-    "1.5": Const(1.5),
-    "True": Const(value=True),
-    "None": Const(None),
-    "1j": Opaque((), "1j"),
-    "...": Opaque((), "..."),
-    "a.b": Attr(A, "b"),
-    "a.b.c": Attr(Attr(A, "b"), "c"),
-    "a[b]": Index(A, B),
-    "a[b, c]": Index(A, SequenceExpr((B, C), "tuple")),
-    "a[b:c]": Index(A, Call(Name("slice"), (B, C, Const(None)), (), 1)),
-    "a[::b]": Index(A, Call(Name("slice"), (Const(None), Const(None), B), (), 1)),
-    "a[:]": Index(A, Call(Name("slice"), (Const(None),) * 3, (), 1)),
-    "a()": Call(A, (), (), 1),
-    "a(b, *c)": Call(A, (B, Star(C)), (), 1),
-    "a(b, k=c, **d)": Call(A, (B,), (("k", C), ("**", Name("d"))), 1),
-    "a.b(c)": Call(Attr(A, "b"), (C,), (), 1),
-    "not a": Unary("not", A),
-    "-a": Unary("-", A),
-    "+a": Unary("+", A),
-    "~a": Unary("~", A),
-    "a and b": Logic("and", (A, B)),
-    "a or b or c": Logic("or", (A, B, C)),
-    "a if b else c": Conditional(B, A, C),
-    "a < b < c": Logic("and", (Binary("<", A, B, 1), Binary("<", B, C, 1))),
-    "f'{a}/b'": Concat((A, Const("/b"))),
-    "f'{a!s}'": Concat((A,)),
-    "f'{{}}'": Concat((Const("{}"),)),
-    "[]": SequenceExpr((), "list"),
-    "[a, *b]": SequenceExpr((A, Star(B)), "list"),
-    "(a,)": SequenceExpr((A,), "tuple"),
-    "{a, b}": SequenceExpr((A, B), "set"),
-    "{}": MappingExpr(()),
-    "{a: b, **c}": MappingExpr(((A, B), (None, C))),
-    "[a for a in b if c]": Comprehension("list", A, ((A, B, (C,)),)),
-    "{a for a in b}": Comprehension("set", A, ((A, B, ()),)),
-    "(a for b in c for a in b)": Comprehension("generator", A, ((B, C, ()), (A, B, ()))),
-    "{a: b for a, b in c}": Comprehension(
-        "dict", SequenceExpr((A, B), "tuple"), ((SequenceExpr((A, B), "tuple"), C, ()),)
+    "'s'": ir.Const("s"),
+    "'s' 't'": ir.Const("st"),
+    "b's'": ir.Const(b"s"),
+    "1": ir.Const(1),
+    "1.5": ir.Const(1.5),
+    "True": ir.Const(value=True),
+    "None": ir.Const(None),
+    "1j": ir.Opaque((), "1j"),
+    "...": ir.Opaque((), "..."),
+    "a.b": ir.Attr(A, "b"),
+    "a.b.c": ir.Attr(ir.Attr(A, "b"), "c"),
+    "a[b]": ir.Index(A, B),
+    "a[b, c]": ir.Index(A, ir.SequenceExpr((B, C), "tuple")),
+    "a[b:c]": ir.Index(A, ir.Call(ir.Name("slice"), (B, C, ir.Const(None)), (), 1)),
+    "a[::b]": ir.Index(A, ir.Call(ir.Name("slice"), (ir.Const(None), ir.Const(None), B), (), 1)),
+    "a[:]": ir.Index(A, ir.Call(ir.Name("slice"), (ir.Const(None),) * 3, (), 1)),
+    "a()": ir.Call(A, (), (), 1),
+    "a(b, *c)": ir.Call(A, (B, ir.Star(C)), (), 1),
+    "a(b, k=c, **d)": ir.Call(A, (B,), (("k", C), ("**", ir.Name("d"))), 1),
+    "a.b(c)": ir.Call(ir.Attr(A, "b"), (C,), (), 1),
+    "not a": ir.Unary("not", A),
+    "-a": ir.Unary("-", A),
+    "+a": ir.Unary("+", A),
+    "~a": ir.Unary("~", A),
+    "a and b": ir.Logic("and", (A, B)),
+    "a or b or c": ir.Logic("or", (A, B, C)),
+    "a if b else c": ir.Conditional(B, A, C),
+    "a < b < c": ir.Logic("and", (ir.Binary("<", A, B, 1), ir.Binary("<", B, C, 1))),
+    "f'{a}/b'": ir.Concat((A, ir.Const("/b"))),
+    "f'{a!s}'": ir.Concat((A,)),
+    "f'{{}}'": ir.Concat((ir.Const("{}"),)),
+    "[]": ir.SequenceExpr((), "list"),
+    "[a, *b]": ir.SequenceExpr((A, ir.Star(B)), "list"),
+    "(a,)": ir.SequenceExpr((A,), "tuple"),
+    "{a, b}": ir.SequenceExpr((A, B), "set"),
+    "{}": ir.MappingExpr(()),
+    "{a: b, **c}": ir.MappingExpr(((A, B), (None, C))),
+    "[a for a in b if c]": ir.Comprehension("list", A, ((A, B, (C,)),)),
+    "{a for a in b}": ir.Comprehension("set", A, ((A, B, ()),)),
+    "(a for b in c for a in b)": ir.Comprehension("generator", A, ((B, C, ()), (A, B, ()))),
+    "{a: b for a, b in c}": ir.Comprehension(
+        "dict", ir.SequenceExpr((A, B), "tuple"), ((ir.SequenceExpr((A, B), "tuple"), C, ()),)
     ),
 }
 
@@ -130,7 +106,7 @@ SIGNS = [
 
 @pytest.mark.parametrize("sign", [*SIGNS, "is not", "not in"])
 def test_an_operator_is_spelled_as_in_python(sign):
-    assert value(f"a {sign} b") == Binary(sign, A, B, 1)
+    assert value(f"a {sign} b") == ir.Binary(sign, A, B, 1)
 
 
 @pytest.mark.parametrize(
@@ -138,12 +114,12 @@ def test_an_operator_is_spelled_as_in_python(sign):
 )
 def test_a_formatted_value_is_a_call_of_format(text, template):
     (part,) = value(f"f'{text}'").parts
-    assert part == Call(Attr(Const(template), "format"), (A,), (), 1)
+    assert part == ir.Call(ir.Attr(ir.Const(template), "format"), (A,), (), 1)
 
 
 def test_the_parts_of_a_format_are_arguments_too():
     (part,) = value("f'{a:0{b}d}'").parts
-    assert part == Call(Attr(Const("{:0{}d}"), "format"), (A, B), (), 1)
+    assert part == ir.Call(ir.Attr(ir.Const("{:0{}d}"), "format"), (A, B), (), 1)
 
 
 def test_a_call_knows_its_line():
@@ -152,19 +128,19 @@ def test_a_call_knows_its_line():
 
 
 def test_a_lambda_is_a_function_with_defaults():
-    assert value("lambda a, b=c, *d, e, **f: a") == Lambda(
-        Function(
+    assert value("lambda a, b=c, *d, e, **f: a") == ir.Lambda(
+        ir.Function(
             name="<lambda>",
             file="f.py",
             line=1,
             params=(
-                Param("a"),
-                Param("b", default=C),
-                Param("d", kind="star"),
-                Param("e", kind="keyword"),
-                Param("f", kind="stars"),
+                ir.Param("a"),
+                ir.Param("b", default=C),
+                ir.Param("d", kind="star"),
+                ir.Param("e", kind="keyword"),
+                ir.Param("f", kind="stars"),
             ),
-            body=(Return(A, 1),),
+            body=(ir.Return(A, 1),),
         )
     )
 
@@ -174,25 +150,25 @@ def test_a_lambda_is_a_function_with_defaults():
 )
 def test_a_walrus_assigns_where_it_stands(text):
     found = [
-        node for node in ir_nodes(value(text.format("(b := c)"))) if isinstance(node, AssignExpr)
+        node for node in ir_nodes(value(text.format("(b := c)"))) if isinstance(node, ir.AssignExpr)
     ]
-    assert found == [AssignExpr(B, C)]
+    assert found == [ir.AssignExpr(B, C)]
 
 
 def test_what_a_yield_gives_back_is_not_known():
     (function,) = body("def f():\n    a = yield b\n    yield\n    yield from c\n")
-    given_back = Opaque((), "yield b")
+    given_back = ir.Opaque((), "yield b")
     assert function.definition.body == (
-        Yield(B),
-        Assign((A,), given_back, 2),
-        Yield(None),
-        Yield(Star(C)),
+        ir.Yield(B),
+        ir.Assign((A,), given_back, 2),
+        ir.Yield(None),
+        ir.Yield(ir.Star(C)),
     )
 
 
 def test_await_is_what_is_awaited():
     (function,) = body("async def f():\n    await a()\n")
-    assert function.definition.body == (Evaluate(Call(A, (), (), 2), 2),)
+    assert function.definition.body == (ir.Evaluate(ir.Call(A, (), (), 2), 2),)
 
 
 TWO = {"+": operator.add, "-": operator.sub, "*": operator.mul, "==": operator.eq}
@@ -205,17 +181,17 @@ DECIDED = {"and": lambda a, b: a and b, "or": lambda a, b: a or b}
 
 def evaluated(node):  # noqa: PLR0911
     match node:
-        case Logic(word, operands):
+        case ir.Logic(word, operands):
             return reduce(DECIDED[word], map(evaluated, operands))
-        case Index(SequenceExpr(items), Const(place)):
+        case ir.Index(ir.SequenceExpr(items), ir.Const(place)):
             return evaluated(items[place])
-        case Call(_, (Concat(parts),)):
+        case ir.Call(_, (ir.Concat(parts),)):
             return len("".join(str(evaluated(part)) for part in parts))
-        case Binary(sign, left, right):
+        case ir.Binary(sign, left, right):
             return TWO[sign](evaluated(left), evaluated(right))
-        case Unary(sign, operand):
+        case ir.Unary(sign, operand):
             return ONE[sign](evaluated(operand))
-        case Conditional(test, chosen, orelse):
+        case ir.Conditional(test, chosen, orelse):
             return evaluated(chosen if evaluated(test) else orelse)
     return node.value
 

@@ -5,28 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    FALSE,
-    Instance,
-    LibraryClass,
-    Scalar,
-    Unknown,
-)
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.cpp.overload_resolution import choose_overload
 from rtron.sources.code.interpreter.cpp.symbol_table import MAX_FILES, SymbolTable
 from rtron.sources.code.interpreter.execution.arguments import Arguments, bind_parameters
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
-from rtron.sources.code.ir import (
-    Class,
-    Const,
-    Declare,
-    Function,
-    Param,
-    SourceLanguage,
-    TypeRef,
-    Unit,
-)
 
 FRAME = StackFrame(file="f.cpp")
 
@@ -36,7 +20,7 @@ class Folder:
 
     def __init__(self, **units):
         self.units = {
-            Path(name): Unit(file=name, language=SourceLanguage.CPP, **u)
+            Path(name): ir.Unit(file=name, language=ir.SourceLanguage.CPP, **u)
             for name, u in units.items()
         }
 
@@ -55,7 +39,7 @@ def loaded(**units):
 
 
 def passed(*values, **keywords):
-    return Arguments(values=tuple(map(Scalar, values)), keywords=keywords, frame=FRAME)
+    return Arguments(values=tuple(map(av.Scalar, values)), keywords=keywords, frame=FRAME)
 
 
 def params(text):
@@ -63,26 +47,27 @@ def params(text):
     for word in text.split():
         kind = {"**": "stars", "*": "star", "!": "keyword"}.get(word.rstrip("abckwrgs=1"), "plain")
         name, _, default = word.lstrip("*!").partition("=")
-        found.append(Param(name, None, Const(int(default)) if default else None, kind))
+        found.append(ir.Param(name, None, ir.Const(int(default)) if default else None, kind))
     return tuple(found)
 
 
 def bound(text, arguments):
-    found = bind_parameters(params(text), arguments, lambda node: Scalar(node.value))
+    found = bind_parameters(params(text), arguments, lambda node: av.Scalar(node.value))
     return {
-        name: value.value if isinstance(value, Scalar) else value for name, value in found.items()
+        name: value.value if isinstance(value, av.Scalar) else value
+        for name, value in found.items()
     }
 
 
 def test_plain_parameters_are_bound_by_place_and_name():
     assert bound("a b", passed(1, 2)) == {"a": 1, "b": 2}
-    assert bound("a b", passed(1, b=Scalar(2))) == {"a": 1, "b": 2}
+    assert bound("a b", passed(1, b=av.Scalar(2))) == {"a": 1, "b": 2}
     assert bound("a b=1", passed(5)) == {"a": 5, "b": 1}
 
 
 def test_what_nobody_gives_is_a_hole_of_its_name():
     found = bound("a b", passed(1))
-    assert isinstance(found["b"], Unknown)
+    assert isinstance(found["b"], av.Unknown)
     assert found["b"].label == "b"
 
 
@@ -93,16 +78,18 @@ def test_more_arguments_than_parameters_are_left():
 
 def test_stars_take_the_rest():
     found = bind_parameters(
-        params("a *args !k=1 **kw"), passed(1, 2, 3, k=Scalar(4), c=Scalar(5)), lambda n: FALSE
+        params("a *args !k=1 **kw"),
+        passed(1, 2, 3, k=av.Scalar(4), c=av.Scalar(5)),
+        lambda n: av.FALSE,
     )
-    assert items_of(found["args"]) == ((Scalar(2), Scalar(3)), True)
-    assert found["k"] == Scalar(4)
-    assert found["kw"].entries == {"c": Scalar(5)}
+    assert av.items_of(found["args"]) == ((av.Scalar(2), av.Scalar(3)), True)
+    assert found["k"] == av.Scalar(4)
+    assert found["kw"].entries == {"c": av.Scalar(5)}
 
 
 def test_stars_may_be_empty():
-    found = bind_parameters(params("a *args **kw"), passed(1), lambda n: FALSE)
-    assert items_of(found["args"]) == ((), True)
+    found = bind_parameters(params("a *args **kw"), passed(1), lambda n: av.FALSE)
+    assert av.items_of(found["args"]) == ((), True)
     assert found["kw"].entries == {}
 
 
@@ -112,22 +99,22 @@ def test_a_keyword_only_parameter_is_not_bound_by_place():
 
 @pytest.mark.parametrize("other", [True, False])
 def test_a_name_is_constant_where_it_is_in_every_file(other):
-    first = Declare("T", None, Const("a"), constant=True)
-    second = Declare("T", None, Const("b"), constant=other)
+    first = ir.Declare("T", None, ir.Const("a"), constant=True)
+    second = ir.Declare("T", None, ir.Const("b"), constant=other)
     symbols = loaded(a={"body": (first,)}, b={"body": (second,)})
     symbols.load(Path("b"))
-    assert symbols.variables["T"] == (Declare("T", None, Const("a"), constant=other), "a")
+    assert symbols.variables["T"] == (ir.Declare("T", None, ir.Const("a"), constant=other), "a")
     symbols = loaded(b={"body": (replace(second, value=None),)}, a={"body": (first,)})
     symbols.load(Path("a"))
-    assert symbols.variables["T"] == (Declare("T", None, Const("a"), constant=other), "a")
+    assert symbols.variables["T"] == (ir.Declare("T", None, ir.Const("a"), constant=other), "a")
 
 
 def overload(*types, defaults=0, body=()):
     parameters = [
-        Param(f"p{at}", TypeRef(type), Const(0) if at >= len(types) - defaults else None)
+        ir.Param(f"p{at}", ir.TypeRef(type), ir.Const(0) if at >= len(types) - defaults else None)
         for at, type in enumerate(types)
     ]
-    return Function(name="f", file="f.cpp", params=tuple(parameters), body=body)
+    return ir.Function(name="f", file="f.cpp", params=tuple(parameters), body=body)
 
 
 TEXT, NUMBER, BOTH = overload("std::string"), overload("int"), overload("std::string", "int")
@@ -137,15 +124,15 @@ OBJECT = overload("ros::NodeHandle")
 @pytest.mark.parametrize(
     ("functions", "values", "chosen"),
     [
-        ((TEXT, NUMBER), (Scalar("a"),), TEXT),
-        ((NUMBER, TEXT), (Scalar("a"),), TEXT),
-        ((TEXT, NUMBER), (Scalar(1),), NUMBER),
-        ((TEXT, BOTH), (Scalar("a"), Scalar(1)), BOTH),
-        ((BOTH, TEXT), (Scalar("a"),), TEXT),
-        ((TEXT, OBJECT), (Instance(LibraryClass("ros::NodeHandle")),), OBJECT),
-        ((NUMBER, OBJECT), (Instance(LibraryClass("ros::NodeHandle")),), OBJECT),
+        ((TEXT, NUMBER), (av.Scalar("a"),), TEXT),
+        ((NUMBER, TEXT), (av.Scalar("a"),), TEXT),
+        ((TEXT, NUMBER), (av.Scalar(1),), NUMBER),
+        ((TEXT, BOTH), (av.Scalar("a"), av.Scalar(1)), BOTH),
+        ((BOTH, TEXT), (av.Scalar("a"),), TEXT),
+        ((TEXT, OBJECT), (av.Instance(av.LibraryClass("ros::NodeHandle")),), OBJECT),
+        ((NUMBER, OBJECT), (av.Instance(av.LibraryClass("ros::NodeHandle")),), OBJECT),
         ((TEXT,), (), TEXT),
-        ((TEXT, NUMBER), (Unknown("h"),), TEXT),
+        ((TEXT, NUMBER), (av.Unknown("h"),), TEXT),
     ],
 )
 def test_the_overload_that_fits_is_called(functions, values, chosen):
@@ -185,40 +172,53 @@ def test_an_opened_namespace_and_a_name_brought_in_are_candidates():
 
 def test_aliases_are_followed_and_keep_their_arguments():
     symbols = loaded(
-        f={"aliases": (("A", TypeRef("B")), ("B", TypeRef("std::vector", (TypeRef("int"),))))}
+        f={
+            "aliases": (
+                ("A", ir.TypeRef("B")),
+                ("B", ir.TypeRef("std::vector", (ir.TypeRef("int"),))),
+            )
+        }
     )
-    assert symbols.resolve_type(TypeRef("A"), "") == TypeRef("std::vector", (TypeRef("int"),))
+    assert symbols.resolve_type(ir.TypeRef("A"), "") == ir.TypeRef(
+        "std::vector", (ir.TypeRef("int"),)
+    )
 
 
 def test_an_alias_is_looked_up_where_it_stands():
-    aliases = (("a::T", TypeRef("U")), ("a::U", TypeRef("ros::NodeHandle")), ("U", TypeRef("int")))
+    aliases = (
+        ("a::T", ir.TypeRef("U")),
+        ("a::U", ir.TypeRef("ros::NodeHandle")),
+        ("U", ir.TypeRef("int")),
+    )
     symbols = loaded(f={"aliases": aliases})
-    assert symbols.resolve_type(TypeRef("T"), "a::b") == TypeRef("ros::NodeHandle")
-    assert symbols.resolve_type(TypeRef("a::T"), "") == TypeRef("ros::NodeHandle")
+    assert symbols.resolve_type(ir.TypeRef("T"), "a::b") == ir.TypeRef("ros::NodeHandle")
+    assert symbols.resolve_type(ir.TypeRef("a::T"), "") == ir.TypeRef("ros::NodeHandle")
 
 
 def test_a_namespace_alias_is_followed():
-    symbols = loaded(f={"aliases": (("mf", TypeRef("message_filters")),)})
-    assert symbols.resolve_type(TypeRef("mf::Subscriber"), "").name == "message_filters::Subscriber"
+    symbols = loaded(f={"aliases": (("mf", ir.TypeRef("message_filters")),)})
+    assert (
+        symbols.resolve_type(ir.TypeRef("mf::Subscriber"), "").name == "message_filters::Subscriber"
+    )
 
 
 @pytest.mark.parametrize("cycle", [[("A", "A")], [("A", "B"), ("B", "A")], [("A", "A::A")]])
 def test_aliases_in_a_circle_end(cycle):
-    symbols = loaded(f={"aliases": tuple((name, TypeRef(of)) for name, of in cycle)})
-    assert isinstance(symbols.resolve_type(TypeRef("A"), ""), TypeRef)
+    symbols = loaded(f={"aliases": tuple((name, ir.TypeRef(of)) for name, of in cycle)})
+    assert isinstance(symbols.resolve_type(ir.TypeRef("A"), ""), ir.TypeRef)
 
 
 def test_a_scanned_class_hides_an_alias_further_out():
     symbols = loaded(
-        f={"aliases": (("T", TypeRef("int")),), "classes": (Class(name="a::T", file="f"),)}
+        f={"aliases": (("T", ir.TypeRef("int")),), "classes": (ir.Class(name="a::T", file="f"),)}
     )
-    assert symbols.resolve_type(TypeRef("T"), "a") == TypeRef("T")
+    assert symbols.resolve_type(ir.TypeRef("T"), "a") == ir.TypeRef("T")
     assert symbols.class_named("T", "a").name == "a::T"
     assert symbols.class_named("T", "") is None
 
 
 def test_headers_are_taken_in_once_even_in_a_circle():
-    f = Function(name="a::f", file="h")
+    f = ir.Function(name="a::f", file="h")
     symbols = loaded(
         f={"includes": ("h", "h", "missing")}, h={"includes": ("f", "h"), "functions": (f,)}
     )

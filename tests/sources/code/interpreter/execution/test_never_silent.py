@@ -11,6 +11,7 @@ from rtron.sources.code.program_runner import run_cpp
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeSite
 from rtron.sources.workspace import Workspace
+from rtron.vocabulary import UnresolvedCause
 
 ADVERTISE = 'nh.advertise<std_msgs::Bool>("x", 1);'
 
@@ -38,7 +39,9 @@ def test_functions_and_lambdas_that_nothing_calls_are_noted_each_with_its_line()
     top = f"void make(ros::NodeHandle nh) {{ {ADVERTISE} }}\n"
     top += "void f(ros::NodeHandle nh) { make(nh); }"
     body = f"auto kept = [&] {{ {ADVERTISE} }};"
-    ((what, why, lines),) = notes(ros1_runs.cpp(body, top))
+    found = ros1_runs.cpp(body, top)
+    ((what, why, lines),) = notes(found)
+    assert found.unresolved[0].cause is UnresolvedCause.UNREACHED
     assert (what, lines) == ("make() and 2 more", [3, 4, 7])
     assert why == "may join nodes, but nothing that is seen calls it"
 
@@ -70,7 +73,9 @@ def test_a_subscription_on_what_is_not_known():
     ],
 )
 def test_a_node_that_code_gets_which_is_not_here(call, source):
-    ((what, why, lines),) = notes(ros2_runs.cpp(f"{call};"))
+    found = ros2_runs.cpp(f"{call};")
+    ((what, why, lines),) = notes(found)
+    assert found.unresolved[0].cause is UnresolvedCause.MISSING_CODE
     assert (what, lines) == (f"{call.split('->')[-1].partition('(')[0]}()", [7])
     node = "its code is not here, and it gets the node /ns/n: it may give it endpoints"
     assert why == node + source
@@ -155,6 +160,7 @@ def test_an_exception_that_ends_main_is_noted():
     found = ros1_runs.cpp(f'throw std::runtime_error("no"); {ADVERTISE}')
     why = "an exception ends it before all of it is run"
     assert notes(found) == [("main", why, [4])]
+    assert found.unresolved[0].cause is UnresolvedCause.PARTLY_READ
 
 
 def test_macros_of_another_file_side_by_side_hide_nothing_behind_them():

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtron.sources.code.interpreter.abstract_values.value_types import Choice, Scalar, options
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 
-A, B, C = Scalar("a"), Scalar("b"), Scalar("c")
+A, B, C = av.Scalar("a"), av.Scalar("b"), av.Scalar("c")
 
 
 def writer(trail, place, key, value, *, goes_on=True):
@@ -31,13 +31,13 @@ def test_both_branches_begin_from_the_same_state_and_merge():
 
     trail.run_branches([branch(B), branch(C)], {})
     assert seen == [A, A]
-    assert place == {"x": Choice((B, C))}
+    assert place == {"x": av.Choice((B, C))}
 
 
 def test_a_branch_that_writes_nothing_keeps_what_was():
     trail, place = UndoLog(), {"x": A}
     trail.run_branches([writer(trail, place, "x", B), lambda: True], {})
-    assert set(options(place["x"])) == {A, B}
+    assert set(av.options(place["x"])) == {A, B}
 
 
 def test_a_write_that_all_branches_do_alike_is_certain():
@@ -62,19 +62,19 @@ def test_locals_of_a_branch_that_leaves_are_forgotten_but_not_its_members():
 
     trail.run_branches([leaves, lambda: True], local)
     assert local == {"x": A}
-    assert set(options(member["y"])) == {A, B}
+    assert set(av.options(member["y"])) == {A, B}
 
 
 def test_branches_inside_branches_merge_inwards_first():
-    trail, place = UndoLog(), {"x": Scalar("d")}
+    trail, place = UndoLog(), {"x": av.Scalar("d")}
 
     def outer():
         trail.run_branches([writer(trail, place, "x", A), writer(trail, place, "x", B)], {})
-        assert set(options(place["x"])) == {A, B}
+        assert set(av.options(place["x"])) == {A, B}
         return True
 
     trail.run_branches([outer, writer(trail, place, "x", C)], {})
-    assert set(options(place["x"])) == {A, B, C}
+    assert set(av.options(place["x"])) == {A, B, C}
 
 
 def test_a_trial_leaves_no_trace_and_tells_what_it_wrote():
@@ -132,4 +132,4 @@ def test_each_key_may_hold_what_any_branch_left(start, branches):
     trail.run_branches([lambda writes=writes: run(writes) for writes in branches], {})
     ends = [{**start, **dict(writes)} for writes in branches]
     for key in "xyz":
-        assert set(options(place.get(key))) == {end[key] for end in ends if key in end}
+        assert set(av.options(place.get(key))) == {end[key] for end in ends if key in end}

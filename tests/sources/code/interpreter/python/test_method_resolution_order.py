@@ -7,7 +7,7 @@ from ros1_runs import names as names1
 from ros1_runs import python as python1
 from ros2_runs import UNLAUNCHED, names, python
 
-from rtron.sources.code.interpreter.abstract_values.value_types import ClassValue
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.python.method_resolution_order import (
     MAX_CLASSES,
     MethodResolutionOrders,
@@ -155,7 +155,7 @@ class M(Node, A):
 
 
 def _own(name, bases):
-    return ClassValue(Class(name=name, file="n.py", line=1), bases)
+    return av.ClassValue(Class(name=name, file="n.py", line=1), bases)
 
 
 def _order_of_python(name, bases):

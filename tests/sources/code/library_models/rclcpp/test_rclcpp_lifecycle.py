@@ -46,6 +46,14 @@ def test_a_node_may_configure_another():
     assert names(run_text(LIFECYCLE + main, **UNLAUNCHED)) == ["/configured", "/made"]
 
 
+@pytest.mark.parametrize("call", ["activate()", "trigger_transition(3)"])
+def test_a_node_that_changes_its_own_state_calls_itself(call):
+    own = "service_client /one/change_state"
+    assert own not in implicit_declarations(run_text(LIFECYCLE + MAIN, **UNLAUNCHED))
+    main = MAIN.replace("rclcpp::spin", f"one->{call}; rclcpp::spin")
+    assert own in implicit_declarations(run_text(LIFECYCLE + main, **UNLAUNCHED))
+
+
 CORE = """<package><name>core</name></package>"""
 BASE = """#pragma once
 namespace core { class Layer { public:

@@ -190,7 +190,10 @@ class Managed(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS"""
     found = python("Managed()", top, **UNLAUNCHED)
     assert names(found) == ["/configured"]
-    assert "service /managed/change_state" in implicit_declarations(found)
+    own = "service_client /managed/change_state"
+    assert "service /managed/change_state" in implicit_declarations(found) - {own}
+    found = python("Managed().trigger_activate()", top, **UNLAUNCHED)
+    assert own in implicit_declarations(found)
 
 
 def test_simulated_time_is_a_subscription():

@@ -303,6 +303,13 @@ def generate_launch_description():
 """)
     assert names(app) == ["/first"]
     assert app.unresolved == ()
+    assert [fact.kind for fact in app.wiring] == ["transition"]
+
+
+def test_a_node_that_the_launch_activates(python):
+    node = "LifecycleNode(package='p', executable='e', name='n', namespace=''{})"
+    assert not python(node.format("")).wiring
+    assert python(node.format(", autostart=True")).wiring
 
 
 def test_an_action_of_another_package_is_noted(python):

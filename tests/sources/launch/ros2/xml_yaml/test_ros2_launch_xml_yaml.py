@@ -3,7 +3,7 @@
 import pytest
 from app_launch_values import names, values, whys
 
-from rtron.sources.launch.common.file_format import find_ros2_launch_files
+from rtron.sources.launch.common.launch_file import find_ros2_launch_files
 from rtron.sources.launch.ros2.result import StartKind
 
 COMPONENT = """<composable_node pkg="p" plugin="P::{0}" name="{0}" namespace="c" {1}>

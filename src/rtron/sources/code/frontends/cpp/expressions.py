@@ -4,35 +4,21 @@ from collections.abc import Iterator
 
 from tree_sitter import Node
 
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp.literals import number_value, string_value
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import (
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
     lower_expression,
     lower_expressions,
     lower_opaque,
     lowers_expression,
 )
 from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
-from rtron.sources.code.ir import (
-    BRACES,
-    Attr,
-    Call,
-    Const,
-    Expansion,
-    Expr,
-    Index,
-    MappingExpr,
-    Name,
-    New,
-    Opaque,
-    SequenceExpr,
-    Star,
-    TypeRef,
-)
 
 _CASTS = {"static_cast", "dynamic_cast", "const_cast", "reinterpret_cast"}
 _MAX_ITEMS = 4096
-_BIND = Name("std::bind")
+_BIND = ir.Name("std::bind")
 
 
 @lowers_expression(
@@ -45,12 +31,12 @@ _BIND = Name("std::bind")
     "sized_type_specifier",
     "auto",
 )
-def name(context: LoweringContext, node: Node) -> Expr:
+def name(context: LoweringContext, node: Node) -> ir.Expr:
     """Return a Name, one object for each name of a file."""
     key = context.source[node.start_byte : node.end_byte]
     known = context.names.get(key)
     if known is None:
-        known = context.names[key] = Name(key.decode("utf-8", "replace"))
+        known = context.names[key] = ir.Name(key.decode("utf-8", "replace"))
     return known
 
 
@@ -63,79 +49,79 @@ def name(context: LoweringContext, node: Node) -> Expr:
     "operator_name",
     "destructor_name",
 )
-def _qualified(context: LoweringContext, node: Node) -> Expr:
-    return Name(*qualified_name(context, node))
+def _qualified(context: LoweringContext, node: Node) -> ir.Expr:
+    return ir.Name(*qualified_name(context, node))
 
 
 @lowers_expression("string_literal", "raw_string_literal", "char_literal")
-def _string(context: LoweringContext, node: Node) -> Expr:
-    return Const(string_value(context.text(node)))
+def _string(context: LoweringContext, node: Node) -> ir.Expr:
+    return ir.Const(string_value(context.text(node)))
 
 
 @lowers_expression("concatenated_string")
-def _concatenated(context: LoweringContext, node: Node) -> Expr:
+def _concatenated(context: LoweringContext, node: Node) -> ir.Expr:
     parts = lower_expressions(context, node.named_children)
-    texts = [part.value for part in parts if isinstance(part, Const)]
+    texts = [part.value for part in parts if isinstance(part, ir.Const)]
     if len(texts) < len(parts):
-        return Opaque(parts, context.text(node)[:60])
-    return Const("".join(map(str, texts)))
+        return ir.Opaque(parts, context.text(node)[:60])
+    return ir.Const("".join(map(str, texts)))
 
 
 @lowers_expression("number_literal")
-def _number(context: LoweringContext, node: Node) -> Expr:
+def _number(context: LoweringContext, node: Node) -> ir.Expr:
     value = number_value(context.text(node))
-    return lower_opaque(context, node) if value is None else Const(value)
+    return lower_opaque(context, node) if value is None else ir.Const(value)
 
 
 @lowers_expression("true", "false")
-def _bool(_context: LoweringContext, node: Node) -> Expr:
-    return Const(node.type == "true")
+def _bool(_context: LoweringContext, node: Node) -> ir.Expr:
+    return ir.Const(node.type == "true")
 
 
 @lowers_expression("null", "nullptr")
-def _null(_context: LoweringContext, _node: Node) -> Expr:
-    return Const(None)
+def _null(_context: LoweringContext, _node: Node) -> ir.Expr:
+    return ir.Const(None)
 
 
 @lowers_expression(
     "user_defined_literal", "parenthesized_expression", "condition_clause", "co_await_expression"
 )
-def _inner_expression(context: LoweringContext, node: Node) -> Expr:
+def _inner_expression(context: LoweringContext, node: Node) -> ir.Expr:
     children = node.named_children
     return lower_expression(context, children[0]) if children else lower_opaque(context, node)
 
 
 @lowers_expression("pointer_expression", "cast_expression")
-def _operand(context: LoweringContext, node: Node) -> Expr:
+def _operand(context: LoweringContext, node: Node) -> ir.Expr:
     inner = node.child_by_field_name("argument") or node.child_by_field_name("value")
     return lower_expression(context, inner) if inner else lower_opaque(context, node)
 
 
 @lowers_expression("field_expression")
-def _member(context: LoweringContext, node: Node) -> Expr:
+def _member(context: LoweringContext, node: Node) -> ir.Expr:
     owner = node.child_by_field_name("argument")
     field = node.child_by_field_name("field")
     if owner is None or field is None:
         return lower_opaque(context, node)
     if any(child.type == ".*" for child in node.children):
-        method = Name(*qualified_name(context, field))
-        return Call(_BIND, (method, lower_expression(context, owner)), (), line_of(node))
-    return Attr(lower_expression(context, owner), *qualified_name(context, field))
+        method = ir.Name(*qualified_name(context, field))
+        return ir.Call(_BIND, (method, lower_expression(context, owner)), (), line_of(node))
+    return ir.Attr(lower_expression(context, owner), *qualified_name(context, field))
 
 
 @lowers_expression("subscript_expression")
-def _element(context: LoweringContext, node: Node) -> Expr:
+def _element(context: LoweringContext, node: Node) -> ir.Expr:
     owner = node.child_by_field_name("argument")
     indices = node.child_by_field_name("indices")
     if owner is None or indices is None:
         return lower_opaque(context, node)
     keys = lower_expressions(context, indices.named_children)
-    key = keys[0] if len(keys) == 1 else SequenceExpr(keys, "tuple")
-    return Index(lower_expression(context, owner), key)
+    key = keys[0] if len(keys) == 1 else ir.SequenceExpr(keys, "tuple")
+    return ir.Index(lower_expression(context, owner), key)
 
 
 @lowers_expression("call_expression")
-def _call(context: LoweringContext, node: Node) -> Expr:
+def _call(context: LoweringContext, node: Node) -> ir.Expr:
     function = node.child_by_field_name("function")
     if function is None:
         return lower_opaque(context, node)
@@ -144,7 +130,7 @@ def _call(context: LoweringContext, node: Node) -> Expr:
     if len(args) == 1 and _cast_name(context, node) in _CASTS:
         return args[0]
     addresses = _addresses(context, node.child_by_field_name("arguments"))
-    return Call(lower_expression(context, function), args, (), line_of(node), addresses)
+    return ir.Call(lower_expression(context, function), args, (), line_of(node), addresses)
 
 
 def _addresses(context: LoweringContext, arguments: Node | None) -> tuple[int, ...]:
@@ -175,7 +161,7 @@ def _cast_name(context: LoweringContext, node: Node) -> str:
     return context.text(name) if name is not None else ""
 
 
-def lower_arguments(context: LoweringContext, node: Node | None) -> tuple[Expr, ...]:
+def lower_arguments(context: LoweringContext, node: Node | None) -> tuple[ir.Expr, ...]:
     """Return the expressions of an argument or initialiser list."""
     if node is None:
         return ()
@@ -188,13 +174,17 @@ def lower_arguments(context: LoweringContext, node: Node | None) -> tuple[Expr, 
 
 
 @lowers_expression("initializer_list")
-def _list(context: LoweringContext, node: Node) -> Expr:
+def _list(context: LoweringContext, node: Node) -> ir.Expr:
     args = lower_arguments(context, node)
-    return args[0] if args and isinstance(args[0], MappingExpr) else SequenceExpr(args, BRACES)
+    return (
+        args[0]
+        if args and isinstance(args[0], ir.MappingExpr)
+        else ir.SequenceExpr(args, ir.BRACES)
+    )
 
 
 @lowers_expression("initializer_pair")
-def _designated_initialiser(context: LoweringContext, node: Node) -> Expr:
+def _designated_initialiser(context: LoweringContext, node: Node) -> ir.Expr:
     value = node.child_by_field_name("value")
     return lower_expression(context, value) if value else lower_opaque(context, node)
 
@@ -206,51 +196,51 @@ def _designated_member(node: Node) -> Node | None:
     return designator.named_children[0] if designator is not None and is_member else None
 
 
-def _designated_members(context: LoweringContext, nodes: list[Node]) -> MappingExpr:
+def _designated_members(context: LoweringContext, nodes: list[Node]) -> ir.MappingExpr:
     names = [context.text(name) for name in map(_designated_member, nodes) if name is not None]
     values = [_designated_initialiser(context, node) for node in nodes]
-    return MappingExpr(tuple(zip(map(Const, names), values, strict=True)))
+    return ir.MappingExpr(tuple(zip(map(ir.Const, names), values, strict=True)))
 
 
 @lowers_expression("compound_literal_expression")
-def _literal(context: LoweringContext, node: Node) -> Expr:
-    type = type_of(context, node.child_by_field_name("type")) or TypeRef("auto")
+def _literal(context: LoweringContext, node: Node) -> ir.Expr:
+    type = type_of(context, node.child_by_field_name("type")) or ir.TypeRef("auto")
     args = lower_arguments(context, node.child_by_field_name("value"))
-    return New(type, args, line_of(node), braced=True)
+    return ir.New(type, args, line_of(node), braced=True)
 
 
 @lowers_expression("new_expression")
-def _new(context: LoweringContext, node: Node) -> Expr:
-    type = type_of(context, node.child_by_field_name("type")) or TypeRef("auto")
+def _new(context: LoweringContext, node: Node) -> ir.Expr:
+    type = type_of(context, node.child_by_field_name("type")) or ir.TypeRef("auto")
     array = node.child_by_field_name("declarator")
     if array is not None:
         length = array.child_by_field_name("length")
-        type = TypeRef("array", (type, TypeRef(context.text(length)[:60] if length else "")))
+        type = ir.TypeRef("array", (type, ir.TypeRef(context.text(length)[:60] if length else "")))
     given = node.child_by_field_name("arguments")
     braced = given is not None and given.type == "initializer_list"
-    return New(type, lower_arguments(context, given), line_of(node), braced)
+    return ir.New(type, lower_arguments(context, given), line_of(node), braced)
 
 
 @lowers_expression("parameter_pack_expansion")
-def _pack(context: LoweringContext, node: Node) -> Expr:
+def _pack(context: LoweringContext, node: Node) -> ir.Expr:
     pattern = node.child_by_field_name("pattern")
-    return Star(_expansion(context, pattern)) if pattern else lower_opaque(context, node)
+    return ir.Star(_expansion(context, pattern)) if pattern else lower_opaque(context, node)
 
 
 @lowers_expression("fold_expression")
-def _fold(context: LoweringContext, node: Node) -> Expr:
+def _fold(context: LoweringContext, node: Node) -> ir.Expr:
     """`(f(args), ...)`: what is folded is evaluated for each item of the packs in it."""
     operands = (_expansion(context, child) for child in node.named_children)
-    return Opaque(tuple(operands), context.text(node)[:60])
+    return ir.Opaque(tuple(operands), context.text(node)[:60])
 
 
-def _expansion(context: LoweringContext, node: Node) -> Expr:
+def _expansion(context: LoweringContext, node: Node) -> ir.Expr:
     """Return a pattern with the packs in it; nothing of it goes before the statement."""
     outer, context.statements = context.statements, None
     value = lower_expression(context, node)
     context.statements = outer
     found = dict.fromkeys(name for name in identifiers(context, node) if name in context.packs)
-    return Expansion(value, tuple(found)) if found and not isinstance(value, Name) else value
+    return ir.Expansion(value, tuple(found)) if found and not isinstance(value, ir.Name) else value
 
 
 def identifiers(context: LoweringContext, node: Node | None) -> Iterator[str]:
@@ -264,5 +254,5 @@ def identifiers(context: LoweringContext, node: Node | None) -> Iterator[str]:
 
 
 @lowers_expression("sizeof_expression", "alignof_expression", "offsetof_expression")
-def _unknown(context: LoweringContext, node: Node) -> Expr:
-    return Opaque((), context.text(node)[:60])
+def _unknown(context: LoweringContext, node: Node) -> ir.Expr:
+    return ir.Opaque((), context.text(node)[:60])

@@ -4,15 +4,11 @@ from dataclasses import replace
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.declarators import (
-    Declarator,
-    has_specifier,
-    is_constant,
-    read_declarator,
-)
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp.expressions import identifiers, lower_arguments
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import (
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
     lower_block,
     lower_expression,
     lower_statement,
@@ -20,25 +16,19 @@ from rtron.sources.code.frontends.cpp.node_lowering import (
     lowers_expression,
     lowers_statement,
 )
-from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
-from rtron.sources.code.ir import (
-    BRACES,
-    Declare,
-    Expr,
-    Function,
-    Lambda,
-    MappingExpr,
-    New,
-    Param,
-    SequenceExpr,
-    Stmt,
-    TypeRef,
+from rtron.sources.code.frontends.cpp.types import (
+    Declarator,
+    has_specifier,
+    is_constant,
+    qualified_name,
+    read_declarator,
+    type_of,
 )
 
 
 def lambda_captures(
     context: LoweringContext, node: Node
-) -> tuple[tuple[str, ...], tuple[Declare, ...]]:
+) -> tuple[tuple[str, ...], tuple[ir.Declare, ...]]:
     """Return the names that a lambda copies, and the variables that its captures make."""
     taken = node.child_by_field_name("captures")
     entries = taken.named_children if taken else []
@@ -56,9 +46,9 @@ def _is_by_reference(entry: Node) -> bool:
     return entry.prev_sibling is not None and entry.prev_sibling.type == "&"
 
 
-def _capture_initialiser(context: LoweringContext, entry: Node) -> Declare:
+def _capture_initialiser(context: LoweringContext, entry: Node) -> ir.Declare:
     left, right = entry.child_by_field_name("left"), entry.child_by_field_name("right")
-    return Declare(
+    return ir.Declare(
         context.text(left) if left else "",
         None,
         lower_expression(context, right) if right else None,
@@ -72,16 +62,16 @@ _PARAMETERS = {
     "optional_parameter_declaration",
     "variadic_parameter_declaration",
 }
-_Initialiser = tuple[str, tuple[Expr, ...]]
+_Initialiser = tuple[str, tuple[ir.Expr, ...]]
 
 
 @lowers_declaration("function_definition")
-def _definition(context: LoweringContext, node: Node, _out: list[Stmt]) -> None:
+def _definition(context: LoweringContext, node: Node, _out: list[ir.Stmt]) -> None:
     add_function(context, node, read_declarator(node.child_by_field_name("declarator")))
 
 
 @lowers_statement("function_definition")
-def _nested_block(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+def _nested_block(context: LoweringContext, node: Node, out: list[ir.Stmt]) -> None:
     """Lower what looks like a function in a function, a macro with a block, as its block."""
     body = node.child_by_field_name("body")
     if body is not None:
@@ -101,7 +91,7 @@ def add_function(context: LoweringContext, node: Node, found: Declarator) -> Non
     full = context.qualified(name)
     template = context.take_template()
     with context.enter_scope(full):
-        made = Function(
+        made = ir.Function(
             name=full,
             file=context.file,
             line=line_of(node),
@@ -126,14 +116,14 @@ def _is_function(context: LoweringContext, node: Node, name: str) -> bool:
     return last.startswith(("~", "operator")) or last == own
 
 
-def _return_type(context: LoweringContext, node: Node, signature: Node) -> TypeRef | None:
+def _return_type(context: LoweringContext, node: Node, signature: Node) -> ir.TypeRef | None:
     for child in signature.named_children:
         if child.type == "trailing_return_type" and child.named_children:
             return type_of(context, child.named_children[0])
     return type_of(context, node.child_by_field_name("type"))
 
 
-def _body(context: LoweringContext, node: Node) -> tuple[Stmt, ...] | None:
+def _body(context: LoweringContext, node: Node) -> tuple[ir.Stmt, ...] | None:
     body = node.child_by_field_name("body") or _constructor_try(node)
     if body is None:
         defaulted = any(child.type == "default_method_clause" for child in node.named_children)
@@ -165,26 +155,28 @@ def _initialiser(context: LoweringContext, node: Node) -> _Initialiser:
     given = rest[0] if rest else None
     args = lower_arguments(context, given)
     if args and given is not None and given.type == "initializer_list":
-        args = (args[0] if isinstance(args[0], MappingExpr) else SequenceExpr(args, BRACES),)
+        args = (
+            args[0] if isinstance(args[0], ir.MappingExpr) else ir.SequenceExpr(args, ir.BRACES),
+        )
     return qualified_name(context, member)[0], args
 
 
-def lower_parameters(context: LoweringContext, node: Node | None) -> tuple[Param, ...]:
+def lower_parameters(context: LoweringContext, node: Node | None) -> tuple[ir.Param, ...]:
     """Return a function's parameters; `(void)` has none."""
     children = node.named_children if node else []
     made = [_parameter(context, child) for child in children if child.type in _PARAMETERS]
-    is_void = [param.type for param in made] == [TypeRef("void")] and not made[0].name
+    is_void = [param.type for param in made] == [ir.TypeRef("void")] and not made[0].name
     return () if is_void else tuple(made)
 
 
-def _parameter(context: LoweringContext, node: Node) -> Param:
+def _parameter(context: LoweringContext, node: Node) -> ir.Param:
     found = read_declarator(node.child_by_field_name("declarator"))
     type = found.array_type(context, type_of(context, node.child_by_field_name("type")))
     const = has_specifier(context, node, "type_qualifier", b"const")
     name = qualified_name(context, found.name)[0]
     if node.type == "variadic_parameter_declaration":
         context.packs.add(name)
-    return Param(
+    return ir.Param(
         name,
         type,
         _default(context, node.child_by_field_name("default_value"), type),
@@ -194,21 +186,23 @@ def _parameter(context: LoweringContext, node: Node) -> Param:
     )
 
 
-def _default(context: LoweringContext, node: Node | None, type: TypeRef | None) -> Expr | None:
+def _default(
+    context: LoweringContext, node: Node | None, type: ir.TypeRef | None
+) -> ir.Expr | None:
     """Return a parameter's default; what stands in braces alone makes one of its type."""
     default = lower_expression(context, node) if node else None
-    if isinstance(default, New) and not default.type.name and type:
+    if isinstance(default, ir.New) and not default.type.name and type:
         return replace(default, type=type)
     return default
 
 
 @lowers_expression("lambda_expression")
-def _lambda(context: LoweringContext, node: Node) -> Lambda:
+def _lambda(context: LoweringContext, node: Node) -> ir.Lambda:
     signature = node.child_by_field_name("declarator")
     parameters = signature.child_by_field_name("parameters") if signature else None
     copies, captures = lambda_captures(context, node)
-    return Lambda(
-        Function(
+    return ir.Lambda(
+        ir.Function(
             name="",
             file=context.file,
             line=line_of(node),

@@ -5,8 +5,8 @@ import re
 import sys
 from collections.abc import Callable
 
+from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext
-from rtron.sources.code.ir import Binary, Const, Expr, Name, Unary
 
 _ESCAPE = re.compile(
     r"\\(?:([abefnrtv\\'\"?\n])|x([\da-fA-F]+)|([0-7]{1,3})|u([\da-fA-F]{4})|U([\da-fA-F]{8}))"
@@ -83,27 +83,27 @@ _SIGNS: dict[str, Callable[[int], int]] = {
 }
 
 
-def integer_value(context: LoweringContext, value: Expr) -> int | None:
+def integer_value(context: LoweringContext, value: ir.Expr) -> int | None:
     """Return the integer that an expression is, with the enumerators known so far."""
-    if isinstance(value, Const):
+    if isinstance(value, ir.Const):
         return _literal_value(value)
-    if isinstance(value, Name):
+    if isinstance(value, ir.Name):
         scoped = context.enums.get(context.qualified(value.id))
         return context.enums.get(value.id) if scoped is None else scoped
-    if isinstance(value, Unary):
+    if isinstance(value, ir.Unary):
         operand = integer_value(context, value.operand)
         sign = _SIGNS.get(value.operator)
         return sign(operand) if sign and operand is not None else None
-    return _binary_value(context, value) if isinstance(value, Binary) else None
+    return _binary_value(context, value) if isinstance(value, ir.Binary) else None
 
 
-def _literal_value(value: Const) -> int | None:
+def _literal_value(value: ir.Const) -> int | None:
     if isinstance(value.value, str) and len(value.value) == 1:
         return ord(value.value)
     return int(value.value) if isinstance(value.value, int) else None
 
 
-def _binary_value(context: LoweringContext, value: Binary) -> int | None:
+def _binary_value(context: LoweringContext, value: ir.Binary) -> int | None:
     left, right = integer_value(context, value.left), integer_value(context, value.right)
     if left is None or right is None or value.operator not in _OPERATIONS:
         return None

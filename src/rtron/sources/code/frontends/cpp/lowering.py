@@ -18,9 +18,12 @@ from rtron.sources.code.frontends.cpp import (
     switch_statement,
 )
 from rtron.sources.code.frontends.cpp.grammar_workarounds import work_around_grammar
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
+    lower_declaration,
+)
 from rtron.sources.code.frontends.cpp.macros import Macro
-from rtron.sources.code.frontends.cpp.node_lowering import lower_declaration
 from rtron.sources.code.frontends.cpp.preprocessor import PreprocessedFile, preprocess
 
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")

@@ -4,34 +4,18 @@ from dataclasses import dataclass, field
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import (
+from rtron.sources.code import ir
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
     lower_block,
     lower_expression,
     lower_statement,
     lowers_statement,
 )
 from rtron.sources.code.frontends.cpp.statements import lower_condition
-from rtron.sources.code.ir import (
-    Attr,
-    Binary,
-    Break,
-    Breakable,
-    Const,
-    Continue,
-    Declare,
-    Expr,
-    If,
-    Logic,
-    Name,
-    Raise,
-    Return,
-    SequenceExpr,
-    Stmt,
-    Try,
-)
 
-_EXITS = (Break, Continue, Raise, Return)
+_EXITS = (ir.Break, ir.Continue, ir.Raise, ir.Return)
 _MAX_FALLTHROUGH = 64
 _MAX_CHAIN = 16
 
@@ -40,37 +24,39 @@ _MAX_CHAIN = 16
 class _SwitchCase:
     """The labels in a row before some statements; `default` marks the default's."""
 
-    labels: list[Expr] = field(default_factory=list)
+    labels: list[ir.Expr] = field(default_factory=list)
     default: bool = False
-    body: tuple[Stmt, ...] = ()
+    body: tuple[ir.Stmt, ...] = ()
     line: int = 0
 
 
 @lowers_statement("switch_statement")
-def _switch(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+def _switch(context: LoweringContext, node: Node, out: list[ir.Stmt]) -> None:
     subject = lower_condition(context, node.child_by_field_name("condition"), out)
-    if not isinstance(subject, (Attr, Const, Name)):
+    if not isinstance(subject, (ir.Attr, ir.Const, ir.Name)):
         subject = _evaluate_once(subject, line_of(node), out)
     cases = _read_cases(context, node.child_by_field_name("body"), out)
-    named = (label.id for case in cases for label in case.labels if isinstance(label, Name))
+    named = (label.id for case in cases for label in case.labels if isinstance(label, ir.Name))
     context.labels.append(frozenset(named))
     bodies = _with_fallthrough(context, line_of(node), [case.body for case in cases])
     for case, body in zip(cases, bodies, strict=True):
-        case.body = body[:-1] if body and isinstance(body[-1], Break) else body
+        case.body = body[:-1] if body and isinstance(body[-1], ir.Break) else body
     chain = _if_chain(subject, cases)
     if any(_breaks(case.body) for case in cases):
-        chain = (Breakable(chain, line_of(node)),)
+        chain = (ir.Breakable(chain, line_of(node)),)
     out += chain
 
 
-def _evaluate_once(subject: Expr, line: int, out: list[Stmt]) -> Name:
+def _evaluate_once(subject: ir.Expr, line: int, out: list[ir.Stmt]) -> ir.Name:
     """Return a variable that holds what is switched on, which each case asks about."""
-    variable = Name(f"switch@{line}")
-    out.append(Declare(variable.id, None, subject, line=line))
+    variable = ir.Name(f"switch@{line}")
+    out.append(ir.Declare(variable.id, None, subject, line=line))
     return variable
 
 
-def _read_cases(context: LoweringContext, body: Node | None, out: list[Stmt]) -> list[_SwitchCase]:
+def _read_cases(
+    context: LoweringContext, body: Node | None, out: list[ir.Stmt]
+) -> list[_SwitchCase]:
     cases: list[_SwitchCase] = []
     for child in body.named_children if body else ():
         if child.type == "case_statement":
@@ -97,11 +83,11 @@ def _add_case(context: LoweringContext, node: Node, cases: list[_SwitchCase]) ->
 
 
 def _with_fallthrough(
-    context: LoweringContext, line: int, bodies: list[tuple[Stmt, ...]]
-) -> list[tuple[Stmt, ...]]:
+    context: LoweringContext, line: int, bodies: list[tuple[ir.Stmt, ...]]
+) -> list[tuple[ir.Stmt, ...]]:
     """Return the bodies, each with those behind it as far as it falls through."""
-    result: list[tuple[Stmt, ...]] = []
-    following: tuple[Stmt, ...] = ()
+    result: list[tuple[ir.Stmt, ...]] = []
+    following: tuple[ir.Stmt, ...] = ()
     through = 0
     for full_body in reversed(bodies):
         body = _until_exit(full_body)
@@ -114,45 +100,47 @@ def _with_fallthrough(
     return result[::-1]
 
 
-def _until_exit(body: tuple[Stmt, ...]) -> tuple[Stmt, ...]:
+def _until_exit(body: tuple[ir.Stmt, ...]) -> tuple[ir.Stmt, ...]:
     for at, stmt in enumerate(body):
         if isinstance(stmt, _EXITS):
             return body[: at + 1]
     return body
 
 
-def _breaks(body: tuple[Stmt, ...]) -> bool:
+def _breaks(body: tuple[ir.Stmt, ...]) -> bool:
     """Return whether a `break` deep in a case leaves the switch."""
     for stmt in body:
-        if isinstance(stmt, Break):
+        if isinstance(stmt, ir.Break):
             return True
-        if isinstance(stmt, If) and (_breaks(stmt.body) or _breaks(stmt.orelse)):
+        if isinstance(stmt, ir.If) and (_breaks(stmt.body) or _breaks(stmt.orelse)):
             return True
-        if isinstance(stmt, Try) and any(map(_breaks, (stmt.body, *(h[2] for h in stmt.handlers)))):
+        if isinstance(stmt, ir.Try) and any(
+            map(_breaks, (stmt.body, *(h[2] for h in stmt.handlers)))
+        ):
             return True
     return False
 
 
-def _if_chain(subject: Expr, cases: list[_SwitchCase]) -> tuple[Stmt, ...]:
+def _if_chain(subject: ir.Expr, cases: list[_SwitchCase]) -> tuple[ir.Stmt, ...]:
     default = next((case.body for case in cases if case.default), ())
     return _if_tests(subject, [case for case in cases if not case.default], default)
 
 
 def _if_tests(
-    subject: Expr, cases: list[_SwitchCase], orelse: tuple[Stmt, ...]
-) -> tuple[Stmt, ...]:
+    subject: ir.Expr, cases: list[_SwitchCase], orelse: tuple[ir.Stmt, ...]
+) -> tuple[ir.Stmt, ...]:
     """Return the chain; a long one is parted by which half a label is in, so that it stays flat."""
     if len(cases) > _MAX_CHAIN:
         half = len(cases) // 2
         labels = tuple(label for case in cases[:half] for label in case.labels)
         first = _if_tests(subject, cases[:half], ())
-        within = Binary("in", subject, SequenceExpr(labels), cases[0].line)
-        return (If(within, first, _if_tests(subject, cases[half:], orelse), cases[0].line),)
+        within = ir.Binary("in", subject, ir.SequenceExpr(labels), cases[0].line)
+        return (ir.If(within, first, _if_tests(subject, cases[half:], orelse), cases[0].line),)
     for case in reversed(cases):
-        orelse = (If(_label_test(subject, case), case.body, orelse, case.line),)
+        orelse = (ir.If(_label_test(subject, case), case.body, orelse, case.line),)
     return orelse
 
 
-def _label_test(subject: Expr, case: _SwitchCase) -> Expr:
-    tests = tuple(Binary("==", subject, label, case.line) for label in case.labels)
-    return tests[0] if len(tests) == 1 else Logic("or", tests)
+def _label_test(subject: ir.Expr, case: _SwitchCase) -> ir.Expr:
+    tests = tuple(ir.Binary("==", subject, label, case.line) for label in case.labels)
+    return tests[0] if len(tests) == 1 else ir.Logic("or", tests)

@@ -5,29 +5,21 @@ from dataclasses import dataclass
 
 from tree_sitter import Node
 
-from rtron.sources.code.frontends.cpp.declarators import (
+from rtron.sources.code import ir
+from rtron.sources.code.frontends.cpp.expressions import lower_arguments
+from rtron.sources.code.frontends.cpp.lowering_context import (
+    LoweringContext,
+    line_of,
+    lower_expression,
+)
+from rtron.sources.code.frontends.cpp.types import (
     Declarator,
     fields_of,
     has_specifier,
     is_constant,
+    qualified_name,
     read_declarator,
-)
-from rtron.sources.code.frontends.cpp.expressions import lower_arguments
-from rtron.sources.code.frontends.cpp.lowering_context import LoweringContext, line_of
-from rtron.sources.code.frontends.cpp.node_lowering import lower_expression
-from rtron.sources.code.frontends.cpp.types import qualified_name, type_of
-from rtron.sources.code.ir import (
-    Assign,
-    Call,
-    Const,
-    Declare,
-    Expr,
-    Index,
-    Name,
-    New,
-    SequenceExpr,
-    Stmt,
-    TypeRef,
+    type_of,
 )
 
 _BUILT_IN = {"primitive_type", "sized_type_specifier", "placeholder_type_specifier"}
@@ -58,12 +50,12 @@ def named_declarators(node: Node) -> Iterator[NamedDeclarator]:
 
 def lower_variable(
     context: LoweringContext, node: Node, one: NamedDeclarator, name: str
-) -> Declare:
+) -> ir.Declare:
     """Return the variable that a declaration declares under a name."""
     found = one.declarator
     element = type_of(context, node.child_by_field_name("type"))
     type = found.array_type(context, element)
-    return Declare(
+    return ir.Declare(
         name,
         type,
         _initial(context, found, type),
@@ -75,7 +67,7 @@ def lower_variable(
     )
 
 
-def lower_local(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
+def lower_local(context: LoweringContext, node: Node, out: list[ir.Stmt]) -> None:
     """Lower a declaration in a function, where `Foo foo(bar);` is a variable."""
     for one in named_declarators(node):
         name = one.declarator.name
@@ -89,19 +81,23 @@ def lower_local(context: LoweringContext, node: Node, out: list[Stmt]) -> None:
             _add_vexing(context, node, one, value, out)
 
 
-def structured_binding(context: LoweringContext, node: Node) -> SequenceExpr:
+def structured_binding(context: LoweringContext, node: Node) -> ir.SequenceExpr:
     """Return the names of a structured binding, `[a, b]`."""
-    return SequenceExpr(tuple(Name(context.text(child)) for child in node.named_children), "tuple")
+    return ir.SequenceExpr(
+        tuple(ir.Name(context.text(child)) for child in node.named_children), "tuple"
+    )
 
 
-def _lower_structured_binding(context: LoweringContext, one: NamedDeclarator) -> Stmt:
+def _lower_structured_binding(context: LoweringContext, one: NamedDeclarator) -> ir.Stmt:
     names, value = one.declarator.name, one.declarator.value
-    target: Expr = structured_binding(context, names) if names else SequenceExpr(())
+    target: ir.Expr = structured_binding(context, names) if names else ir.SequenceExpr(())
     args = lower_arguments(context, value)
-    return Assign((target,), args[0] if args else Const(None), line_of(one.node))
+    return ir.Assign((target,), args[0] if args else ir.Const(None), line_of(one.node))
 
 
-def _initial(context: LoweringContext, found: Declarator, type: TypeRef | None) -> Expr | None:
+def _initial(
+    context: LoweringContext, found: Declarator, type: ir.TypeRef | None
+) -> ir.Expr | None:
     value = found.value
     if value is None:
         return None
@@ -115,12 +111,17 @@ def _initial(context: LoweringContext, found: Declarator, type: TypeRef | None) 
 
 
 def _initialiser_value(
-    found: Declarator, type: TypeRef | None, args: tuple[Expr, ...], line: int, *, braced: bool
-) -> Expr:
+    found: Declarator,
+    type: ir.TypeRef | None,
+    args: tuple[ir.Expr, ...],
+    line: int,
+    *,
+    braced: bool,
+) -> ir.Expr:
     """Return what `T x(args)` begins with: a new T, or the argument where T makes nothing."""
     if type is None or found.pointer or found.reference:
-        return args[0] if args else Const(None)
-    return New(type, args, line, braced)
+        return args[0] if args else ir.Const(None)
+    return ir.New(type, args, line, braced)
 
 
 def _is_assigned(context: LoweringContext, value: Node) -> bool:
@@ -132,19 +133,21 @@ def _add_vexing(
     context: LoweringContext,
     node: Node,
     one: NamedDeclarator,
-    args: tuple[Expr, ...],
-    out: list[Stmt],
+    args: tuple[ir.Expr, ...],
+    out: list[ir.Stmt],
 ) -> None:
     made = lower_variable(context, node, one, qualified_name(context, one.declarator.name)[0])
     value = _initialiser_value(one.declarator, made.type, args, made.line, braced=False)
     out.append(
-        Declare(made.name, made.type, value, made.reference, made.pointer, made.static, made.line)
+        ir.Declare(
+            made.name, made.type, value, made.reference, made.pointer, made.static, made.line
+        )
     )
 
 
 def _vexing_arguments(
     context: LoweringContext, node: Node, found: Declarator
-) -> tuple[Expr, ...] | None:
+) -> tuple[ir.Expr, ...] | None:
     """Return the arguments where a function's parameters are expressions in truth."""
     type = node.child_by_field_name("type")
     if found.function is None or type is None or context.text(type) == "void":
@@ -152,36 +155,36 @@ def _vexing_arguments(
     return _read_as_arguments(context, found.function)
 
 
-def _read_as_arguments(context: LoweringContext, function: Node) -> tuple[Expr, ...] | None:
+def _read_as_arguments(context: LoweringContext, function: Node) -> tuple[ir.Expr, ...] | None:
     parameters = function.child_by_field_name("parameters")
     args = [_argument(context, child) for child in parameters.named_children] if parameters else []
     expressions = tuple(arg for arg in args if arg is not None)
     return expressions if len(expressions) == len(args) else None
 
 
-def _argument(context: LoweringContext, node: Node) -> Expr | None:
+def _argument(context: LoweringContext, node: Node) -> ir.Expr | None:
     """Return the expression that reads like a parameter without a name, None if it has one."""
     children = node.named_children
     type, inner = node.child_by_field_name("type"), node.child_by_field_name("declarator")
     bare = len(children) == 1 + bool(inner) and node.type == "parameter_declaration"
     if type is None or not bare or type.type in _BUILT_IN or context.is_too_deep(node):
         return None
-    value = Name(*qualified_name(context, type))
+    value = ir.Name(*qualified_name(context, type))
     context.note_call(type)
     if inner is None:
         return value
     return _apply_declarator(context, value, inner) if inner.type in _EXPRESSIVE else None
 
 
-def _apply_declarator(context: LoweringContext, value: Name, inner: Node) -> Expr | None:
+def _apply_declarator(context: LoweringContext, value: ir.Name, inner: Node) -> ir.Expr | None:
     context.depth += 1
-    applied: Expr | None = None
+    applied: ir.Expr | None = None
     if inner.child_by_field_name("declarator") is None:
         if inner.type == "abstract_array_declarator":
             size = inner.child_by_field_name("size")
-            applied = Index(value, lower_expression(context, size)) if size else None
+            applied = ir.Index(value, lower_expression(context, size)) if size else None
         else:
             args = _read_as_arguments(context, inner)
-            applied = None if args is None else Call(value, args, (), line_of(inner))
+            applied = None if args is None else ir.Call(value, args, (), line_of(inner))
     context.depth -= 1
     return applied

@@ -4,9 +4,9 @@ import ast
 from collections.abc import Iterable
 from functools import singledispatch
 from itertools import pairwise
+from typing import Final
 
 from rtron.sources.code import ir
-from rtron.sources.code.frontends.python.operators import BINARY, COMPARE, UNARY
 from rtron.sources.code.frontends.python.parameters import lower_parameters
 from rtron.sources.code.frontends.python.source_file import SourceFile
 from rtron.sources.code.ir import Expr
@@ -246,3 +246,40 @@ def _lower_yield(node: ast.expr, value: Expr | None, source: SourceFile) -> Expr
     """Put a `yield` before its statement; what it gives back is not known."""
     source.preceding.append(ir.Yield(value))
     return ir.Opaque((), source.snippet(node))
+
+
+BINARY: Final[dict[type[ast.operator], str]] = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.FloorDiv: "//",
+    ast.Mod: "%",
+    ast.Pow: "**",
+    ast.MatMult: "@",
+    ast.LShift: "<<",
+    ast.RShift: ">>",
+    ast.BitAnd: "&",
+    ast.BitOr: "|",
+    ast.BitXor: "^",
+}
+IN_PLACE: Final = frozenset({"+", "|"})
+"""Those that change a list, a set or a dict itself under an augmented assignment, `a += b`."""
+UNARY: Final[dict[type[ast.unaryop], str]] = {
+    ast.Not: "not",
+    ast.USub: "-",
+    ast.UAdd: "+",
+    ast.Invert: "~",
+}
+COMPARE: Final[dict[type[ast.cmpop], str]] = {
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+    ast.Is: "is",
+    ast.IsNot: "is not",
+    ast.In: "in",
+    ast.NotIn: "not in",
+}

@@ -6,35 +6,36 @@ from collections.abc import Callable, Iterable, Iterator
 from rtron.sources.code import ir
 from rtron.sources.code.frontends.python.expressions import lower_expression
 from rtron.sources.code.frontends.python.source_file import SourceFile
-from rtron.sources.code.ir import Expr, Stmt
 
-_Statements = Callable[[Iterable[ast.stmt], SourceFile], tuple[Stmt, ...]]
+_Statements = Callable[[Iterable[ast.stmt], SourceFile], tuple[ir.Stmt, ...]]
 _TRUE = ir.Const(value=True)
 
 
-def lower_match(node: ast.Match, source: SourceFile, statements: _Statements) -> tuple[Stmt, ...]:
+def lower_match(
+    node: ast.Match, source: SourceFile, statements: _Statements
+) -> tuple[ir.Stmt, ...]:
     """Lower a `match`: the subject gets a name of its own, no name of the file's."""
     subject = ir.Name(f"<match {node.lineno}>")
     value = lower_expression(node.subject, source)
-    chain: tuple[Stmt, ...] = ()
+    chain: tuple[ir.Stmt, ...] = ()
     for case in reversed(node.cases):
         test = _all_of(_case_tests(case, subject, source))
         chain = (ir.If(test, statements(case.body, source), chain, case.pattern.lineno),)
     return (ir.Assign((subject,), value, node.lineno), *chain)
 
 
-def _case_tests(case: ast.match_case, subject: Expr, source: SourceFile) -> Iterator[Expr]:
+def _case_tests(case: ast.match_case, subject: ir.Expr, source: SourceFile) -> Iterator[ir.Expr]:
     yield from _tests(case.pattern, subject, source)
     if case.guard is not None:
         yield lower_expression(case.guard, source)
 
 
-def _all_of(tests: Iterable[Expr]) -> Expr:
+def _all_of(tests: Iterable[ir.Expr]) -> ir.Expr:
     found = tuple(tests) or (_TRUE,)
     return found[0] if len(found) == 1 else ir.Logic("and", found)
 
 
-def _tests(pattern: ast.pattern, subject: Expr, source: SourceFile) -> Iterator[Expr]:
+def _tests(pattern: ast.pattern, subject: ir.Expr, source: SourceFile) -> Iterator[ir.Expr]:
     """Yield what must hold for a pattern, in order; what it binds is bound among them."""
     if isinstance(pattern, ast.MatchValue):
         value = lower_expression(pattern.value, source)
@@ -54,13 +55,15 @@ def _tests(pattern: ast.pattern, subject: Expr, source: SourceFile) -> Iterator[
         yield from _class_tests(pattern, subject, source)
 
 
-def _binding(name: str | None, value: Expr) -> Iterator[Expr]:
+def _binding(name: str | None, value: ir.Expr) -> Iterator[ir.Expr]:
     """Yield a test that binds a name and always holds: what is not empty counts as true."""
     if name:
         yield ir.SequenceExpr((ir.AssignExpr(ir.Name(name), value),), "tuple")
 
 
-def _mapping_tests(pattern: ast.MatchMapping, subject: Expr, source: SourceFile) -> Iterator[Expr]:
+def _mapping_tests(
+    pattern: ast.MatchMapping, subject: ir.Expr, source: SourceFile
+) -> Iterator[ir.Expr]:
     yield _is_instance(subject, "dict", pattern)
     for key, inner in zip(pattern.keys, pattern.patterns, strict=True):
         lowered = lower_expression(key, source)
@@ -70,8 +73,8 @@ def _mapping_tests(pattern: ast.MatchMapping, subject: Expr, source: SourceFile)
 
 
 def _sequence_tests(
-    pattern: ast.MatchSequence, subject: Expr, source: SourceFile
-) -> Iterator[Expr]:
+    pattern: ast.MatchSequence, subject: ir.Expr, source: SourceFile
+) -> Iterator[ir.Expr]:
     parts = pattern.patterns
     starred = [at for at, part in enumerate(parts) if isinstance(part, ast.MatchStar)]
     yield ir.Unary("not", _is_instance(subject, "str", pattern))
@@ -86,7 +89,9 @@ def _sequence_tests(
             yield from _tests(part, ir.Index(subject, ir.Const(index)), source)
 
 
-def _class_tests(pattern: ast.MatchClass, subject: Expr, source: SourceFile) -> Iterator[Expr]:
+def _class_tests(
+    pattern: ast.MatchClass, subject: ir.Expr, source: SourceFile
+) -> Iterator[ir.Expr]:
     cls = lower_expression(pattern.cls, source)
     yield ir.Call(ir.Name("isinstance"), (subject, cls), line=pattern.lineno)
     for name, inner in zip(pattern.kwd_attrs, pattern.kwd_patterns, strict=True):
@@ -102,5 +107,5 @@ def _is_builtin(cls: ast.expr) -> bool:
     return isinstance(cls, ast.Name) and cls.id in names
 
 
-def _is_instance(subject: Expr, kind: str, pattern: ast.pattern) -> Expr:
+def _is_instance(subject: ir.Expr, kind: str, pattern: ast.pattern) -> ir.Expr:
     return ir.Call(ir.Name("isinstance"), (subject, ir.Name(kind)), line=pattern.lineno)

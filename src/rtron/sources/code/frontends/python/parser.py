@@ -14,6 +14,7 @@ from rtron.sources.code.frontends.python.python2_syntax import as_python3
 from rtron.sources.code.frontends.python.python312_syntax import as_python311
 from rtron.sources.code.frontends.python.tokenizer import indentation, statements
 from rtron.sources.code.ir import SourceProblem
+from rtron.vocabulary import UnresolvedCause
 
 _HEAD_WITHOUT_BODY = re.compile(r"expected an indented block.* on line (\d+)")
 
@@ -86,7 +87,8 @@ class RecoverableText:
         self._lines[first - 1 : last] = [""] * (min(last, len(self._lines)) - first + 1)
 
     def _add_problem(self, line: int, error: SyntaxError, what: str) -> None:
-        self.problems.append(SourceProblem(line, f"{what}: {error.msg}"))
+        why = f"{what}: {error.msg}"
+        self.problems.append(SourceProblem(line, why, UnresolvedCause.SYNTAX_ERROR))
 
 
 def _spans(text: str) -> list[StatementSpan]:

@@ -4,9 +4,9 @@ What changed is listed in "What's New In Python 3.0" and PEPs 3105, 3109, 3110, 
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
-from rtron.sources.code.frontends.python.edits import Edit, apply_edits
 from rtron.sources.code.frontends.python.tokenizer import (
     Token,
     bracket_depth_after,
@@ -14,6 +14,25 @@ from rtron.sources.code.frontends.python.tokenizer import (
     statements,
     top_level_indices,
 )
+
+
+class Edit(NamedTuple):
+    """Text from `start` to `end` is replaced."""
+
+    start: int
+    end: int
+    text: str
+
+
+def apply_edits(text: str, edits: Iterable[Edit]) -> str:
+    """Return a text with its edits made; of two that overlap the first counts."""
+    pieces, done = [], 0
+    for edit in sorted(edits, key=lambda edit: (edit.start, edit.end)):
+        if edit.start >= done:
+            pieces += [text[done : edit.start], edit.text]
+            done = edit.end
+    return "".join([*pieces, text[done:]])
+
 
 TUPLE_PARAMETER = "_tuple_"
 _LONG = re.compile(r"(0[xXoObB]\w+|\d+)[lL]")

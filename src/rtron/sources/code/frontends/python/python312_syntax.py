@@ -7,7 +7,7 @@ Type parameters and `type X = ...` go (PEP 695): what they say is no value.
 import re
 from collections.abc import Iterator
 
-from rtron.sources.code.frontends.python.edits import Edit, apply_edits
+from rtron.sources.code.frontends.python.python2_syntax import Edit, apply_edits
 from rtron.sources.code.frontends.python.tokenizer import Token, bracket_depth_after, statements
 
 _STRING_START = re.compile(r"(?i)(?<!\w)([ubrft]{0,3})(\"\"\"|'''|\"|')")

@@ -6,12 +6,13 @@ from functools import singledispatch
 
 from rtron.sources.code import ir
 from rtron.sources.code.frontends.python.expressions import (
+    BINARY,
+    IN_PLACE,
     lower_expression,
     lower_expressions,
     lower_optional,
 )
 from rtron.sources.code.frontends.python.match_statement import lower_match
-from rtron.sources.code.frontends.python.operators import BINARY, IN_PLACE
 from rtron.sources.code.frontends.python.parameters import (
     annotation_type,
     dotted_name,
@@ -19,9 +20,8 @@ from rtron.sources.code.frontends.python.parameters import (
 )
 from rtron.sources.code.frontends.python.python2_syntax import TUPLE_PARAMETER
 from rtron.sources.code.frontends.python.source_file import SourceFile
-from rtron.sources.code.ir import Expr, Stmt
 
-_Stmts = tuple[Stmt, ...]
+_Stmts = tuple[ir.Stmt, ...]
 
 
 def lower_statements(nodes: Iterable[ast.stmt], source: SourceFile) -> _Stmts:
@@ -223,7 +223,7 @@ def _unpack_tuple_parameters(node: ast.arguments, source: SourceFile) -> _Stmts:
 @_lower.register
 def _(node: ast.ClassDef, source: SourceFile) -> _Stmts:
     decorators = lower_expressions(node.decorator_list, source)
-    bases: tuple[Expr, ...] = lower_expressions(node.bases, source)
+    bases: tuple[ir.Expr, ...] = lower_expressions(node.bases, source)
     outer, source.class_name = source.class_name, node.name
     body = (*_annotated_fields(node), *lower_statements(node.body, source))
     source.class_name = outer

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from rtron.sources.code.ir import Class, Function, TypeRef
+from rtron.sources.code import ir
 from rtron.sources.code.record import record
 
 MAX_CHOICES = 24
@@ -32,7 +32,7 @@ class Unknown:
 
     label: str = "?"
     tainted: bool = False
-    type: TypeRef | None = None
+    type: ir.TypeRef | None = None
 
 
 @record(frozen=True, slots=True)
@@ -59,8 +59,8 @@ class Instance:
 
     type: "ClassValue | LibraryClass"
     fields: dict[Any, "Value"] = field(default_factory=dict)
-    types: tuple[TypeRef, ...] = ()
-    bindings: dict[str, tuple[TypeRef, ...]] = field(default_factory=dict)
+    types: tuple[ir.TypeRef, ...] = ()
+    bindings: dict[str, tuple[ir.TypeRef, ...]] = field(default_factory=dict)
 
 
 @dataclass(eq=False, slots=True)
@@ -72,7 +72,7 @@ class ListValue:
 
     fields: dict[Any, Any] = field(default_factory=dict)
     kind: str = "list"
-    type: TypeRef | None = None
+    type: ir.TypeRef | None = None
 
     @property
     def items(self) -> tuple["Value", ...]:
@@ -98,7 +98,7 @@ class MapValue:
     iterates_pairs: bool = False
     default_factory: Callable[[], "Value"] | None = None
     is_namespace: bool = False
-    type: TypeRef | None = None
+    type: ir.TypeRef | None = None
 
     @property
     def entries(self) -> dict[Any, "Value"]:
@@ -140,16 +140,16 @@ class FunctionValue:
     boost::bind).
     """
 
-    function: Function
+    function: ir.Function
     closure: Any = None
     owner: "Value | None" = None
     bound_arguments: tuple["Value", ...] = ()
     cls: "ClassValue | None" = None
-    types: tuple[TypeRef, ...] = ()
-    overloads: tuple[Function, ...] = ()
+    types: tuple[ir.TypeRef, ...] = ()
+    overloads: tuple[ir.Function, ...] = ()
     bound_keywords: Mapping[str, "Value"] = field(default_factory=dict)
 
-    def with_overload(self, function: Function) -> "FunctionValue":
+    def with_overload(self, function: ir.Function) -> "FunctionValue":
         """Return the same call of one of its overloads."""
         return FunctionValue(
             function,
@@ -173,7 +173,7 @@ class BindPlaceholder:
 class ClassValue:
     """A scanned class: its bases, and what stands in its body."""
 
-    definition: Class
+    definition: ir.Class
     bases: tuple["Value", ...] = ()
     fields: dict[Any, "Value"] = field(default_factory=dict)
     closure: Any = None
@@ -212,7 +212,7 @@ class LibraryFunction:
     name: str
     call: Callable[..., "Value"]
     owner: Any = None
-    types: tuple[TypeRef, ...] = ()
+    types: tuple[ir.TypeRef, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

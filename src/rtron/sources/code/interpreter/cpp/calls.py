@@ -2,22 +2,13 @@
 
 from dataclasses import dataclass, field, replace
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    UNKNOWN,
-    BindPlaceholder,
-    ClassValue,
-    FunctionValue,
-    Instance,
-    ListValue,
-    MapValue,
-    Value,
-)
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.cpp.braces import construct_braced, is_braces
 from rtron.sources.code.interpreter.cpp.types import CppTypes
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments, bind_parameters
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
-from rtron.sources.code.ir import Expr, Function, Param
 from rtron.sources.code.library_models.common.containers import copy_instance
 
 
@@ -27,7 +18,7 @@ class CppCalls(CppTypes):
 
     machine: AbstractMachine = field(init=False)
 
-    def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
+    def call_frame(self, called: av.FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame of a call: parameters bound, references to the caller's slots."""
         function = called.function
         passed = _with_bound_arguments(called, arguments)
@@ -44,7 +35,7 @@ class CppCalls(CppTypes):
             constants={param.name: param.constant for param in function.params},
         )
 
-        def default(node: Expr) -> Value:
+        def default(node: ir.Expr) -> av.Value:
             types = frame.types
             around = StackFrame(file=function.file, scope=frame.scope, this=frame.this, types=types)
             return self.machine.evaluate(node, around)
@@ -59,18 +50,18 @@ class CppCalls(CppTypes):
                 value = frame.variables[param.name]
                 if param.reference and not is_braces(value):
                     continue
-                if isinstance(value, (Instance, ListValue, MapValue)):
+                if isinstance(value, (av.Instance, av.ListValue, av.MapValue)):
                     frame.variables[param.name] = self._copy_argument(value, param, frame)
         return frame
 
-    def _scope_of(self, function: Function) -> str:
+    def _scope_of(self, function: ir.Function) -> str:
         """Return the scope of a function's names: its own, if it has classes of its own."""
         name = function.name
         return name if name in self.symbols.local_scopes else name.rpartition("::")[0]
 
-    def _copy_argument(self, value: Value, param: Param, frame: StackFrame) -> Value:
+    def _copy_argument(self, value: av.Value, param: ir.Param, frame: StackFrame) -> av.Value:
         """Return what a parameter without & and * holds: a copy, or what braces make."""
-        if isinstance(value, Instance) and isinstance(value.type, ClassValue) and param.type:
+        if isinstance(value, av.Instance) and isinstance(value.type, av.ClassValue) and param.type:
             return copy_instance(value) if self.class_of(param.type, frame) is value.type else value
         if is_braces(value):
             at = Arguments(line=frame.caller.line, frame=frame)
@@ -78,20 +69,20 @@ class CppCalls(CppTypes):
         return copy_container(value)
 
 
-def copy_container(value: Value) -> Value:
+def copy_container(value: av.Value) -> av.Value:
     """Return a list or map as a new one with the same items, any other value as it is."""
-    if isinstance(value, ListValue):
+    if isinstance(value, av.ListValue):
         return replace(value, fields=dict(value.fields))
-    return replace(value, fields=dict(value.fields)) if isinstance(value, MapValue) else value
+    return replace(value, fields=dict(value.fields)) if isinstance(value, av.MapValue) else value
 
 
-def _with_bound_arguments(called: FunctionValue, arguments: Arguments) -> Arguments:
+def _with_bound_arguments(called: av.FunctionValue, arguments: Arguments) -> Arguments:
     """Return the arguments with those that boost::bind gave."""
     if not called.bound_arguments:
         return arguments
     left = list(arguments.values)
     values = [
-        (left.pop(0) if left else UNKNOWN) if isinstance(value, BindPlaceholder) else value
+        (left.pop(0) if left else av.UNKNOWN) if isinstance(value, av.BindPlaceholder) else value
         for value in called.bound_arguments
     ]
     return arguments.with_values(*values, *left)

@@ -4,19 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    UNKNOWN,
-    ClassValue,
-    FunctionValue,
-    Instance,
-    LibraryClass,
-    ListValue,
-    MapValue,
-    Unknown,
-    Value,
-)
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.cpp.braces import construct_braced, is_braces, type_of_target
 from rtron.sources.code.interpreter.cpp.calls import CppCalls
 from rtron.sources.code.interpreter.cpp.iterators import ITERATOR, dereference, is_end
@@ -28,19 +17,6 @@ from rtron.sources.code.interpreter.execution.assignment import slot_of
 from rtron.sources.code.interpreter.execution.calls import note_passed_handle
 from rtron.sources.code.interpreter.execution.source_provider import PluginSource
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
-from rtron.sources.code.ir import (
-    BRACES,
-    Call,
-    Declare,
-    Expr,
-    Function,
-    MappingExpr,
-    Name,
-    New,
-    SequenceExpr,
-    Star,
-    TypeRef,
-)
 from rtron.sources.code.library_models.common.containers import copy_instance
 
 _MAX_DEPTH = 24
@@ -53,31 +29,33 @@ class CppObjects(CppCalls):
 
     _construction_stack: list[str] = field(default_factory=list)
 
-    def new(self, node: New, frame: StackFrame) -> Value:
+    def new(self, node: ir.New, frame: StackFrame) -> av.Value:
         """Make an object of a type."""
         arguments = self._evaluate_arguments(node, frame)
         given = arguments.values
         if node.braced and given and not _is_range_or_copy(node, given):
-            by_name = isinstance(node.args[0], MappingExpr)
-            value = given[0] if by_name else list_of(given, BRACES)
+            by_name = isinstance(node.args[0], ir.MappingExpr)
+            value = given[0] if by_name else av.list_of(given, ir.BRACES)
             if self.class_of(node.type, frame) is not None:
                 return construct_braced(self.machine, node.type, value, arguments)
         return self.construct(node.type, arguments)
 
-    def convert_braces(self, type: TypeRef | None, value: Value, frame: StackFrame) -> Value:
+    def convert_braces(
+        self, type: ir.TypeRef | None, value: av.Value, frame: StackFrame
+    ) -> av.Value:
         """Return what braces make of a type."""
         return construct_braced(self.machine, type, value, Arguments(frame=frame))
 
-    def braces_for(self, target: Expr, value: Value, frame: StackFrame) -> Value:
+    def braces_for(self, target: ir.Expr, value: av.Value, frame: StackFrame) -> av.Value:
         """Return what braces make that are assigned."""
         return self.convert_braces(type_of_target(self.machine, target, frame), value, frame)
 
-    def construct(self, type: TypeRef, arguments: Arguments) -> Value:
+    def construct(self, type: ir.TypeRef, arguments: Arguments) -> av.Value:
         """Make an object of a type from values."""
         frame = arguments.frame
         found = self.class_of(type, frame)
         resolved = self.resolve_type(type, frame)
-        if isinstance(found, ClassValue):
+        if isinstance(found, av.ClassValue):
             return self.construct_instance(found, arguments, resolved.args)
         if found is not None and found.construct is not None:
             typed = Arguments(
@@ -90,17 +68,17 @@ class CppObjects(CppCalls):
             return found.construct(self.machine, typed)
         self.machine.escape_arguments(arguments)
         if found is not None:
-            return Instance(found, {}, resolved.args)
+            return av.Instance(found, {}, resolved.args)
         note_passed_handle(self.machine, resolved.name, arguments)
-        return Unknown(resolved.name, type=resolved)
+        return av.Unknown(resolved.name, type=resolved)
 
-    def instantiate(self, called: Value, arguments: Arguments) -> Value:
+    def instantiate(self, called: av.Value, arguments: Arguments) -> av.Value:
         """Make an object of a scanned class: bases, members, then its constructor."""
-        if isinstance(called, ClassValue):
+        if isinstance(called, av.ClassValue):
             return self.construct_instance(called, arguments, arguments.types)
-        return Unknown("object")
+        return av.Unknown("object")
 
-    def create_plugin(self, name: str, base: str, arguments: Arguments) -> Value | None:
+    def create_plugin(self, name: str, base: str, arguments: Arguments) -> av.Value | None:
         """Make the object of a plugin, its library's sources taken in first."""
         found = self.files.find_plugin(name, base)
         if found is None:
@@ -114,14 +92,14 @@ class CppObjects(CppCalls):
         is_known = first in MODELLED_FOLDERS or self.files.package_path(first) is not None
         return first if rest and not is_known else ""
 
-    def load_functions(self, sources: tuple[Path, ...], name: str) -> tuple[Function, ...]:
+    def load_functions(self, sources: tuple[Path, ...], name: str) -> tuple[ir.Function, ...]:
         """Take in sources, and return the functions of a name that they define."""
         for source in sources:
             self.symbols.load(source)
         ours = set(map(str, sources))
         return tuple(f for f in self.symbols.functions.get(name, ()) if f.file in ours)
 
-    def _load_plugin_class(self, found: PluginSource) -> ClassValue | None:
+    def _load_plugin_class(self, found: PluginSource) -> av.ClassValue | None:
         """Take in a plugin's sources: those that name its class, the others only if need be."""
         plain = found.class_name.partition("<")[0].rpartition("::")[2]
         for source in self.files.sources_containing(found.sources, plain):
@@ -131,28 +109,28 @@ class CppObjects(CppCalls):
             self.symbols.load(source)
         return cls or self._class_by_alias(found.class_name)
 
-    def _class_by_alias(self, name: str) -> ClassValue | None:
+    def _class_by_alias(self, name: str) -> av.ClassValue | None:
         """Return a class by its name, `using Plugin = Template<T>` followed."""
-        found = self.class_of(TypeRef(name.partition("<")[0].strip()), StackFrame(file=""))
-        return found if isinstance(found, ClassValue) else None
+        found = self.class_of(ir.TypeRef(name.partition("<")[0].strip()), StackFrame(file=""))
+        return found if isinstance(found, av.ClassValue) else None
 
     def default_value(
-        self, type: TypeRef | None, frame: StackFrame, *, pointer: bool = False, line: int = 0
-    ) -> Value:
+        self, type: ir.TypeRef | None, frame: StackFrame, *, pointer: bool = False, line: int = 0
+    ) -> av.Value:
         """Return what a variable without an initialiser holds."""
         if type is None or pointer:
-            return NONE if pointer else UNKNOWN
+            return av.NONE if pointer else av.UNKNOWN
         found = self.class_of(type, frame)
         if found is None:
-            return Unknown(type.name.rpartition("::")[2], type=self.resolve_type(type, frame))
+            return av.Unknown(type.name.rpartition("::")[2], type=self.resolve_type(type, frame))
         return self.construct(type, Arguments(line=line, frame=frame))
 
-    def initial_value(self, node: Declare, frame: StackFrame) -> Value:
+    def initial_value(self, node: ir.Declare, frame: StackFrame) -> av.Value:
         """Return what a variable or member begins with."""
         if node.value is None:
             return self.default_value(node.type, frame, pointer=node.pointer, line=node.line)
         value = self.machine.evaluate(node.value, frame)
-        if isinstance(node.value, Name):
+        if isinstance(node.value, ir.Name):
             value = dereference(value)
         if node.type is not None and not node.pointer and is_braces(value):
             at = Arguments(line=node.line, frame=frame)
@@ -164,18 +142,18 @@ class CppObjects(CppCalls):
         return value
 
     def construct_instance(
-        self, cls: ClassValue, arguments: Arguments, types: tuple[TypeRef, ...]
-    ) -> Instance:
+        self, cls: av.ClassValue, arguments: Arguments, types: tuple[ir.TypeRef, ...]
+    ) -> av.Instance:
         """Return an object of a scanned class, made from values, or as a copy of another one."""
         copied = copy_instance(arguments.value(0)) if self._is_copy(cls, arguments) else None
-        if isinstance(copied, Instance):
+        if isinstance(copied, av.Instance):
             return copied
-        made = Instance(cls, {}, types)
+        made = av.Instance(cls, {}, types)
         self.machine.instances.append(made)
         self._run_class_part(made, cls, arguments)
         return made
 
-    def _is_copy(self, cls: ClassValue, arguments: Arguments) -> bool:
+    def _is_copy(self, cls: av.ClassValue, arguments: Arguments) -> bool:
         """Tell whether an object is made of one of its class, which has no constructor for that."""
         given = len(arguments.values) == 1 and _is_instance_of(arguments.values[0], cls.name)
         declared = (f.params[0].type for f in self.overloads(cls.constructor) if f.params)
@@ -183,10 +161,10 @@ class CppObjects(CppCalls):
 
     def _run_class_part(
         self,
-        made: Instance,
-        cls: ClassValue,
+        made: av.Instance,
+        cls: av.ClassValue,
         arguments: Arguments,
-        candidates: tuple[Function, ...] = (),
+        candidates: tuple[ir.Function, ...] = (),
     ) -> None:
         """Run one class's part of making an object; `candidates` are its constructors.
 
@@ -204,7 +182,7 @@ class CppObjects(CppCalls):
         finally:
             self._construction_stack.pop()
 
-    def _note_unmade(self, cls: ClassValue, arguments: Arguments) -> None:
+    def _note_unmade(self, cls: av.ClassValue, arguments: Arguments) -> None:
         """Note an object that is made within too many others, if to make it could join nodes."""
         made = self.overloads(cls.constructor)
         if any(self.machine.is_relevant(self.machine, function) for function in made):
@@ -213,10 +191,10 @@ class CppObjects(CppCalls):
 
     def _run_constructor(
         self,
-        made: Instance,
-        cls: ClassValue,
+        made: av.Instance,
+        cls: av.ClassValue,
         arguments: Arguments,
-        candidates: tuple[Function, ...],
+        candidates: tuple[ir.Function, ...],
     ) -> None:
         self.machine.note_passed_functions(arguments)
         made.bindings.setdefault(cls.name, made.types)
@@ -226,7 +204,7 @@ class CppObjects(CppCalls):
             self._initialise_aggregate(made, cls, arguments)
             return
         chosen = choose_overload(constructors, arguments)
-        frame = self.call_frame(FunctionValue(chosen, owner=made, cls=cls), arguments)
+        frame = self.call_frame(av.FunctionValue(chosen, owner=made, cls=cls), arguments)
         initialisers = dict(chosen.initialisers)
         own = next((key for key in initialisers if _is_delegation(key, cls)), None)
         if own is not None:
@@ -238,7 +216,7 @@ class CppObjects(CppCalls):
         self.machine.run(chosen, frame)
 
     def _delegate_constructor(
-        self, made: Instance, cls: ClassValue, arguments: Arguments, delegating: Function
+        self, made: av.Instance, cls: av.ClassValue, arguments: Arguments, delegating: ir.Function
     ) -> None:
         """`Foo(int a) : Foo(a, 0)`: another constructor of the class runs first."""
         others = [f for f in self.overloads(cls.constructor) if f is not delegating]
@@ -247,17 +225,17 @@ class CppObjects(CppCalls):
 
     def _initialise_members(
         self,
-        made: Instance,
-        cls: ClassValue,
+        made: av.Instance,
+        cls: av.ClassValue,
         initialisers: Mapping[str, tuple[object, ...]],
         frame: StackFrame,
         inherited: Arguments | None = None,
     ) -> None:
         """Make the bases and members; a class without constructors hands on what it is given."""
         for base, reference in zip(cls.bases, cls.definition.bases, strict=True):
-            if isinstance(reference, TypeRef):
+            if isinstance(reference, ir.TypeRef):
                 given = self._given_to_base(reference, base, initialisers, frame)
-                if isinstance(base, (ClassValue, LibraryClass)):
+                if isinstance(base, (av.ClassValue, av.LibraryClass)):
                     made.bindings[base.name] = self.template_arguments(reference, frame)
                 passed = inherited or self._initialiser_arguments(given, frame)
                 self._initialise_base(made, base, passed)
@@ -267,8 +245,8 @@ class CppObjects(CppCalls):
 
     def _given_to_base(
         self,
-        reference: TypeRef,
-        base: Value,
+        reference: ir.TypeRef,
+        base: av.Value,
         initialisers: Mapping[str, tuple[object, ...]],
         frame: StackFrame,
     ) -> tuple[object, ...]:
@@ -276,11 +254,13 @@ class CppObjects(CppCalls):
         given = _given_to_base(initialisers, reference.name)
         if given:
             return given
-        named = (key for key in initialisers if self.class_of(TypeRef(key), frame) is base)
+        named = (key for key in initialisers if self.class_of(ir.TypeRef(key), frame) is base)
         key = next(named, None)
         return initialisers[key] if key is not None else ()
 
-    def _initialise_aggregate(self, made: Instance, cls: ClassValue, arguments: Arguments) -> None:
+    def _initialise_aggregate(
+        self, made: av.Instance, cls: av.ClassValue, arguments: Arguments
+    ) -> None:
         """`Point{1, 2}`, `Point{.y = 2}` of a class without constructors and bases."""
         if cls.bases:
             return
@@ -288,7 +268,7 @@ class CppObjects(CppCalls):
         members = [member for member in cls.definition.fields if not member.static]
         given = dict(zip([member.name for member in members], arguments.values, strict=False))
         first = arguments.get(0)
-        if isinstance(first, MapValue) and not first.iterates_pairs:
+        if isinstance(first, av.MapValue) and not first.iterates_pairs:
             given = first.fields
         for member in members:
             if member.name in given:
@@ -297,80 +277,80 @@ class CppObjects(CppCalls):
 
     def _initialiser_arguments(self, given: tuple[object, ...], frame: StackFrame) -> Arguments:
         line = frame.function.line if frame.function else 0
-        args = given[0].items if given and isinstance(given[0], SequenceExpr) else given
-        return self._evaluate_arguments(New(TypeRef("base"), args, line), frame)  # type: ignore[arg-type]
+        args = given[0].items if given and isinstance(given[0], ir.SequenceExpr) else given
+        return self._evaluate_arguments(ir.New(ir.TypeRef("base"), args, line), frame)  # type: ignore[arg-type]
 
-    def _initialise_base(self, made: Instance, base: Value, arguments: Arguments) -> None:
-        if isinstance(base, ClassValue):
+    def _initialise_base(self, made: av.Instance, base: av.Value, arguments: Arguments) -> None:
+        if isinstance(base, av.ClassValue):
             self._run_class_part(made, base, arguments)
-        elif isinstance(base, LibraryClass) and base.construct is not None:
+        elif isinstance(base, av.LibraryClass) and base.construct is not None:
             typed = replace(arguments, types=made.bindings.get(base.name, ()))
             part = base.construct(self.machine, typed)
-            made.fields.update(part.fields if isinstance(part, Instance) else {})
+            made.fields.update(part.fields if isinstance(part, av.Instance) else {})
 
     def _member_value(
-        self, member: Declare, initialisers: Mapping[str, tuple[object, ...]], frame: StackFrame
-    ) -> Value:
+        self, member: ir.Declare, initialisers: Mapping[str, tuple[object, ...]], frame: StackFrame
+    ) -> av.Value:
         if member.name not in initialisers:
             return self.initial_value(member, frame)
         given = initialisers[member.name]
         line = frame.function.line if frame.function else member.line
-        braced = len(given) == 1 and isinstance(given[0], SequenceExpr)
-        args = given[0].items if braced and isinstance(given[0], SequenceExpr) else given
-        node = New(member.type or TypeRef("auto"), args, line, braced)  # type: ignore[arg-type]
+        braced = len(given) == 1 and isinstance(given[0], ir.SequenceExpr)
+        args = given[0].items if braced and isinstance(given[0], ir.SequenceExpr) else given
+        node = ir.New(member.type or ir.TypeRef("auto"), args, line, braced)  # type: ignore[arg-type]
         if member.pointer or member.reference or member.type is None:
             values = self._evaluate_arguments(node, frame).values
-            return values[0] if values else NONE
+            return values[0] if values else av.NONE
         if len(args) == 1 and self.class_of(member.type, frame) is None:
             return self._evaluate_arguments(node, frame).values[0]
         return self.new(node, frame)
 
-    def _class_frame(self, made: Instance, cls: ClassValue) -> StackFrame:
+    def _class_frame(self, made: av.Instance, cls: av.ClassValue) -> StackFrame:
         written = made.bindings.get(cls.name, made.types)
         types = template_types(cls.definition, written)
         return StackFrame(file=cls.definition.file, scope=cls.name, this=made, cls=cls, types=types)
 
-    def _evaluate_arguments(self, node: New, frame: StackFrame) -> Arguments:
-        values: list[Value] = []
+    def _evaluate_arguments(self, node: ir.New, frame: StackFrame) -> Arguments:
+        values: list[av.Value] = []
         for arg in node.args:
             value = self.machine.evaluate(arg, frame)
-            values.extend(items_of(value)[0] if isinstance(arg, Star) else (value,))
+            values.extend(av.items_of(value)[0] if isinstance(arg, ir.Star) else (value,))
         if not any(map(is_end, values)):
             values = [dereference(value) for value in values]
         slots = tuple([slot_of(self.machine, arg, frame) for arg in node.args])
         return Arguments(values=tuple(values), slots=slots, line=node.line, frame=frame)
 
 
-def _is_instance_of(value: Value | None, name: str) -> bool:
+def _is_instance_of(value: av.Value | None, name: str) -> bool:
     """Tell whether a value is an object of a scanned class of a plain name."""
-    type = value.type if isinstance(value, Instance) else None
-    return isinstance(type, ClassValue) and _is_named(type, name)
+    type = value.type if isinstance(value, av.Instance) else None
+    return isinstance(type, av.ClassValue) and _is_named(type, name)
 
 
-def _is_named(type: ClassValue | TypeRef, name: str) -> bool:
+def _is_named(type: av.ClassValue | ir.TypeRef, name: str) -> bool:
     """Tell whether a class has a plain name."""
     return type.name.rpartition("::")[2] == name.rpartition("::")[2]
 
 
-def _is_range_or_copy(node: New, values: tuple[Value, ...]) -> bool:
+def _is_range_or_copy(node: ir.New, values: tuple[av.Value, ...]) -> bool:
     """`std::vector<T> v{other}` copies, `v{xs.begin(), xs.end()}` takes a range."""
-    copies = len(values) == 1 and not isinstance(node.args[0], (SequenceExpr, MappingExpr))
+    copies = len(values) == 1 and not isinstance(node.args[0], (ir.SequenceExpr, ir.MappingExpr))
     first = values[0] if values else None
     copied = copies and (
-        isinstance(first, (ListValue, MapValue)) or _is_instance_of(first, node.type.name)
+        isinstance(first, (av.ListValue, av.MapValue)) or _is_instance_of(first, node.type.name)
     )
-    return copied or (isinstance(first, Instance) and first.type is ITERATOR)
+    return copied or (isinstance(first, av.Instance) and first.type is ITERATOR)
 
 
-def _is_delegation(name: str, cls: ClassValue) -> bool:
+def _is_delegation(name: str, cls: av.ClassValue) -> bool:
     """Tell whether an initialiser names the class itself: another constructor runs first."""
     full = f"::{cls.name}"
     constructor = full + full[full.rindex("::") :]
     return full.endswith(f"::{name}") or constructor.endswith(f"::{name}")
 
 
-def _is_temporary(node: Expr) -> bool:
-    return isinstance(node, (New, Call))
+def _is_temporary(node: ir.Expr) -> bool:
+    return isinstance(node, (ir.New, ir.Call))
 
 
 def _given_to_base(initialisers: Mapping[str, tuple[object, ...]], name: str) -> tuple[object, ...]:

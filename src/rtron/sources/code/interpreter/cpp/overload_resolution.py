@@ -2,19 +2,9 @@
 
 from collections.abc import Mapping
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    ClassValue,
-    FunctionValue,
-    Instance,
-    ListValue,
-    MapValue,
-    Scalar,
-    Unknown,
-    Value,
-    is_text,
-)
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.ir import Function, Param, TypeRef
 
 _NUMBERS = {"int", "double", "float", "bool", "long", "short", "size_t", "uint32_t", "int32_t"}
 _FLOATS = {"double", "float"}
@@ -23,7 +13,7 @@ _LISTS = {"initializer_list", "vector", "list", "deque", "set", "array", "map", 
 _LIST_SCORE = 3
 
 
-def choose_overload(functions: tuple[Function, ...], arguments: Arguments) -> Function:
+def choose_overload(functions: tuple[ir.Function, ...], arguments: Arguments) -> ir.Function:
     """Return the function that fits a call best: by the number of arguments, then their types.
 
     `template <> void f<int>()` fits a call of `f<int>`, and no other.
@@ -39,7 +29,7 @@ def choose_overload(functions: tuple[Function, ...], arguments: Arguments) -> Fu
     return max(fitting, key=lambda function: _score(function, arguments))
 
 
-def hides(inner: tuple[Function, ...], outer: tuple[Function, ...]) -> bool:
+def hides(inner: tuple[ir.Function, ...], outer: tuple[ir.Function, ...]) -> bool:
     """Tell whether methods of a class only hide those of its base, which its base's code calls.
 
     A method overrides one of the same parameters; no other is visible in the base.
@@ -48,19 +38,19 @@ def hides(inner: tuple[Function, ...], outer: tuple[Function, ...]) -> bool:
     return has_body and set(map(_type_names, inner)).isdisjoint(map(_type_names, outer))
 
 
-def _type_names(function: Function) -> tuple[str, ...]:
+def _type_names(function: ir.Function) -> tuple[str, ...]:
     types = (param.type for param in function.params)
     return tuple(type.name.rpartition("::")[2] if type else "" for type in types)
 
 
-def _of_types(functions: tuple[Function, ...], arguments: Arguments) -> tuple[Function, ...]:
+def _of_types(functions: tuple[ir.Function, ...], arguments: Arguments) -> tuple[ir.Function, ...]:
     """Return the functions that are specialised for a call's types, else those for any."""
     fitting = [f for f in functions if f.specialised == arguments.types[: len(f.specialised)]]
     special = [function for function in fitting if function.specialised]
     return tuple(special or fitting)
 
 
-def _accepts_count(function: Function, count: int) -> bool:
+def _accepts_count(function: ir.Function, count: int) -> bool:
     """Tell whether a function can be called with so many arguments."""
     most = len(function.params)
     least = [param for param in function.params if param.default is None and param.kind == "plain"]
@@ -69,14 +59,14 @@ def _accepts_count(function: Function, count: int) -> bool:
     )
 
 
-def _score(function: Function, arguments: Arguments) -> int:
+def _score(function: ir.Function, arguments: Arguments) -> int:
     pairs = zip(function.params, arguments.values, strict=False)
     given = dict(zip(function.template, arguments.types, strict=False))
     return sum([_parameter_score(param, value, function, given) for param, value in pairs])
 
 
 def _parameter_score(
-    param: Param, value: Value, function: Function, given: Mapping[str, TypeRef]
+    param: ir.Param, value: av.Value, function: ir.Function, given: Mapping[str, ir.TypeRef]
 ) -> int:
     """Tell how well a value fits a parameter, whose type the call's template arguments may give."""
     if param.type is None:
@@ -88,12 +78,12 @@ def _parameter_score(
     return found or int(bound is not None)
 
 
-def _unknown_type_score(type: str, value: Unknown) -> int:
+def _unknown_type_score(type: str, value: av.Unknown) -> int:
     """Tell whether an unknown object fits: it is called like its class."""
     return 3 if value.label.rpartition("::")[2] == f"{type}()" else 0
 
 
-def _number_score(type: str, value: Scalar) -> int:
+def _number_score(type: str, value: av.Scalar) -> int:
     """Tell how well a number fits: best where nothing of it is converted."""
     if isinstance(value.value, bool) or type == "bool":
         return 1 + (isinstance(value.value, bool) and type == "bool") if type in _NUMBERS else -1
@@ -101,22 +91,22 @@ def _number_score(type: str, value: Scalar) -> int:
     return 1 + (is_float == (type in _FLOATS)) if type in _NUMBERS else -1
 
 
-def _type_score(type: TypeRef, value: Value) -> int:
+def _type_score(type: ir.TypeRef, value: av.Value) -> int:
     last = type.name.rpartition("::")[2]
-    if isinstance(value, Unknown):
+    if isinstance(value, av.Unknown):
         return _unknown_type_score(last, value)
-    if is_text(value):
+    if av.is_text(value):
         return 2 if type.name in _TEXTS else -_is_scalar(type)
-    if isinstance(value, Scalar):
+    if isinstance(value, av.Scalar):
         return _number_score(last, value)
-    if isinstance(value, Instance):
+    if isinstance(value, av.Instance):
         name = value.type.name.rpartition("::")[2]
         return 3 if name == last or name in str(type) else -2 * _is_scalar(type)
-    if isinstance(value, (ListValue, MapValue)) and last in _LISTS:
+    if isinstance(value, (av.ListValue, av.MapValue)) and last in _LISTS:
         return _LIST_SCORE
-    is_object = isinstance(value, (FunctionValue, ClassValue, ListValue, MapValue))
+    is_object = isinstance(value, (av.FunctionValue, av.ClassValue, av.ListValue, av.MapValue))
     return -2 * _is_scalar(type) * is_object
 
 
-def _is_scalar(type: TypeRef) -> int:
+def _is_scalar(type: ir.TypeRef) -> int:
     return int(type.name in _NUMBERS or type.name in _TEXTS)

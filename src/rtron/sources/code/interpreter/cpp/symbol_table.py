@@ -5,18 +5,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from rtron.sources.code import ir
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
-from rtron.sources.code.ir import (
-    Class,
-    Declare,
-    Evaluate,
-    Function,
-    SourceLanguage,
-    TypeRef,
-    Unit,
-    alias_parameter,
-    substituted,
-)
 from rtron.sources.code.library_models.common.message_types import INTERFACE_FOLDERS, message_header
 
 MAX_FILES = 600
@@ -44,28 +34,28 @@ class SymbolTable:
 
     files: SourceProvider
     sources: tuple[Path, ...] = ()
-    functions: dict[str, list[Function]] = field(default_factory=dict)
-    classes: dict[str, Class] = field(default_factory=dict)
-    variables: dict[str, tuple[Declare, str]] = field(default_factory=dict)
-    aliases: dict[str, TypeRef] = field(default_factory=dict)
+    functions: dict[str, list[ir.Function]] = field(default_factory=dict)
+    classes: dict[str, ir.Class] = field(default_factory=dict)
+    variables: dict[str, tuple[ir.Declare, str]] = field(default_factory=dict)
+    aliases: dict[str, ir.TypeRef] = field(default_factory=dict)
     enums: dict[str, int | None] = field(default_factory=dict)
     usings: list[str] = field(default_factory=list)
     exports: list[tuple[str, str]] = field(default_factory=list)
-    units: dict[Path, Unit] = field(default_factory=dict)
-    _by_unqualified_name: dict[str, list[Function]] = field(default_factory=dict)
+    units: dict[Path, ir.Unit] = field(default_factory=dict)
+    _by_unqualified_name: dict[str, list[ir.Function]] = field(default_factory=dict)
     _methods: dict[str, list[str]] = field(default_factory=dict)
     _candidates: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
-    _resolved_types: dict[tuple[TypeRef, str], TypeRef] = field(default_factory=dict)
-    _resolved_plain_types: dict[tuple[str, str], TypeRef] = field(default_factory=dict)
-    _class_cache: dict[tuple[str, str], Class | None] = field(default_factory=dict)
+    _resolved_types: dict[tuple[ir.TypeRef, str], ir.TypeRef] = field(default_factory=dict)
+    _resolved_plain_types: dict[tuple[str, str], ir.TypeRef] = field(default_factory=dict)
+    _class_cache: dict[tuple[str, str], ir.Class | None] = field(default_factory=dict)
     _program_files: dict[str, bool] = field(default_factory=dict)
     _unqualified_names: set[str] = field(default_factory=set)
     version: int = 0
     _dependent_caches: list[dict[Any, Any]] = field(default_factory=list)
     _searched: set[tuple[str, str]] = field(default_factory=set)
     local_scopes: set[str] = field(default_factory=set)
-    stray: list[tuple[Evaluate, str]] = field(default_factory=list)
-    specialisations: dict[str, list[Class]] = field(default_factory=dict)
+    stray: list[tuple[ir.Evaluate, str]] = field(default_factory=list)
+    specialisations: dict[str, list[ir.Class]] = field(default_factory=dict)
     unread: list[Path] = field(default_factory=list)
     headers: set[str] = field(default_factory=set)
     _switches_by_label: dict[str, set[int]] = field(default_factory=dict)
@@ -82,7 +72,7 @@ class SymbolTable:
         if len(self.units) >= MAX_FILES and path not in self.sources:
             self.unread.append(path)
             return
-        unit = self.files.lowered_unit(path, SourceLanguage.CPP)
+        unit = self.files.lowered_unit(path, ir.SourceLanguage.CPP)
         self.units[path] = unit
         self.headers.update(include.strip('<>"') for include in unit.includes)
         for include in unit.includes:
@@ -104,7 +94,7 @@ class SymbolTable:
         is_apart = not switches.get(first, set()).isdisjoint(switches.get(second, set()))
         return False if is_apart else None
 
-    def load_definition(self, function: Function) -> bool:
+    def load_definition(self, function: ir.Function) -> bool:
         """Take in the sources that may define a function which is only declared so far.
 
         Those of its header's package; tell whether there are any.
@@ -128,7 +118,7 @@ class SymbolTable:
                 if name in macros and macros[name] != path:
                     yield path, line, name, macros[name]
 
-    def functions_named(self, plain: str) -> tuple[Function, ...]:
+    def functions_named(self, plain: str) -> tuple[ir.Function, ...]:
         """Return the functions whose last part is a name."""
         return tuple(self._by_unqualified_name.get(plain, ()))
 
@@ -171,7 +161,7 @@ class SymbolTable:
                 yield using + name[len(head) :]
             yield f"{using}::{name}"
 
-    def resolve_type(self, type: TypeRef, scope: str) -> TypeRef:
+    def resolve_type(self, type: ir.TypeRef, scope: str) -> ir.TypeRef:
         """Return a type with its typedefs and namespace aliases followed."""
         if not type.args:
             return self._resolve_plain(type, scope)
@@ -180,7 +170,7 @@ class SymbolTable:
             self._resolved_types[key] = self._follow_aliases(type, scope)
         return self._resolved_types[key]
 
-    def _resolve_plain(self, type: TypeRef, scope: str) -> TypeRef:
+    def _resolve_plain(self, type: ir.TypeRef, scope: str) -> ir.TypeRef:
         """Return what a type without arguments means: a text is faster to look up than a type."""
         key = type.name, scope
         found = self._resolved_plain_types.get(key)
@@ -188,7 +178,7 @@ class SymbolTable:
             found = self._resolved_plain_types[key] = self._follow_aliases(type, scope)
         return found
 
-    def _follow_aliases(self, type: TypeRef, scope: str) -> TypeRef:
+    def _follow_aliases(self, type: ir.TypeRef, scope: str) -> ir.TypeRef:
         for at in range(_MAX_ALIASES):
             known = self._alias_target(type, scope)
             if known is None:
@@ -196,7 +186,7 @@ class SymbolTable:
             type, scope = known
         return type
 
-    def _qualified_type(self, type: TypeRef, scope: str) -> TypeRef:
+    def _qualified_type(self, type: ir.TypeRef, scope: str) -> ir.TypeRef:
         """Return the type that an alias means by its full name, which holds in any scope."""
         found = (
             name
@@ -204,7 +194,7 @@ class SymbolTable:
             if name in self.classes or self._is_included_message(name)
         )
         name = next(found, None)
-        return type if name is None else TypeRef(name, type.args)
+        return type if name is None else ir.TypeRef(name, type.args)
 
     def _is_included_message(self, name: str) -> bool:
         """Tell whether a name is of a message of ROS 2 whose header a file includes."""
@@ -213,7 +203,7 @@ class SymbolTable:
         header = message_header(package, folder, plain.partition("::")[0])
         return folder in INTERFACE_FOLDERS and header in self.headers
 
-    def class_named(self, name: str, scope: str) -> Class | None:
+    def class_named(self, name: str, scope: str) -> ir.Class | None:
         """Return the scanned class that a name means."""
         key = name, scope
         if key not in self._class_cache:
@@ -223,19 +213,21 @@ class SymbolTable:
             self._class_cache[key] = next(filter(None, found), None)
         return self._class_cache[key]
 
-    def _alias_target(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
+    def _alias_target(self, type: ir.TypeRef, scope: str) -> tuple[ir.TypeRef, str] | None:
         for candidate in self.candidates(type.name, scope) if self.is_known_name(type.name) else ():
             if candidate in self.classes:
                 return None
             found = self.aliases.get(candidate)
             if found is not None and found != type:
                 inner = candidate.rpartition("::")[0]
-                given = {alias_parameter(at): arg for at, arg in enumerate(type.args)}
-                target = substituted(found, given)
-                return TypeRef(target.name, target.args or type.args), inner
+                given = {ir.alias_parameter(at): arg for at, arg in enumerate(type.args)}
+                target = ir.substituted(found, given)
+                return ir.TypeRef(target.name, target.args or type.args), inner
         return self._namespace_alias_target(type, scope)
 
-    def _namespace_alias_target(self, type: TypeRef, scope: str) -> tuple[TypeRef, str] | None:
+    def _namespace_alias_target(
+        self, type: ir.TypeRef, scope: str
+    ) -> tuple[ir.TypeRef, str] | None:
         """`namespace mf = message_filters;`: `mf::Subscriber` is `message_filters::Subscriber`."""
         head, _, rest = type.name.partition("::")
         if not rest or head not in self._unqualified_names:
@@ -243,7 +235,7 @@ class SymbolTable:
         for candidate in self.candidates(head, scope):
             found = self.aliases.get(candidate)
             if found is not None and found.name != head:
-                return TypeRef(f"{found.name}::{rest}", type.args), ""
+                return ir.TypeRef(f"{found.name}::{rest}", type.args), ""
         return None
 
     def _clear_caches(self) -> None:
@@ -259,7 +251,7 @@ class SymbolTable:
             self.usings.extend(new)
             self._candidates.clear()
 
-    def _add_unit(self, unit: Unit) -> None:
+    def _add_unit(self, unit: ir.Unit) -> None:
         self._clear_caches()
         named = (*dict(unit.aliases), *dict(unit.enums), *(cls.name for cls in unit.classes))
         self._unqualified_names.update(name.rpartition("::")[2] for name in named)
@@ -287,19 +279,19 @@ class SymbolTable:
         owners = {name.rpartition("::")[0] for name in local}
         self.local_scopes.update(owner for owner in owners if owner in self.functions)
         for statement in unit.body:
-            if isinstance(statement, Declare):
+            if isinstance(statement, ir.Declare):
                 self._add_variable(statement, unit.file)
-            elif isinstance(statement, Evaluate):
+            elif isinstance(statement, ir.Evaluate):
                 self.stray.append((statement, unit.file))
         self.exports.extend(unit.exports)
         self._add_labels(unit)
 
-    def _add_labels(self, unit: Unit) -> None:
+    def _add_labels(self, unit: ir.Unit) -> None:
         for labels in unit.labels:
             for label in labels:
                 self._switches_by_label.setdefault(label, set()).add(id(labels))
 
-    def _qualify(self, function: Function) -> Function:
+    def _qualify(self, function: ir.Function) -> ir.Function:
         """Return a function under its full name: `using namespace a; B::run() {}` is a::B::run."""
         owner, _, plain = function.name.rpartition("::")
         if not owner or owner in self.classes:
@@ -309,7 +301,7 @@ class SymbolTable:
             return function
         return replace(function, name=f"{definition.name}::{plain}")
 
-    def _add_variable(self, declared: Declare, file: str) -> None:
+    def _add_variable(self, declared: ir.Declare, file: str) -> None:
         self._unqualified_names.add(declared.name.rpartition("::")[2])
         known, first = self.variables.get(declared.name, (declared, file))
         constant = known.constant and declared.constant

@@ -284,7 +284,7 @@ class AbstractMachine:
         if outcome == "raise" and function.name == "main" and self.runtime.passes_by_reference:
             location = Evidence(file=function.file, line=function.line)
             why = "an exception ends it before all of it is run"
-            self.recorder.add_unresolved(function.name, why, location)
+            self.recorder.add_partly_read(function.name, why, location)
 
     def volatile_value(self, name: str, value: Value) -> Value:
         """Return what a member or global holds; one that callbacks change may hold anything."""

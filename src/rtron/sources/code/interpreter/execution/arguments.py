@@ -4,16 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import field
 from typing import Any
 
-from rtron.sources.code.interpreter.abstract_values.items import list_of
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    OPEN,
-    UNKNOWN,
-    MapValue,
-    Unknown,
-    Value,
-)
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
-from rtron.sources.code.ir import Const, Expr, Function, Param, TypeRef
 from rtron.sources.code.record import record
 from rtron.vocabulary import Evidence
 
@@ -26,10 +19,10 @@ class Arguments:
     `&x`.
     """
 
-    values: tuple[Value, ...] = ()
-    keywords: Mapping[str, Value] = field(default_factory=dict)
+    values: tuple[av.Value, ...] = ()
+    keywords: Mapping[str, av.Value] = field(default_factory=dict)
     slots: tuple[StorageSlot | None, ...] = ()
-    types: tuple[TypeRef, ...] = ()
+    types: tuple[ir.TypeRef, ...] = ()
     line: int = 0
     frame: StackFrame
     addresses: tuple[int, ...] = ()
@@ -40,25 +33,25 @@ class Arguments:
         return Evidence(file=self.frame.file, line=self.line)
 
     @property
-    def all_values(self) -> tuple[Value, ...]:
+    def all_values(self) -> tuple[av.Value, ...]:
         """The positional arguments and those by name."""
         return (*self.values, *self.keywords.values())
 
-    def get(self, index: int, keyword: str = "") -> Value | None:
+    def get(self, index: int, keyword: str = "") -> av.Value | None:
         """Return the argument of a position or name, None where it is not given."""
         if index < len(self.values):
             return self.values[index]
         return self.keywords.get(keyword) if keyword else None
 
-    def value(self, index: int, keyword: str = "") -> Value:
+    def value(self, index: int, keyword: str = "") -> av.Value:
         """Return the argument of a position or name, an unknown value where it is not given."""
-        return self.get(index, keyword) or UNKNOWN
+        return self.get(index, keyword) or av.UNKNOWN
 
     def slot(self, index: int) -> StorageSlot | None:
         """Return where the argument of a position is kept."""
         return self.slots[index] if index < len(self.slots) else None
 
-    def with_values(self, *values: Value) -> "Arguments":
+    def with_values(self, *values: av.Value) -> "Arguments":
         """Return other positional arguments of the same call, without slots and types."""
         return Arguments(values=values, line=self.line, frame=self.frame)
 
@@ -74,27 +67,29 @@ class Arguments:
         )
 
 
-LibraryCall = Callable[..., Value]
+LibraryCall = Callable[..., av.Value]
 OPEN_KEYWORD = "**"
 """The name of an argument that says that others may be given which are not known."""
 
 
 def bind_parameters(
-    params: tuple[Param, ...], arguments: Arguments, default: Callable[[Expr], Value]
-) -> dict[str, Value]:
+    params: tuple[ir.Param, ...], arguments: Arguments, default: Callable[[ir.Expr], av.Value]
+) -> dict[str, av.Value]:
     """Return the variables a call begins with; a missing argument is an Unknown of its name."""
-    variables: dict[str, Value] = {}
+    variables: dict[str, av.Value] = {}
     position = 0
     for param in params:
         if param.kind == "star":
-            variables[param.name] = list_of(arguments.values[position:], "tuple")
+            variables[param.name] = av.list_of(arguments.values[position:], "tuple")
             position = len(arguments.values)
         elif param.kind == "stars":
             named = {p.name for p in params} | {OPEN_KEYWORD}
-            rest: dict[Any, Value] = {k: v for k, v in arguments.keywords.items() if k not in named}
+            rest: dict[Any, av.Value] = {
+                k: v for k, v in arguments.keywords.items() if k not in named
+            }
             if OPEN_KEYWORD in arguments.keywords:
-                rest[OPEN] = arguments.keywords[OPEN_KEYWORD]
-            variables[param.name] = MapValue(rest)
+                rest[av.OPEN] = arguments.keywords[OPEN_KEYWORD]
+            variables[param.name] = av.MapValue(rest)
         else:
             index = position if param.kind == "plain" else len(arguments.values)
             variables[param.name] = _parameter_value(param, index, arguments, default)
@@ -102,23 +97,25 @@ def bind_parameters(
     return variables
 
 
-def evaluate_defaults(function: Function, default: Callable[[Expr], Value]) -> dict[str, Value]:
+def evaluate_defaults(
+    function: ir.Function, default: Callable[[ir.Expr], av.Value]
+) -> dict[str, av.Value]:
     """Return the defaults that Python evaluates where it meets the definition."""
     return {
         param.name: default(param.default)
         for param in function.params
-        if param.default is not None and not isinstance(param.default, Const)
+        if param.default is not None and not isinstance(param.default, ir.Const)
     }
 
 
 def _parameter_value(
-    param: Param, position: int, arguments: Arguments, default: Callable[[Expr], Value]
-) -> Value:
+    param: ir.Param, position: int, arguments: Arguments, default: Callable[[ir.Expr], av.Value]
+) -> av.Value:
     given = arguments.get(position, param.name)
     if given is not None:
         return given
     if OPEN_KEYWORD in arguments.keywords:
-        return Unknown(param.name, type=param.type)
+        return av.Unknown(param.name, type=param.type)
     if param.default is not None:
         return default(param.default)
-    return Unknown(param.name, type=param.type)
+    return av.Unknown(param.name, type=param.type)

@@ -3,37 +3,14 @@
 from dataclasses import replace
 from typing import Any
 
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.abstract_values.elements import is_slice, slice_of
-from rtron.sources.code.interpreter.abstract_values.items import (
-    items_of,
-    list_of,
-    unpack,
-    unpack_with_rest,
-)
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    OPEN,
-    ClassValue,
-    ExternalSymbol,
-    FunctionValue,
-    Instance,
-    LibraryClass,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    ModuleValue,
-    PartialText,
-    Scalar,
-    Unknown,
-    Value,
-    is_text,
-    join,
-    options,
-)
+from rtron.sources.code.interpreter.abstract_values.items import unpack, unpack_with_rest
 from rtron.sources.code.interpreter.cpp.iterators import write_through
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
-from rtron.sources.code.ir import Attr, Expr, Index, Name, SequenceExpr, Star
 from rtron.sources.declaration import FrameUse
 from rtron.vocabulary import Evidence
 
@@ -43,22 +20,22 @@ _CHILD_FRAME = "child_frame_id"
 """The field of an odometry that names the frame of its velocity (nav_msgs/Odometry)."""
 
 
-def assign(machine: AbstractMachine, target: Expr, value: Value, frame: StackFrame) -> None:
+def assign(machine: AbstractMachine, target: ir.Expr, value: av.Value, frame: StackFrame) -> None:
     """Write a value to what an expression names; what cannot be written to is left."""
-    if isinstance(target, Name):
+    if isinstance(target, ir.Name):
         slot = _target_slot(machine, target.id, frame)
         if not write_through(machine, slot.holder.get(slot.key), value):
             machine.undo_log.set(*slot, value)
-    elif isinstance(target, SequenceExpr):
+    elif isinstance(target, ir.SequenceExpr):
         items, certain = machine.runtime.iterate(value)
-        seen = list_of(items) if certain else value
+        seen = av.list_of(items) if certain else value
         for item, part in zip(target.items, _unpack_parts(target, seen), strict=True):
             assign(machine, item, part, frame)
-    elif isinstance(target, Star):
+    elif isinstance(target, ir.Star):
         assign(machine, target.value, value, frame)
-    elif isinstance(target, Attr):
+    elif isinstance(target, ir.Attr):
         _assign_member(machine, target, value, frame)
-    elif isinstance(target, Index):
+    elif isinstance(target, ir.Index):
         _assign_element(machine, target, value, frame)
 
 
@@ -71,34 +48,38 @@ def _target_slot(machine: AbstractMachine, name: str, frame: StackFrame) -> Stor
     return machine.runtime.slot(name, frame)
 
 
-def slot_of(machine: AbstractMachine, node: Expr, frame: StackFrame) -> StorageSlot | None:
+def slot_of(machine: AbstractMachine, node: ir.Expr, frame: StackFrame) -> StorageSlot | None:
     """Return where the value of an expression is kept; None for one that is kept nowhere."""
-    if isinstance(node, Name):
+    if isinstance(node, ir.Name):
         return machine.runtime.slot(node.id, frame)
-    if isinstance(node, Attr):
+    if isinstance(node, ir.Attr):
         owner = machine.evaluate(node.owner, frame)
-        return StorageSlot(owner.fields, node.name) if isinstance(owner, Instance) else None
-    if isinstance(node, Index):
+        return StorageSlot(owner.fields, node.name) if isinstance(owner, av.Instance) else None
+    if isinstance(node, ir.Index):
         return _element_slot(machine, node, frame)
     return None
 
 
-def _element_slot(machine: AbstractMachine, node: Index, frame: StackFrame) -> StorageSlot | None:
+def _element_slot(
+    machine: AbstractMachine, node: ir.Index, frame: StackFrame
+) -> StorageSlot | None:
     owner, key = machine.evaluate(node.owner, frame), machine.evaluate(node.key, frame)
-    if isinstance(owner, MapValue) and owner.key_of(key) is not OPEN:
+    if isinstance(owner, av.MapValue) and owner.key_of(key) is not av.OPEN:
         return StorageSlot(owner.fields, owner.key_of(key))
     return None
 
 
-def _unpack_parts(target: SequenceExpr, value: Value) -> tuple[Value, ...]:
-    stars = [at for at, item in enumerate(target.items) if isinstance(item, Star)]
+def _unpack_parts(target: ir.SequenceExpr, value: av.Value) -> tuple[av.Value, ...]:
+    stars = [at for at, item in enumerate(target.items) if isinstance(item, ir.Star)]
     if not stars:
         return unpack(value, len(target.items))
     return unpack_with_rest(value, stars[0], len(target.items) - stars[0] - 1)
 
 
-def _assign_member(machine: AbstractMachine, target: Attr, value: Value, frame: StackFrame) -> None:
-    owners = options(machine.evaluate(target.owner, frame))
+def _assign_member(
+    machine: AbstractMachine, target: ir.Attr, value: av.Value, frame: StackFrame
+) -> None:
+    owners = av.options(machine.evaluate(target.owner, frame))
     at = Arguments(line=machine.line, frame=frame)
     if target.name == STAMPED and _owner_name(target) == "header":
         _note_stamp(machine, owners, value, at.evidence)
@@ -106,30 +87,32 @@ def _assign_member(machine: AbstractMachine, target: Attr, value: Value, frame: 
         _note_stamp(machine, (), value, at.evidence)
     for owner in owners:
         before = owner.fields.get(target.name) if isinstance(owner, _OBJECTS) else None
-        new = value if len(owners) == 1 or before is None else join([before, value])
+        new = value if len(owners) == 1 or before is None else av.join([before, value])
         assign_member(machine, owner, target.name, new, at)
 
 
-def _is_odometry(message: Value) -> bool:
-    return isinstance(message, Instance) and message.type.name.endswith("Odometry")
+def _is_odometry(message: av.Value) -> bool:
+    return isinstance(message, av.Instance) and message.type.name.endswith("Odometry")
 
 
-def _owner_name(target: Attr) -> str:
+def _owner_name(target: ir.Attr) -> str:
     owner = target.owner
-    return owner.name if isinstance(owner, Attr) else owner.id if isinstance(owner, Name) else ""
+    return (
+        owner.name if isinstance(owner, ir.Attr) else owner.id if isinstance(owner, ir.Name) else ""
+    )
 
 
 def _note_stamp(
-    machine: AbstractMachine, headers: tuple[Value, ...], value: Value, place: Evidence
+    machine: AbstractMachine, headers: tuple[av.Value, ...], value: av.Value, place: Evidence
 ) -> None:
     """Note the frame of a message, if it is known; what names a child frame too is a transform."""
-    is_transform = any(isinstance(each, Instance) for each in headers)
-    if isinstance(value, Scalar) and isinstance(value.value, str) and not is_transform:
+    is_transform = any(isinstance(each, av.Instance) for each in headers)
+    if isinstance(value, av.Scalar) and isinstance(value.value, str) and not is_transform:
         machine.recorder.add_frame_use(FrameUse(frame=str(value.value), evidence=place))
 
 
 def assign_member(
-    machine: AbstractMachine, owner: Value, name: str, value: Value, at: Arguments
+    machine: AbstractMachine, owner: av.Value, name: str, value: av.Value, at: Arguments
 ) -> None:
     """Write a member of an object, a class or a module, as `setattr` does too.
 
@@ -138,24 +121,24 @@ def assign_member(
     setter = _setter(machine, owner, name)
     if setter is not None:
         machine.call(setter, at.with_values(value))
-    elif isinstance(owner, (ExternalSymbol, LibraryClass, LibraryFunction)):
+    elif isinstance(owner, (av.ExternalSymbol, av.LibraryClass, av.LibraryFunction)):
         _note_replaced_member(machine, owner, name, at)
     elif isinstance(owner, _OBJECTS):
         machine.undo_log.set(owner.fields, name, value)
-    elif isinstance(owner, Unknown):
+    elif isinstance(owner, av.Unknown):
         machine.escape(value)
 
 
-def forget_texts(machine: AbstractMachine, fields: dict[Any, Value]) -> None:
+def forget_texts(machine: AbstractMachine, fields: dict[Any, av.Value]) -> None:
     """Forget the texts and numbers among members, any of which may have been replaced."""
     for name, value in list(fields.items()):
-        if isinstance(value, (Scalar, PartialText)):
-            machine.undo_log.set(fields, name, Unknown(str(name)))
+        if isinstance(value, (av.Scalar, av.PartialText)):
+            machine.undo_log.set(fields, name, av.Unknown(str(name)))
 
 
 def _note_replaced_member(
     machine: AbstractMachine,
-    owner: ExternalSymbol | LibraryClass | LibraryFunction,
+    owner: av.ExternalSymbol | av.LibraryClass | av.LibraryFunction,
     name: str,
     at: Arguments,
 ) -> None:
@@ -165,78 +148,88 @@ def _note_replaced_member(
         machine.recorder.add_unresolved(f"{owner.name}.{name}", why, at.evidence)
 
 
-_OBJECTS = (Instance, ClassValue, ModuleValue)
+_OBJECTS = (av.Instance, av.ClassValue, av.ModuleValue)
 _ROS_LIBRARIES = {"rospy", "rclpy", "actionlib", "message_filters", "roslaunch"}
 
 
-def _setter(machine: AbstractMachine, owner: Value, name: str) -> FunctionValue | None:
+def _setter(machine: AbstractMachine, owner: av.Value, name: str) -> av.FunctionValue | None:
     """Return the function of Python that an assignment calls: a property's, or `__setattr__`."""
-    for cls in machine.runtime.lineage(owner.type) if isinstance(owner, Instance) else ():
-        found = cls.fields.get(name) if isinstance(cls, ClassValue) else None
-        setter = found.fields.get("setter") if isinstance(found, Instance) else None
-        if isinstance(setter, FunctionValue):
+    for cls in machine.runtime.lineage(owner.type) if isinstance(owner, av.Instance) else ():
+        found = cls.fields.get(name) if isinstance(cls, av.ClassValue) else None
+        setter = found.fields.get("setter") if isinstance(found, av.Instance) else None
+        if isinstance(setter, av.FunctionValue):
             return replace(setter, owner=owner)
         described = machine.runtime.special_method(found, "__set__") if found else None
-        if isinstance(described, FunctionValue):
+        if isinstance(described, av.FunctionValue):
             return replace(described, bound_arguments=(owner,))
     own = machine.runtime.special_method(owner, "__setattr__")
-    return replace(own, bound_arguments=(Scalar(name),)) if isinstance(own, FunctionValue) else None
+    return (
+        replace(own, bound_arguments=(av.Scalar(name),))
+        if isinstance(own, av.FunctionValue)
+        else None
+    )
 
 
 def _assign_element(
-    machine: AbstractMachine, target: Index, value: Value, frame: StackFrame
+    machine: AbstractMachine, target: ir.Index, value: av.Value, frame: StackFrame
 ) -> None:
     key = machine.evaluate(target.key, frame)
-    for owner in options(machine.evaluate(target.owner, frame)):
+    for owner in av.options(machine.evaluate(target.owner, frame)):
         method = machine.runtime.special_method(owner, "__setitem__")
-        if method is not None and isinstance(method, FunctionValue):
+        if method is not None and isinstance(method, av.FunctionValue):
             machine.call(method, Arguments(values=(key, value), frame=frame))
-        elif isinstance(owner, MapValue) and owner.is_namespace and owner.key_of(key) is OPEN:
+        elif isinstance(owner, av.MapValue) and owner.is_namespace and owner.key_of(key) is av.OPEN:
             forget_texts(machine, owner.fields)
-        elif isinstance(owner, MapValue):
+        elif isinstance(owner, av.MapValue):
             machine.undo_log.set(owner.fields, owner.key_of(key), value)
-        elif isinstance(owner, ListValue):
+        elif isinstance(owner, av.ListValue):
             (_assign_slice if is_slice(key) else _assign_item)(machine, owner, key, value)
-        elif is_text(owner):
+        elif av.is_text(owner):
             _assign_character(machine, target, frame)
-        elif isinstance(owner, Instance) and machine.runtime.passes_by_reference:
+        elif isinstance(owner, av.Instance) and machine.runtime.passes_by_reference:
             _call_subscript(machine, owner, key, frame)
 
 
 def _call_subscript(
-    machine: AbstractMachine, owner: Instance, key: Value, frame: StackFrame
+    machine: AbstractMachine, owner: av.Instance, key: av.Value, frame: StackFrame
 ) -> None:
     """`object[key] = value` calls the operator that the object's class has."""
     operator = machine.runtime.attribute(owner, "operator[]", ())
-    if isinstance(operator, FunctionValue):
+    if isinstance(operator, av.FunctionValue):
         machine.call(operator, Arguments(values=(key,), frame=frame))
 
 
-def _assign_character(machine: AbstractMachine, target: Index, frame: StackFrame) -> None:
+def _assign_character(machine: AbstractMachine, target: ir.Index, frame: StackFrame) -> None:
     """`s[0] = 'x'`: what the string is then is left open."""
     slot = slot_of(machine, target.owner, frame)
     if slot is not None:
-        machine.undo_log.set(*slot, Unknown(slot.label))
+        machine.undo_log.set(*slot, av.Unknown(slot.label))
 
 
-def remove_element(machine: AbstractMachine, owner: Value, key: Value) -> None:
+def remove_element(machine: AbstractMachine, owner: av.Value, key: av.Value) -> None:
     """Take an element away; which one is not known where the key is not."""
-    if isinstance(owner, MapValue):
+    if isinstance(owner, av.MapValue):
         name = owner.key_of(key)
-        if name is not OPEN and name in owner.fields:
+        if name is not av.OPEN and name in owner.fields:
             machine.undo_log.remove(owner.fields, name)
-    elif isinstance(owner, ListValue) and isinstance(key, Scalar) and isinstance(key.value, int):
+    elif (
+        isinstance(owner, av.ListValue)
+        and isinstance(key, av.Scalar)
+        and isinstance(key.value, int)
+    ):
         items = list(owner.items)
         if -len(items) <= key.value < len(items):
             del items[key.value]
             machine.undo_log.set(owner.fields, "items", tuple(items))
-    elif isinstance(owner, ListValue) and is_slice(key):
-        _assign_slice(machine, owner, key, ListValue())
+    elif isinstance(owner, av.ListValue) and is_slice(key):
+        _assign_slice(machine, owner, key, av.ListValue())
 
 
-def _assign_slice(machine: AbstractMachine, owner: ListValue, key: Value, value: Value) -> None:
+def _assign_slice(
+    machine: AbstractMachine, owner: av.ListValue, key: av.Value, value: av.Value
+) -> None:
     """`a[i:j] = b`; where i, j or b are not known, the list may hold all of both."""
-    (given, certain), items = items_of(value), list(owner.items)
+    (given, certain), items = av.items_of(value), list(owner.items)
     bounds = slice_of(key) or slice(len(items), None)
     try:
         items[bounds] = given
@@ -247,10 +240,12 @@ def _assign_slice(machine: AbstractMachine, owner: ListValue, key: Value, value:
     machine.undo_log.set(owner.fields, "items", tuple(items))
 
 
-def _assign_item(machine: AbstractMachine, owner: ListValue, key: Value, value: Value) -> None:
+def _assign_item(
+    machine: AbstractMachine, owner: av.ListValue, key: av.Value, value: av.Value
+) -> None:
     items = list(owner.items)
     if (
-        isinstance(key, Scalar)
+        isinstance(key, av.Scalar)
         and isinstance(key.value, int)
         and -len(items) <= key.value < len(items)
     ):

@@ -40,6 +40,7 @@ from rtron.sources.code.interpreter.execution.written_arguments import (
 from rtron.sources.code.ir import Attr, Call, Expr, Index, Name, Star, TypeRef
 from rtron.sources.code.library_models.common.message_types import make_message
 from rtron.sources.code.library_models.common.transforms import note_look_up
+from rtron.vocabulary import UnresolvedCause
 
 _MIN_ARGUMENTS = 2
 """What a call of a client library gets at least, if no template argument tells it from others."""
@@ -190,7 +191,9 @@ def note_passed_handle(machine: AbstractMachine, name: str, arguments: Arguments
         why = f"its code is not here, and it gets the node {node}: it may give it endpoints"
         package = machine.runtime.missing_package(name)
         given = f"; give the source of {package} too" if package else ""
-        machine.recorder.add_unresolved(f"{name}()", why + given, arguments.evidence)
+        machine.recorder.add_unresolved(
+            f"{name}()", why + given, arguments.evidence, cause=UnresolvedCause.MISSING_CODE
+        )
 
 
 def _handed_node(machine: AbstractMachine, value: Value) -> str:

@@ -32,6 +32,7 @@ from rtron.vocabulary import (
     NodeParameterValue,
     QoS,
     Resolution,
+    UnresolvedCause,
     UnresolvedItem,
 )
 from rtron.vocabulary.enums import HiddenPart
@@ -128,7 +129,8 @@ class DeclarationRecorder:
             return found
         name = next((name for name in existing if name in names), existing[0] if existing else "")
         why = "a callback may make it again while it runs, under a name that is not known before"
-        self.add_unresolved(f"{endpoint[0].value} {name} of {endpoint[2]}", why, evidence[0])
+        what, cause = f"{endpoint[0].value} {name} of {endpoint[2]}", UnresolvedCause.RUN_TIME
+        self.add_unresolved(what, why, evidence[0], cause=cause)
         return remaining
 
     @contextmanager
@@ -209,16 +211,21 @@ class DeclarationRecorder:
         *evidence: Evidence,
         hides: HiddenPart | None = None,
         package: str = "",
+        cause: UnresolvedCause | None = None,
     ) -> None:
         """Record what could not be found out, where, and what may be behind it."""
         if not self.muted and len(self._unresolved) < MAX_DECLARATIONS:
-            note = UnresolvedItem(what=what, why=why, hides=hides, package=package)
+            note = UnresolvedItem(what=what, why=why, hides=hides, package=package, cause=cause)
             self._unresolved[replace(note, evidence=evidence)] = None
+
+    def add_partly_read(self, what: str, why: str, place: Evidence) -> None:
+        """Record what is run or read in part only, and where it ends."""
+        self.add_unresolved(what, why, place, cause=UnresolvedCause.PARTLY_READ)
 
     def add_problem(self, path: Path, problem: SourceProblem) -> None:
         """Record a part of a file that could not be read."""
         location = Evidence(file=str(path), line=problem.line)
-        self.add_unresolved(path.name, problem.why, location)
+        self.add_unresolved(path.name, problem.why, location, cause=problem.cause)
 
     def declared(self, kind: DeclarationKind) -> list[Declaration]:
         """Return what was recorded of a kind."""
@@ -229,7 +236,7 @@ class DeclarationRecorder:
         for caught in self._handler_declarations.values():
             what = f"{caught.kind.value} {caught.name}"
             why = "only an exception handler declares it, and whether that is reached is not known"
-            self.add_unresolved(what, why, caught.evidence[0])
+            self.add_unresolved(what, why, caught.evidence[0], cause=UnresolvedCause.RUN_TIME)
         return NodeInterface(
             nodes=tuple(self._nodes.values()),
             declarations=tuple(self._declarations.values()),

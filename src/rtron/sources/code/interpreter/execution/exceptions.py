@@ -10,38 +10,9 @@ import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    Choice,
-    ExternalSymbol,
-    FunctionValue,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    MessageType,
-    PartialText,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.ir import (
-    Assign,
-    Attr,
-    Binary,
-    Call,
-    Declare,
-    Delete,
-    Expr,
-    ForEach,
-    Import,
-    Index,
-    Name,
-    New,
-    Opaque,
-    Star,
-    Stmt,
-    Unary,
-)
 
 if TYPE_CHECKING:
     from rtron.sources.code.interpreter.execution.abstract_machine import ThrownError
@@ -63,69 +34,71 @@ _NON_THROWING = {
     *("c_str", "empty", "size", "length", "print", "str"),
 }
 _READ_METHODS = {"get", "get_value"}
-_THROWING_NODES = (Opaque, Star, Index, Binary, Unary)
+_THROWING_NODES = (ir.Opaque, ir.Star, ir.Index, ir.Binary, ir.Unary)
 _NON_THROWING_TYPES = {
     *("std::string", "string", "int", "double", "float", "bool", "size_t", "int64_t"),
     *("rclcpp::QoS", "rclcpp::SensorDataQoS", "rclcpp::SystemDefaultsQoS", "rclcpp::Parameter"),
 }
 
 
-def is_fully_known(value: Value) -> bool:
+def is_fully_known(value: av.Value) -> bool:
     """Tell whether all that a value may be is known: to make it did not throw."""
-    if isinstance(value, Choice):
+    if isinstance(value, av.Choice):
         return all(map(is_fully_known, value.options))
-    if isinstance(value, (ListValue, MapValue)):
+    if isinstance(value, (av.ListValue, av.MapValue)):
         return not value.open
-    return not isinstance(value, (Unknown, ExternalSymbol, PartialText))
+    return not isinstance(value, (av.Unknown, av.ExternalSymbol, av.PartialText))
 
 
-def operands_fit(operator: str, left: Value, right: Value) -> bool:
+def operands_fit(operator: str, left: av.Value, right: av.Value) -> bool:
     """Tell whether Python's operator takes two values, as far as both are known."""
-    if operator in _EQUALITY or not (isinstance(left, Scalar) and isinstance(right, Scalar)):
+    if operator in _EQUALITY or not (isinstance(left, av.Scalar) and isinstance(right, av.Scalar)):
         return True
     values = (left.value, right.value)
     return None not in values and len({isinstance(value, str) for value in values}) == 1
 
 
-def expression_may_throw(node: Expr, value: Value, *, dynamic: bool) -> bool:
+def expression_may_throw(node: ir.Expr, value: av.Value, *, dynamic: bool) -> bool:
     """Tell whether an expression that is no call may have thrown; `dynamic` is Python's way."""
-    if isinstance(node, New):
+    if isinstance(node, ir.New):
         return node.type.name not in _NON_THROWING_TYPES
-    if dynamic and isinstance(node, Name):
-        return isinstance(value, (Unknown, ExternalSymbol))
-    kinds = (Opaque, Star, Index, Binary, Unary, Attr) if dynamic else _THROWING_NODES
+    if dynamic and isinstance(node, ir.Name):
+        return isinstance(value, (av.Unknown, av.ExternalSymbol))
+    kinds = (
+        (ir.Opaque, ir.Star, ir.Index, ir.Binary, ir.Unary, ir.Attr) if dynamic else _THROWING_NODES
+    )
     return isinstance(node, kinds) and not is_fully_known(value)
 
 
-def statement_may_throw(node: Stmt, *, dynamic: bool) -> bool:
+def statement_may_throw(node: ir.Stmt, *, dynamic: bool) -> bool:
     """Tell whether a statement may throw beside its expressions."""
-    if isinstance(node, Declare):
+    if isinstance(node, ir.Declare):
         return node.type is not None and node.type.name not in _NON_THROWING_TYPES
-    if isinstance(node, Assign):
-        return any(not isinstance(target, (Name, Attr)) for target in node.targets)
-    return isinstance(node, (ForEach, Import)) or (dynamic and isinstance(node, Delete))
+    if isinstance(node, ir.Assign):
+        return any(not isinstance(target, (ir.Name, ir.Attr)) for target in node.targets)
+    return isinstance(node, (ir.ForEach, ir.Import)) or (dynamic and isinstance(node, ir.Delete))
 
 
-def is_logging_call(node: Call) -> bool:
+def is_logging_call(node: ir.Call) -> bool:
     """Tell whether a call writes to a node's log: `get_logger().info(…)`, `RCLCPP_INFO(…)`."""
     function = node.function
-    if isinstance(function, Name):
+    if isinstance(function, ir.Name):
         return bool(_MACRO.fullmatch(function.id))
-    if not isinstance(function, Attr):
+    if not isinstance(function, ir.Attr):
         return False
-    receiver_call = function.owner.function if isinstance(function.owner, Call) else None
-    named = isinstance(receiver_call, Attr) and receiver_call.name == "get_logger"
+    receiver_call = function.owner.function if isinstance(function.owner, ir.Call) else None
+    named = isinstance(receiver_call, ir.Attr) and receiver_call.name == "get_logger"
     return function.name == "get_logger" or (named and function.name in _LOGGING)
 
 
-def call_may_throw(called: Value, arguments: Arguments, returned: Value) -> bool:
+def call_may_throw(called: av.Value, arguments: Arguments, returned: av.Value) -> bool:
     """Tell whether a call may have thrown, beside what the function's own body did."""
     given = arguments.all_values
-    if isinstance(called, FunctionValue):
+    if isinstance(called, av.FunctionValue):
         return False
-    if isinstance(called, MessageType):
+    if isinstance(called, av.MessageType):
         return bool(given)
-    if not isinstance(called, LibraryFunction):
+    if not isinstance(called, av.LibraryFunction):
         return True
     name = called.name
     if name in _READ_METHODS or name in _PARAMETER_GETTERS:
@@ -133,8 +106,8 @@ def call_may_throw(called: Value, arguments: Arguments, returned: Value) -> bool
     return name not in _NON_THROWING or not all(map(is_fully_known, given))
 
 
-def _is_scalar_of(value: Value, kind: type | None) -> bool:
-    return isinstance(value, Scalar) and (kind is None or type(value.value) is kind)
+def _is_scalar_of(value: av.Value, kind: type | None) -> bool:
+    return isinstance(value, av.Scalar) and (kind is None or type(value.value) is kind)
 
 
 def is_caught(handlers: Iterable[tuple[str, ...]], thrown: "ThrownError") -> bool:

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Protocol, cast
 
-from rtron.sources.code.interpreter.abstract_values.value_types import FunctionValue, Value
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.source_provider import SourceProvider
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
-from rtron.sources.code.ir import Class, Function, Name, TypeRef
 
 if TYPE_CHECKING:
     from rtron.sources.code.interpreter.cpp.runtime import CppRuntime
@@ -24,7 +24,7 @@ class LanguageRuntime(Protocol):
     passes_by_reference: bool
     files: SourceProvider
 
-    def lookup(self, name: Name, frame: StackFrame) -> Value:
+    def lookup(self, name: ir.Name, frame: StackFrame) -> av.Value:
         """Return what a name means; an Unknown or ExternalSymbol where that is not known."""
 
     def slot(self, name: str, frame: StackFrame) -> StorageSlot:
@@ -33,43 +33,45 @@ class LanguageRuntime(Protocol):
     def is_constant(self, name: str, frame: StackFrame) -> bool:
         """Tell whether a name is of a constant: whoever is given it cannot change it."""
 
-    def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
+    def attribute(
+        self, owner: av.Value, name: str, types: tuple[ir.TypeRef, ...]
+    ) -> av.Value | None:
         """Return a member of a value, bound to it; None where it has none of that name."""
 
-    def special_method(self, owner: Value, name: str) -> Value | None:
+    def special_method(self, owner: av.Value, name: str) -> av.Value | None:
         """Return the method that a scanned class of Python has for an operation: `__getitem__`."""
 
-    def shown(self, value: Value) -> Value:
+    def shown(self, value: av.Value) -> av.Value:
         """Return a value as a text shows it: an object of a scanned class by its `__str__`."""
 
-    def iterate(self, value: Value) -> tuple[tuple[Value, ...], bool]:
+    def iterate(self, value: av.Value) -> tuple[tuple[av.Value, ...], bool]:
         """Return what a loop over a value sees, and whether that is all."""
 
-    def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
+    def call_frame(self, called: av.FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame that a call of a scanned function runs in, its parameters bound."""
 
-    def instantiate(self, called: Value, arguments: Arguments) -> Value:
+    def instantiate(self, called: av.Value, arguments: Arguments) -> av.Value:
         """Make an object of a scanned class."""
 
-    def method_names(self, definition: Class) -> list[str]:
+    def method_names(self, definition: ir.Class) -> list[str]:
         """Return the names of the methods that a class defines itself."""
 
-    def lineage(self, cls: Value) -> Iterator[Value]:
+    def lineage(self, cls: av.Value) -> Iterator[av.Value]:
         """Yield a class and its bases, in the order in which a member is looked for."""
 
-    def functions_named(self, name: str) -> tuple[Function, ...]:
+    def functions_named(self, name: str) -> tuple[ir.Function, ...]:
         """Return the scanned functions with a plain name, in whatever class."""
 
-    def related_names(self, function: Function) -> frozenset[str]:
+    def related_names(self, function: ir.Function) -> frozenset[str]:
         """Return the plain names of what a function may call."""
 
-    def calls_unknown(self, function: Function) -> bool:
+    def calls_unknown(self, function: ir.Function) -> bool:
         """Tell whether a function calls what its source does not name."""
 
-    def find_by_arguments(self, name: str, arguments: Arguments) -> Value | None:
+    def find_by_arguments(self, name: str, arguments: Arguments) -> av.Value | None:
         """Return what a call finds by its arguments alone: C++ looks beside their classes."""
 
-    def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
+    def note_unknown_call(self, called: av.Value, arguments: Arguments) -> None:
         """Note a call of what is not in the source, if it may join nodes."""
 
     def missing_package(self, name: str) -> str:
@@ -78,7 +80,7 @@ class LanguageRuntime(Protocol):
     def version(self) -> int:
         """Return a number that changes when the program's functions do."""
 
-    def program_functions(self) -> Iterator[tuple[str, Function]]:
+    def program_functions(self) -> Iterator[tuple[str, ir.Function]]:
         """Yield the functions of the program's own files, each with what it is called by."""
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from rtron.sources.code.ir import SourceLanguage, Unit
+from rtron.sources.code import ir
 
 
 class PluginSource(NamedTuple):
@@ -16,7 +16,7 @@ class PluginSource(NamedTuple):
 class SourceProvider(Protocol):
     """The source around a program."""
 
-    def lowered_unit(self, path: Path, language: SourceLanguage) -> Unit:
+    def lowered_unit(self, path: Path, language: ir.SourceLanguage) -> ir.Unit:
         """Return a file, lowered."""
 
     def header(self, include: str, includer: Path) -> Path | None:

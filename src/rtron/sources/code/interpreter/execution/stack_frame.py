@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from rtron.sources.code.interpreter.abstract_values.value_types import ClassValue, Value
-from rtron.sources.code.ir import Function, TypeRef
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 
 
 class StorageSlot(NamedTuple):
@@ -33,18 +33,18 @@ class StackFrame:
     """
 
     file: str
-    function: Function | None = None
+    function: ir.Function | None = None
     variables: dict[Any, Any] = field(default_factory=dict)
     closure: "StackFrame | None" = None
     globals: set[str] = field(default_factory=set)
     nonlocals: set[str] = field(default_factory=set)
     body: str = ""
-    this: Value | None = None
-    cls: ClassValue | None = None
+    this: av.Value | None = None
+    cls: av.ClassValue | None = None
     scope: str = ""
-    types: Mapping[str, TypeRef] = field(default_factory=dict)
+    types: Mapping[str, ir.TypeRef] = field(default_factory=dict)
     aliases: dict[str, StorageSlot] = field(default_factory=dict)
     constants: dict[str, bool] = field(default_factory=dict)
-    returns: list[Value] = field(default_factory=list)
-    yields: list[Value] = field(default_factory=list)
+    returns: list[av.Value] = field(default_factory=list)
+    yields: list[av.Value] = field(default_factory=list)
     caller: Any = None

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from rtron.sources.code.interpreter.abstract_values.value_types import Value, join
+from rtron.sources.code.interpreter import abstract_values as av
 
 Write: TypeAlias = tuple[dict[Any, Any], Any, Any]
 """Where something was written, and what stood there before."""
@@ -121,10 +121,10 @@ def _join_values(values: list[Any], *, elementwise: bool) -> Any:  # noqa: ANN40
     if all(value is first or value == first for value in values):
         return first
     if isinstance(first, tuple) and elementwise and len(set(map(len, values))) == 1:
-        return tuple(map(join, zip(*values, strict=True)))
+        return tuple(map(av.join, zip(*values, strict=True)))
     if isinstance(first, tuple):
         return _union_items(values)
     if isinstance(first, bool):
         return any(values)
-    choices: list[Value] = values
-    return join(choices)
+    choices: list[av.Value] = values
+    return av.join(choices)

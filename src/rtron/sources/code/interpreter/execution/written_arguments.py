@@ -2,22 +2,7 @@
 
 from typing import Any
 
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    OPEN,
-    UNKNOWN,
-    ClassValue,
-    Instance,
-    ListValue,
-    MapValue,
-    PartialText,
-    Scalar,
-    Unknown,
-    Value,
-    is_tainted,
-    is_text,
-    join,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 
@@ -49,54 +34,54 @@ def forget_pointees(machine: AbstractMachine, arguments: Arguments) -> None:
         if slot is not None:
             _forget_variable(machine, slot.holder, slot.key)
     for value in arguments.values if machine.runtime.passes_by_reference else ():
-        if isinstance(value, ListValue):
+        if isinstance(value, av.ListValue):
             _forget_array(machine, value)
 
 
-def _forget_variable(machine: AbstractMachine, holder: dict[Any, Value], key: Any) -> None:  # noqa: ANN401
+def _forget_variable(machine: AbstractMachine, holder: dict[Any, av.Value], key: Any) -> None:  # noqa: ANN401
     """Let a variable hold anything beside what it holds; of an object, each member of its own."""
     value = holder.get(key)
-    if isinstance(value, Scalar) and not is_text(value):
+    if isinstance(value, av.Scalar) and not av.is_text(value):
         machine.undo_log.set(holder, key, _or_unknown(value))
-    elif isinstance(value, ListValue):
+    elif isinstance(value, av.ListValue):
         _forget_array(machine, value)
-    elif isinstance(value, Instance) and isinstance(value.type, ClassValue):
+    elif isinstance(value, av.Instance) and isinstance(value.type, av.ClassValue):
         for name, member in list(value.fields.items()):
-            if isinstance(member, Scalar) and not is_text(member):
+            if isinstance(member, av.Scalar) and not av.is_text(member):
                 machine.undo_log.set(value.fields, name, _or_unknown(member))
 
 
-def _forget_array(machine: AbstractMachine, array: ListValue) -> None:
+def _forget_array(machine: AbstractMachine, array: av.ListValue) -> None:
     if array.type is not None and array.type.name == "std::array":
         machine.undo_log.set(array.fields, "items", tuple(map(_or_unknown, array.items)))
 
 
-def _or_unknown(value: Value) -> Value:
-    is_number = isinstance(value, Scalar) and not is_text(value)
-    return join((value, Unknown("written", is_tainted(value)))) if is_number else value
+def _or_unknown(value: av.Value) -> av.Value:
+    is_number = isinstance(value, av.Scalar) and not av.is_text(value)
+    return av.join((value, av.Unknown("written", av.is_tainted(value)))) if is_number else value
 
 
 def _open_empty_containers(machine: AbstractMachine, arguments: Arguments) -> None:
     """Leave open what is in a C++ container that an unknown function gets while it is empty."""
     for value in arguments.values if machine.runtime.passes_by_reference else ():
-        if isinstance(value, (ListValue, MapValue)) and not truth(value):
+        if isinstance(value, (av.ListValue, av.MapValue)) and not av.truth(value):
             open_container(machine, value)
 
 
-def open_container(machine: AbstractMachine, value: Value) -> None:
+def open_container(machine: AbstractMachine, value: av.Value) -> None:
     """Leave open what else is in a container."""
-    if isinstance(value, ListValue):
+    if isinstance(value, av.ListValue):
         machine.undo_log.mark_open(value.fields)
-    elif isinstance(value, MapValue) and not value.open:
-        machine.undo_log.set(value.fields, OPEN, UNKNOWN)
+    elif isinstance(value, av.MapValue) and not value.open:
+        machine.undo_log.set(value.fields, av.OPEN, av.UNKNOWN)
 
 
 def _forget_written_strings(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
     """Forget the strings that an unknown C++ function may have changed."""
     for slot in filter(None, arguments.slots):
         before = slot.holder.get(slot.key)
-        if isinstance(before, (Scalar, PartialText)) and is_text(before):
-            after = Unknown(slot.label, is_tainted(before))
+        if isinstance(before, (av.Scalar, av.PartialText)) and av.is_text(before):
+            after = av.Unknown(slot.label, av.is_tainted(before))
             machine.undo_log.set(
-                *slot, after if name in MUTATING_FUNCTIONS else join((before, after))
+                *slot, after if name in MUTATING_FUNCTIONS else av.join((before, after))
             )

@@ -3,44 +3,35 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    ClassValue,
-    Instance,
-    LibraryClass,
-    LibraryFunction,
-    Scalar,
-    Unknown,
-    Value,
-)
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
 
 
-def _with_setter(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    return Instance(PROPERTY, {**owner.fields, "setter": arguments.get(0) or NONE})
+def _with_setter(_: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
+    return av.Instance(PROPERTY, {**owner.fields, "setter": arguments.get(0) or av.NONE})
 
 
-def _with_getter(_: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
-    return Instance(PROPERTY, {**owner.fields, "getter": arguments.get(0) or NONE})
+def _with_getter(_: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
+    return av.Instance(PROPERTY, {**owner.fields, "getter": arguments.get(0) or av.NONE})
 
 
-def _with_deleter(_: AbstractMachine, owner: Instance, __: Arguments) -> Value:
+def _with_deleter(_: AbstractMachine, owner: av.Instance, __: Arguments) -> av.Value:
     return owner
 
 
-PROPERTY = LibraryClass(
+PROPERTY = av.LibraryClass(
     "property", methods={"setter": _with_setter, "getter": _with_getter, "deleter": _with_deleter}
 )
 
 
-def _call_static(machine: AbstractMachine, owner: Instance, arguments: Arguments) -> Value:
+def _call_static(machine: AbstractMachine, owner: av.Instance, arguments: Arguments) -> av.Value:
     return dispatch(machine, owner.fields["getter"], arguments)
 
 
-STATIC_METHOD = LibraryClass("staticmethod", methods={"__call__": _call_static})
-CLASS_METHOD = LibraryClass("classmethod")
+STATIC_METHOD = av.LibraryClass("staticmethod", methods={"__call__": _call_static})
+CLASS_METHOD = av.LibraryClass("classmethod")
 DESCRIPTORS = {
     "property": PROPERTY,
     "functools.cached_property": PROPERTY,
@@ -50,37 +41,39 @@ DESCRIPTORS = {
 }
 
 
-def _describe(cls: LibraryClass, _: AbstractMachine, __: object, arguments: Arguments) -> Value:
+def _describe(
+    cls: av.LibraryClass, _: AbstractMachine, __: object, arguments: Arguments
+) -> av.Value:
     """`@property`, `property(getter, setter)`, `staticmethod(function)` and the like."""
-    fields = {"getter": arguments.get(0, "fget") or NONE}
+    fields = {"getter": arguments.get(0, "fget") or av.NONE}
     setter = arguments.get(1, "fset")
-    return Instance(cls, fields if setter is None else {**fields, "setter": setter})
+    return av.Instance(cls, fields if setter is None else {**fields, "setter": setter})
 
 
-DESCRIPTOR_FUNCTIONS: Mapping[str, Value] = {
-    name: LibraryFunction(name, partial(_describe, cls)) for name, cls in DESCRIPTORS.items()
+DESCRIPTOR_FUNCTIONS: Mapping[str, av.Value] = {
+    name: av.LibraryFunction(name, partial(_describe, cls)) for name, cls in DESCRIPTORS.items()
 }
 
 
-def _make_plain(_: AbstractMachine, __: Value, arguments: Arguments) -> Value:
+def _make_plain(_: AbstractMachine, __: av.Value, arguments: Arguments) -> av.Value:
     """`object.__new__(cls)`."""
     cls = arguments.get(0)
-    return Instance(cls) if isinstance(cls, ClassValue) else Unknown("object")
+    return av.Instance(cls) if isinstance(cls, av.ClassValue) else av.Unknown("object")
 
 
-def _set_plain(machine: AbstractMachine, owner: Value, arguments: Arguments) -> Value:
+def _set_plain(machine: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
     """`object.__setattr__(self, name, value)`, which calls no other."""
     name = arguments.get(0)
-    if isinstance(owner, (Instance, ClassValue)) and isinstance(name, Scalar):
-        machine.undo_log.set(owner.fields, str(name.value), arguments.get(1) or NONE)
-    return NONE
+    if isinstance(owner, (av.Instance, av.ClassValue)) and isinstance(name, av.Scalar):
+        machine.undo_log.set(owner.fields, str(name.value), arguments.get(1) or av.NONE)
+    return av.NONE
 
 
-def _do_nothing(_: AbstractMachine, __: Value, ___: Arguments) -> Value:
-    return NONE
+def _do_nothing(_: AbstractMachine, __: av.Value, ___: Arguments) -> av.Value:
+    return av.NONE
 
 
-OBJECT_METHODS: Mapping[str, Callable[..., Value]] = {
+OBJECT_METHODS: Mapping[str, Callable[..., av.Value]] = {
     "__new__": _make_plain,
     "__setattr__": _set_plain,
     **dict.fromkeys(("__init__", "__init_subclass__", "__del__"), _do_nothing),

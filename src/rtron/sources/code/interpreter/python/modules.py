@@ -37,12 +37,10 @@ from rtron.sources.code.ir import (
 from rtron.sources.code.ir.python_references import aliases, callees, dynamic_calls, mentioned_names
 from rtron.sources.code.ir.references import ir_nodes, written_names
 from rtron.sources.code.library_models.common.message_types import (
-    is_message_package,
-    python_message_type,
-)
-from rtron.sources.code.library_models.common.other_ros import (
     OTHER_PYTHON_LIBRARY,
+    is_message_package,
     other_ros_reason,
+    python_message_type,
 )
 from rtron.vocabulary import Evidence
 

@@ -54,7 +54,7 @@ from rtron.sources.code.library_models.python_std.data_classes import (
     enum_member,
     iterate_fields,
 )
-from rtron.vocabulary import Evidence
+from rtron.vocabulary import Evidence, UnresolvedCause
 
 _PYTHON_2 = {"BaseHTTPServer", "ConfigParser", "HTMLParser", "Queue", "SocketServer", "UserDict"}
 _GUI_MODULES = {
@@ -269,7 +269,9 @@ class PythonObjects(PythonModules):
             if self._is_missing(base):
                 why = f"its base class {base.name} is not in the source: "
                 why += "what that declares is not known"
-                self.machine.recorder.add_unresolved(f"class {definition.name}", why, location)
+                self.machine.recorder.add_unresolved(
+                    f"class {definition.name}", why, location, cause=UnresolvedCause.MISSING_CODE
+                )
 
     def _is_missing(self, base: ExternalSymbol) -> bool:
         return "." in base.name and not self._is_known(base.name)

@@ -3,21 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    ClassValue,
-    ExternalSymbol,
-    FunctionValue,
-    Instance,
-    LibraryClass,
-    LibraryFunction,
-    ListValue,
-    MapValue,
-    ModuleValue,
-    Scalar,
-    Unknown,
-    Value,
-    is_text,
-)
+from rtron.sources.code import ir
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.arguments import (
     Arguments,
     bind_parameters,
@@ -30,7 +17,6 @@ from rtron.sources.code.interpreter.python.unknown_calls import (
     is_computing_package,
     note_unknown_call,
 )
-from rtron.sources.code.ir import Class, Define, Name, TypeRef
 from rtron.sources.code.library_models.common.containers import bound_method
 from rtron.sources.code.library_models.common.maps import DICT_METHODS
 from rtron.sources.code.library_models.common.strings import (
@@ -49,26 +35,26 @@ from rtron.sources.code.library_models.python_std.paths import PathString, path_
 class PythonRuntime(PythonObjects):
     """One program, as the machine runs it."""
 
-    builtins: Mapping[str, Value]
+    builtins: Mapping[str, av.Value]
     _seen_packages: set[str] = field(default_factory=set)
 
     passes_by_reference = False
 
-    def lookup(self, name: Name, frame: StackFrame) -> Value:
+    def lookup(self, name: ir.Name, frame: StackFrame) -> av.Value:
         """Return what a name means: local, enclosing, of the module, built in."""
         around: StackFrame | None = frame
         while around is not None:
             if name.id in around.globals:
                 around = _module_frame(around)
             if name.id in around.variables:
-                found: Value = around.variables[name.id]
+                found: av.Value = around.variables[name.id]
                 return (
                     self.machine.volatile_value(name.id, found) if around.closure is None else found
                 )
             root, around = around, around.closure
         if name.id in self.builtins:
             return self.builtins[name.id]
-        return self._star_imported_name(name.id, root) or Unknown(name.id)
+        return self._star_imported_name(name.id, root) or av.Unknown(name.id)
 
     def slot(self, name: str, frame: StackFrame) -> StorageSlot:
         """Return where an assignment to a name goes."""
@@ -86,29 +72,31 @@ class PythonRuntime(PythonObjects):
         del name, frame
         return False
 
-    def attribute(self, owner: Value, name: str, types: tuple[TypeRef, ...]) -> Value | None:
+    def attribute(
+        self, owner: av.Value, name: str, types: tuple[ir.TypeRef, ...]
+    ) -> av.Value | None:
         """Return a member, bound to its owner."""
         del types
-        if isinstance(owner, Instance):
+        if isinstance(owner, av.Instance):
             return self._instance_member(owner, name)
-        if isinstance(owner, (ClassValue, LibraryClass)):
+        if isinstance(owner, (av.ClassValue, av.LibraryClass)):
             return self._class_attribute(owner, name)
-        if isinstance(owner, (ModuleValue, ExternalSymbol, LibraryFunction)):
+        if isinstance(owner, (av.ModuleValue, av.ExternalSymbol, av.LibraryFunction)):
             return self._module_member(owner, name)
-        if isinstance(owner, FunctionValue):
+        if isinstance(owner, av.FunctionValue):
             return _function_member(owner, name)
         return _value_member(owner, name)
 
-    def find_by_arguments(self, name: str, arguments: Arguments) -> Value | None:
+    def find_by_arguments(self, name: str, arguments: Arguments) -> av.Value | None:
         """Python finds what it calls by the name alone."""
         del name, arguments
         return None
 
-    def note_unknown_call(self, called: Value, arguments: Arguments) -> None:
+    def note_unknown_call(self, called: av.Value, arguments: Arguments) -> None:
         """Note a call of what is not in the source, if it may join nodes; a package once."""
         note_unknown_call(self.machine, called, arguments, self._is_known, self._is_foreign_package)
         if self.missing_package(callee_name(called)):
-            for cls in (each for each in arguments.all_values if isinstance(each, ClassValue)):
+            for cls in (each for each in arguments.all_values if isinstance(each, av.ClassValue)):
                 self.take_handed_class(cls, arguments)
 
     def missing_package(self, name: str) -> str:
@@ -125,21 +113,21 @@ class PythonRuntime(PythonObjects):
         is_package = script is not None and self.files.is_dependency(name, script)
         return is_package and not is_computing_package(name)
 
-    def define(self, node: Define, frame: StackFrame) -> None:
+    def define(self, node: ir.Define, frame: StackFrame) -> None:
         """Bind a function or class by its name, under its decorators."""
-        if isinstance(node.definition, Class):
-            value: Value = self._create_class(node.definition, frame)
+        if isinstance(node.definition, ir.Class):
+            value: av.Value = self._create_class(node.definition, frame)
         else:
             named = evaluate_defaults(
                 node.definition, lambda default: self.machine.evaluate(default, frame)
             )
             around = frame.closure if frame.body == "class" else frame
-            value = FunctionValue(node.definition, closure=around, bound_keywords=named)
+            value = av.FunctionValue(node.definition, closure=around, bound_keywords=named)
         for decorator in reversed(node.decorators):
             value = self._apply_decorator(self.machine.evaluate(decorator, frame), value, frame)
         self.machine.undo_log.set(*self.slot(node.definition.name, frame), value)
 
-    def call_frame(self, called: FunctionValue, arguments: Arguments) -> StackFrame:
+    def call_frame(self, called: av.FunctionValue, arguments: Arguments) -> StackFrame:
         """Return the frame of a call."""
         bound = () if called.owner is None else (called.owner,)
         passed = Arguments(
@@ -168,25 +156,25 @@ def _module_frame(frame: StackFrame) -> StackFrame:
     return frame
 
 
-def _function_member(owner: FunctionValue, name: str) -> Value | None:
+def _function_member(owner: av.FunctionValue, name: str) -> av.Value | None:
     """Return a member of a function: what `@singledispatch` and the like add is none of ours."""
     if name in {"__name__", "__qualname__"}:
-        return Scalar(owner.function.name)
+        return av.Scalar(owner.function.name)
     return owner if name in {"__call__", "__func__", "__wrapped__"} else None
 
 
-def _value_member(owner: Value, name: str) -> Value | None:
+def _value_member(owner: av.Value, name: str) -> av.Value | None:
     """Return a method of a list, a dictionary or a text."""
-    if isinstance(owner, ListValue):
+    if isinstance(owner, av.ListValue):
         return bound_method(PYTHON_LIST_METHODS, owner, name)
     if isinstance(owner, EnvironmentValue):
         return bound_method(ENVIRONMENT_METHODS, owner, name)
-    if isinstance(owner, MapValue):
+    if isinstance(owner, av.MapValue):
         return bound_method(DICT_METHODS, owner, name)
-    if isinstance(owner, Scalar) and isinstance(owner.value, PathString):
+    if isinstance(owner, av.Scalar) and isinstance(owner.value, PathString):
         member = path_member(owner, name)
         if member is not None:
             return member
-    if is_text(owner):
+    if av.is_text(owner):
         return bound_string_method(PYTHON_STRING_METHODS, owner, name)
     return None

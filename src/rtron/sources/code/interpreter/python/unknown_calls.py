@@ -13,6 +13,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import callee_name
+from rtron.vocabulary import UnresolvedCause
 
 _MAKERS = frozenset(
     [
@@ -64,13 +65,16 @@ def note_unknown_call(
         why = "its code is not here, and it gets a name and a type: it may make an endpoint"
         package = machine.runtime.missing_package(name)
         why += f"; give the source of {package} too" if package else ""
-        machine.recorder.add_unresolved(f"{name}()", why, arguments.evidence)
+        machine.recorder.add_unresolved(
+            f"{name}()", why, arguments.evidence, cause=UnresolvedCause.MISSING_CODE
+        )
     top = name.partition(".")[0]
     if isinstance(called, ExternalSymbol) and is_foreign_package(top):
         is_here = machine.runtime.files.package_path(top) is not None
         why = _NOT_MADE if is_here else "is a ROS package that is not in the source"
         why += ": what it joins is not known"
-        machine.recorder.add_unresolved(f"package {top}", why, arguments.evidence)
+        cause = None if is_here else UnresolvedCause.MISSING_SOURCE
+        machine.recorder.add_unresolved(f"package {top}", why, arguments.evidence, cause=cause)
 
 
 def _is_foreign(called: Value, is_known: Callable[[str], bool]) -> bool:

@@ -16,6 +16,7 @@ from rtron.sources.code.interpreter.execution.language_runtime import cpp_runtim
 from rtron.sources.code.library_models.common.trivial_functions import returning_field
 from rtron.sources.code.library_models.rclcpp.node import make_node
 from rtron.sources.code.library_models.rclcpp.parameters import declare_parameter
+from rtron.vocabulary import UnresolvedCause
 
 _THROWN = ("CreateClassException", "PluginlibException", "runtime_error", "exception")
 
@@ -31,10 +32,12 @@ def throw_for_another_base(machine: AbstractMachine, name: av.Value) -> None:
 def note_missing_plugin(machine: AbstractMachine, name: av.Value, at: Arguments) -> None:
     """Note a plugin that is not here, or that only the running app names, and who loads it."""
     node = machine.recorder.site.name
-    why = f"{node} loads it, and which one it is, is not known"
+    why, cause = f"{node} loads it, and which one it is, is not known", None
     if isinstance(name, av.Scalar):
         why = f"{node} loads it, and its source is not found: give the folder of its source too"
-    machine.recorder.add_unresolved(f"plugin {av.text_with_holes(name)}", why, at.evidence)
+        cause = UnresolvedCause.MISSING_CODE
+    what = f"plugin {av.text_with_holes(name)}"
+    machine.recorder.add_unresolved(what, why, at.evidence, cause=cause)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
+from rtron.sources.code import ir
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
-from rtron.sources.code.ir import Attr, Name
 from rtron.sources.code.library_models.common.message_types import HEADER, MESSAGES_WITH_CHILD
 from rtron.sources.declaration import FrameBroadcast, FrameUse
 
@@ -27,7 +27,7 @@ _FRAME_FIELDS = ("frame_id", "child_frame_id")
 """Fields that each callback sets of its own message, before it reads them."""
 
 
-def note_look_up(machine: AbstractMachine, method: Attr, arguments: Arguments) -> None:
+def note_look_up(machine: AbstractMachine, method: ir.Attr, arguments: Arguments) -> None:
     """Note the frames that a call looks up, if it is one that does.
 
     tf leaves out a slash before them. tf2 takes none; in Python its methods have a name with `_`.
@@ -41,9 +41,11 @@ def note_look_up(machine: AbstractMachine, method: Attr, arguments: Arguments) -
             machine.recorder.add_frame_use(use)
 
 
-def _owner_name(method: Attr) -> str:
+def _owner_name(method: ir.Attr) -> str:
     owner = method.owner
-    name = owner.name if isinstance(owner, Attr) else owner.id if isinstance(owner, Name) else ""
+    name = (
+        owner.name if isinstance(owner, ir.Attr) else owner.id if isinstance(owner, ir.Name) else ""
+    )
     return name.lower()
 
 

@@ -17,7 +17,7 @@ from rtron.sources.code.library_models.launch.signatures import (
     CLASSES_BY_MODULE,
     POSITIONAL_PARAMETERS,
 )
-from rtron.sources.code.library_models.python_std.package_paths import as_path
+from rtron.sources.code.library_models.python_std.paths import as_path
 from rtron.sources.launch.ros2.substitutions.template import placeholder
 
 

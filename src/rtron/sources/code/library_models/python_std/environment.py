@@ -8,7 +8,8 @@ from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.common.containers import LibraryMethods
 from rtron.sources.code.library_models.common.maps import DICT_METHODS
 from rtron.sources.declaration import NodeSite
-from rtron.sources.launch.common.environment import VARIABLE, unset_reason
+from rtron.sources.launch.common.environment import unset_reason
+from rtron.vocabulary import UnresolvedCause
 
 
 @dataclass(eq=False, slots=True)
@@ -17,7 +18,7 @@ class EnvironmentValue(av.MapValue):
 
     def missing_note(self, key: object) -> tuple[str, str] | None:
         """Return that a variable is not given."""
-        return f"{VARIABLE}{key}", unset_reason(None)
+        return f"environment variable {key}", unset_reason(None)
 
 
 def environment_value(site: NodeSite) -> EnvironmentValue:
@@ -37,8 +38,9 @@ def getenv(machine: AbstractMachine, owner: object, arguments: Arguments) -> av.
     if name.value in fields:
         return fields[name.value]
     shown = None if default is av.NONE else av.text_with_holes(default)
-    what, why = f"{VARIABLE}{name.value}", unset_reason(shown)
-    machine.recorder.add_unresolved(what, why, arguments.evidence)
+    what, why = f"environment variable {name.value}", unset_reason(shown)
+    cause = UnresolvedCause.UNSET_VARIABLE
+    machine.recorder.add_unresolved(what, why, arguments.evidence, cause=cause)
     return default
 
 

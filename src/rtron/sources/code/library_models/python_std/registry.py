@@ -14,16 +14,17 @@ from rtron.sources.code.library_models.python_std.argument_parsers import (
 )
 from rtron.sources.code.library_models.python_std.collection_types import PYTHON_COLLECTIONS
 from rtron.sources.code.library_models.python_std.data_classes import DATACLASSES
-from rtron.sources.code.library_models.python_std.data_files import DATA_FILE_FUNCTIONS
 from rtron.sources.code.library_models.python_std.dynamic_code import (
     DYNAMIC_CODE_FUNCTIONS,
     MODULE_FILES,
 )
 from rtron.sources.code.library_models.python_std.environment import environment_value, getenv
-from rtron.sources.code.library_models.python_std.package_paths import PACKAGE_PATHS
-from rtron.sources.code.library_models.python_std.paths import PYTHON_PATHS
-from rtron.sources.code.library_models.python_std.processes import PROCESSES
-from rtron.sources.code.library_models.python_std.threads import THREADS
+from rtron.sources.code.library_models.python_std.paths import (
+    DATA_FILE_FUNCTIONS,
+    PACKAGE_PATHS,
+    PYTHON_PATHS,
+)
+from rtron.sources.code.library_models.python_std.processes import PROCESSES, THREADS
 
 __all__ = ["PYTHON_LIBRARY", "command_line_value", "node_constants"]
 

@@ -23,7 +23,7 @@ from rtron.sources.code.library_models.rclcpp.behavior_tree_xml import (
     TreeNode,
     read_tree_nodes,
 )
-from rtron.vocabulary import Evidence
+from rtron.vocabulary import Evidence, UnresolvedCause
 
 REGISTER_FUNCTION = "BT_RegisterNodesFromPlugin"
 """What BT_REGISTER_NODES defines (behaviortree_cpp/utils/shared_library.h)."""
@@ -38,6 +38,7 @@ _MISSING_FILE_REASON = "its file is not in the folders that are read"
 _UNKNOWN_FILES_REASON = (
     "some are read from files that are not known: what else their nodes join is missing"
 )
+_MISSING = UnresolvedCause.MISSING_CODE
 _UNREGISTERED_REASON = "nothing that is read registers it"
 
 
@@ -186,9 +187,8 @@ def _make_nodes(
     path = arguments.evidence.file if is_text else tree
     text = tree if is_text else machine.runtime.files.read_text(Path(path))
     if text is None:
-        machine.recorder.add_unresolved(
-            f"behaviour tree {path}", _MISSING_FILE_REASON, arguments.evidence
-        )
+        what, why, cause = f"behaviour tree {path}", _MISSING_FILE_REASON, _MISSING
+        machine.recorder.add_unresolved(what, why, arguments.evidence, cause=cause)
         return
     try:
         nodes = {(node.id, node.ports): node for node in read_tree_nodes(text, path, tree_id)}
@@ -212,7 +212,8 @@ def _make_node(
     maker = owner.fields.get(f"{_MAKER_PREFIX}{node.id}")
     if maker is None:
         if node.id not in BUILT_IN_NODES:
-            machine.recorder.add_unresolved(f"tree node {node.id}", _UNREGISTERED_REASON, location)
+            what, why, cause = f"tree node {node.id}", _UNREGISTERED_REASON, _MISSING
+            machine.recorder.add_unresolved(what, why, location, cause=cause)
         return
     ports = av.MapValue({port: av.Scalar(text, tainted=True) for port, text in node.ports})
     blackboard = arguments.get(1) or _blackboard(machine)

@@ -180,7 +180,7 @@ def _run_transition(
         state = arguments.with_values(av.Unknown("state"))
         machine.started_callbacks.add((id(owner), callback))
         dispatch(machine, method, state)
-    return av.Unknown("state")
+    return endpoints.change_own_state(machine, owner, arguments)
 
 
 _TRANSITIONS = ("configure", "activate", "deactivate", "cleanup", "shutdown")
@@ -205,6 +205,7 @@ LIFECYCLE_NODE = av.LibraryClass(
     partial(make_node, lifecycle=True),
     {
         **NODE_METHODS,
+        "trigger_transition": endpoints.change_own_state,
         **{name: partial(_run_transition, f"on_{name}") for name in _TRANSITIONS},
         **{f"register_on_{name}": register_callbacks for name in (*_TRANSITIONS, "error")},
         **{f"on_{name}": returning_unknown("success") for name in (*_TRANSITIONS, "error")},

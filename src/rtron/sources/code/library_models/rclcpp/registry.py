@@ -18,13 +18,12 @@ from rtron.sources.code.library_models.rclcpp.behavior_tree_ros_nodes import (
 )
 from rtron.sources.code.library_models.rclcpp.behavior_trees import TREE_CLASSES, TREE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.endpoints import ENDPOINT_FUNCTIONS
-from rtron.sources.code.library_models.rclcpp.hardware import HARDWARE_CLASSES
 from rtron.sources.code.library_models.rclcpp.image_transport import IMAGE_CLASSES, IMAGE_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.libraries import CONTROLLER_CLASSES, LIBRARY_CLASSES
 from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES, NAV2_FUNCTIONS
 from rtron.sources.code.library_models.rclcpp.node import COMPONENT_CLASSES, NODE_CLASSES
 from rtron.sources.code.library_models.rclcpp.parameters import PARAMETER_CLASSES
-from rtron.sources.code.library_models.rclcpp.pluginlib import PLUGIN_CLASSES
+from rtron.sources.code.library_models.rclcpp.pluginlib import HARDWARE_CLASSES, PLUGIN_CLASSES
 from rtron.sources.code.library_models.ros2_common.parameter_types import PARAMETER_TYPE_CONSTANTS
 
 _INTERFACES = ("base", "clock", "graph", "logging", "parameters", "services", "timers", "topics")

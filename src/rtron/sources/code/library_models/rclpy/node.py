@@ -8,9 +8,9 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.rclpy.qos import endpoint_qos
 from rtron.sources.code.library_models.ros2_common import endpoints, nodes, parameters
-from rtron.sources.code.library_models.ros2_common.mistyped_parameters import record_mistyped
 from rtron.sources.code.library_models.ros2_common.parameter_types import (
     python_parameter_type,
+    record_mistyped,
     type_name,
 )
 from rtron.sources.code.library_models.ros2_common.parameters import (
@@ -302,6 +302,10 @@ NODE = av.LibraryClass("rclpy.node.Node", make_node, dict(_METHODS))
 LIFECYCLE_NODE = av.LibraryClass(
     "rclpy.lifecycle.LifecycleNode",
     _make_lifecycle_node,
-    {**_METHODS, "__init__": partial(initialise_node, lifecycle=True)},
+    {
+        **_METHODS,
+        "__init__": partial(initialise_node, lifecycle=True),
+        **dict.fromkeys(("trigger_configure", "trigger_activate"), endpoints.change_own_state),
+    },
     virtual_callbacks=("on_configure", "on_activate", "on_deactivate", "on_cleanup", "on_shutdown"),
 )

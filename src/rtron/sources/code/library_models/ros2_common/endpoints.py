@@ -171,6 +171,14 @@ def declare_node(
         )
 
 
+def change_own_state(machine: AbstractMachine, owner: av.Value, at: Arguments) -> av.Value:
+    """`trigger_transition(…)` and the like: the node does what else its manager does."""
+    name, type = av.Scalar("~/change_state"), LIFECYCLE_SERVICES["change_state"]
+    kind = DeclarationKind.SERVICE_CLIENT
+    declare_endpoint(machine, kind, owner, name, type, at, implicit=True)
+    return av.Unknown("state")
+
+
 def declare_lifecycle(machine: AbstractMachine, node: av.Value, at: Arguments) -> None:
     """Record what a lifecycle node declares (design.ros2.org: Managed nodes)."""
     name, type = av.Scalar("~/transition_event"), "lifecycle_msgs/msg/TransitionEvent"

@@ -47,15 +47,14 @@ from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
 from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.parameters.merge import ParameterSource
-from rtron.sources.launch.ros2.python.actions import ActionTranslator
+from rtron.sources.launch.ros2.python.actions import ActionTranslator, LaunchCallbacks
 from rtron.sources.launch.ros2.python.builders import BUILDERS
-from rtron.sources.launch.ros2.python.callbacks import LaunchCallbacks
 from rtron.sources.launch.ros2.python.nav2_common import FILE_SUBSTITUTIONS
 from rtron.sources.launch.ros2.python.substitutions import SubstitutionTranslator, value_of
 from rtron.sources.launch.ros2.python.xacro_module import XacroModule
 from rtron.sources.launch.ros2.substitutions.template import display_text
 from rtron.sources.launch.ros2.xml_yaml.element import Element
-from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary import Evidence, UnresolvedCause, UnresolvedItem
 
 GLOBAL_PARAMETERS_KEY, REMAPS_KEY = "global_params", "ros_remaps"
 """The names under which launch_ros keeps what SetParameter and SetRemap set."""
@@ -225,10 +224,11 @@ class _PythonLaunchFile:
             )
 
     def _note(self, why: str) -> None:
-        location = Evidence(file=self.path)
-        self.front_end.unresolved.append(
-            UnresolvedItem(what=Path(self.path).name, why=why, evidence=(location,))
+        what, evidence = Path(self.path).name, (Evidence(file=self.path),)
+        note = UnresolvedItem(
+            what=what, why=why, cause=UnresolvedCause.PARTLY_READ, evidence=evidence
         )
+        self.front_end.unresolved.append(note)
 
 
 def _without_test_context(value: Value) -> Value:

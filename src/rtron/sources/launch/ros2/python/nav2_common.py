@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from rtron.errors import InputError
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import NONE, MapValue, Value
+from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.launch.common.yaml_tree import YamlDocument, YamlLeaf, YamlTree
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.parameters.file import parse_yaml_tree, read_text_file
@@ -119,7 +118,7 @@ def _rewritten_yaml(translator: SubstitutionTranslator, fields: Fields) -> Perfo
             values=_evaluated_texts(translator, fields.get("value_rewrites"), view),
             keys=_evaluated_texts(translator, fields.get("key_rewrites"), view),
             root_key=display_text(view.perform(translator.template(fields.get("root_key")))),
-            converts_numbers=truth(fields.get("convert_types", NONE)) is True,
+            converts_numbers=av.truth(fields.get("convert_types", av.NONE)) is True,
         )
         return view.files.add_generated(path, rewriting.apply(tree))
 
@@ -129,8 +128,8 @@ def _rewritten_yaml(translator: SubstitutionTranslator, fields: Fields) -> Perfo
 def _replaced_string(translator: SubstitutionTranslator, fields: Fields) -> PerformSubstitution:
     def run(view: ContextView) -> str:
         path = view.perform(translator.template(fields.get("source_file")))
-        condition = fields.get(_CONDITION, NONE)
-        if condition != NONE and not _condition_holds(translator, condition, view):
+        condition = fields.get(_CONDITION, av.NONE)
+        if condition != av.NONE and not _condition_holds(translator, condition, view):
             return path
         replacements = _evaluated_texts(translator, fields.get("replacements"), view)
         try:
@@ -169,7 +168,7 @@ def _replaced_value(value: ParameterValue, replacements: Texts) -> ParameterValu
 
 
 def _condition_holds(
-    translator: SubstitutionTranslator, condition: Value, view: ContextView
+    translator: SubstitutionTranslator, condition: av.Value, view: ContextView
 ) -> bool:
     text = view.perform(translator.template(condition))
     return has_placeholder(text) or text.strip().lower() in {"true", "1"}
@@ -198,9 +197,9 @@ def _tree(
 
 
 def _evaluated_texts(
-    translator: SubstitutionTranslator, value: Value | None, view: ContextView
+    translator: SubstitutionTranslator, value: av.Value | None, view: ContextView
 ) -> dict[str, str]:
-    entries = value.entries if isinstance(value, MapValue) else {}
+    entries = value.entries if isinstance(value, av.MapValue) else {}
     return {str(key): view.perform(translator.template(inner)) for key, inner in entries.items()}
 
 

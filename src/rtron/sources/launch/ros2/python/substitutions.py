@@ -4,23 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rtron.sources.code.interpreter.abstract_values.items import items_of
-from rtron.sources.code.interpreter.abstract_values.truth import truth
-from rtron.sources.code.interpreter.abstract_values.value_types import (
-    NONE,
-    Choice,
-    ExternalSymbol,
-    Instance,
-    ListValue,
-    PartialText,
-    Scalar,
-    Unknown,
-    Value,
-    concat,
-    options,
-    plain,
-    text_with_holes,
-)
+from rtron.sources.code.interpreter import abstract_values as av
+from rtron.sources.code.interpreter.abstract_values.value_types import plain
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.calls import dispatch
@@ -41,10 +26,10 @@ from rtron.sources.launch.ros2.substitutions.template import (
     split_placeholders,
 )
 
-Fields: TypeAlias = Mapping[str, Value]
+Fields: TypeAlias = Mapping[str, av.Value]
 PerformSubstitution: TypeAlias = Callable[[ContextView], str]
 _CallBuilder: TypeAlias = (
-    "Callable[[SubstitutionTranslator, Fields, Instance, int], SubstitutionCall]"
+    "Callable[[SubstitutionTranslator, Fields, av.Instance, int], SubstitutionCall]"
 )
 MAX_DEPTH = 24
 
@@ -58,34 +43,34 @@ class SubstitutionTranslator:
     """
 
     machine: AbstractMachine
-    context: Callable[[ContextView], Instance]
+    context: Callable[[ContextView], av.Instance]
     file_substitutions: Mapping[
         str, Callable[["SubstitutionTranslator", Fields], PerformSubstitution]
     ]
     count: Callable[[], None]
 
-    def template(self, value: Value | None, depth: int = 0) -> Template:
+    def template(self, value: av.Value | None, depth: int = 0) -> Template:
         """Return a text: a string, a substitution, or a list of both."""
         self.count()
-        if value is None or value == NONE or depth > MAX_DEPTH:
+        if value is None or value == av.NONE or depth > MAX_DEPTH:
             return ()
-        if isinstance(value, Scalar):
+        if isinstance(value, av.Scalar):
             text = plain(value.value)
             return (text if len(text) <= MAX_COMMAND_OUTPUT else placeholder("a long text"),)
-        if isinstance(value, PartialText):
+        if isinstance(value, av.PartialText):
             return (
                 "".join(p if isinstance(p, str) else placeholder(p.label) for p in value.parts),
             )
-        if isinstance(value, ListValue):
+        if isinstance(value, av.ListValue):
             parts_of_list = [
                 piece for item in value.items for piece in self.template(item, depth + 1)
             ]
             return (*parts_of_list, placeholder("more")) if value.open else tuple(parts_of_list)
-        if isinstance(value, Instance):
+        if isinstance(value, av.Instance):
             return self._template_of_instance(value, depth)
         return (placeholder(_placeholder_name(value)),)
 
-    def _template_of_instance(self, value: Instance, depth: int) -> Template:
+    def _template_of_instance(self, value: av.Instance, depth: int) -> Template:
         name, fields = launch_class_name(value), constructor_arguments(value)
         if name in self.file_substitutions:
             return (self._deferred_substitution(self.file_substitutions[name](self, fields)),)
@@ -103,44 +88,47 @@ class SubstitutionTranslator:
             lambda view: run(view) if isinstance(view, ContextView) else placeholder("made")
         )
 
-    def _perform_custom(self, method: Value, view: ContextView) -> str:
+    def _perform_custom(self, method: av.Value, view: ContextView) -> str:
         """Return what a substitution of the launch file's own makes."""
         arguments = Arguments(values=(self.context(view),), frame=StackFrame(file=""))
         return view.perform(self.template(dispatch(self.machine, method, arguments)))
 
 
-def value_of(text: str) -> Value:
+def value_of(text: str) -> av.Value:
     """Return an evaluated text as the interpreter's value."""
-    return concat(
-        [Unknown(part) if is_hole else Scalar(part) for part, is_hole in split_placeholders(text)]
+    return av.concat(
+        [
+            av.Unknown(part) if is_hole else av.Scalar(part)
+            for part, is_hole in split_placeholders(text)
+        ]
     )
 
 
-def plain_text(value: Value | None) -> str:
+def plain_text(value: av.Value | None) -> str:
     """Return a text that holds no substitutions."""
-    return text_with_holes(value) if isinstance(value, (Scalar, PartialText)) else ""
+    return av.text_with_holes(value) if isinstance(value, (av.Scalar, av.PartialText)) else ""
 
 
-def is_false(value: Value | None) -> bool:
+def is_false(value: av.Value | None) -> bool:
     """Tell whether a value that is true by default is not."""
-    return value is not None and truth(value) is False
+    return value is not None and av.truth(value) is False
 
 
-def _placeholder_name(value: Value) -> str:
-    if isinstance(value, Choice):
-        return " or ".join(text_with_holes(option) for option in options(value)[:4])
-    if isinstance(value, ExternalSymbol):
+def _placeholder_name(value: av.Value) -> str:
+    if isinstance(value, av.Choice):
+        return " or ".join(av.text_with_holes(option) for option in av.options(value)[:4])
+    if isinstance(value, av.ExternalSymbol):
         return value.name
-    return value.label if isinstance(value, Unknown) else "?"
+    return value.label if isinstance(value, av.Unknown) else "?"
 
 
 def _call_builder(name: str, *keys: str) -> _CallBuilder:
     """Return what makes a call whose arguments are parameters; those at the end may be missing."""
 
     def made(
-        translator: SubstitutionTranslator, fields: Fields, _: Instance, depth: int
+        translator: SubstitutionTranslator, fields: Fields, _: av.Instance, depth: int
     ) -> SubstitutionCall:
-        arguments = [fields[key] for key in keys if fields.get(key, NONE) != NONE]
+        arguments = [fields[key] for key in keys if fields.get(key, av.NONE) != av.NONE]
         return SubstitutionCall(
             name, tuple(translator.template(argument, depth) for argument in arguments)
         )
@@ -152,11 +140,15 @@ def _list_call_builder(name: str, key: str) -> _CallBuilder:
     """Return what makes a call whose arguments are a list's items."""
 
     def made(
-        translator: SubstitutionTranslator, fields: Fields, value: Instance, depth: int
+        translator: SubstitutionTranslator, fields: Fields, value: av.Instance, depth: int
     ) -> SubstitutionCall:
-        listed = value.fields[ARGUMENTS_FIELD] if key == ARGUMENTS_FIELD else fields.get(key, NONE)
+        listed = (
+            value.fields[ARGUMENTS_FIELD] if key == ARGUMENTS_FIELD else fields.get(key, av.NONE)
+        )
         before = (translator.template(fields.get("delimiter")),) if name == "string-join" else ()
-        items, certain = items_of(listed) if isinstance(listed, ListValue) else ((listed,), True)
+        items, certain = (
+            av.items_of(listed) if isinstance(listed, av.ListValue) else ((listed,), True)
+        )
         templates = tuple(translator.template(item, depth) for item in items)
         return SubstitutionCall(
             name, (*before, *templates, *(() if certain else ((placeholder("more"),),)))
@@ -166,14 +158,14 @@ def _list_call_builder(name: str, key: str) -> _CallBuilder:
 
 
 def _as_bool(
-    translator: SubstitutionTranslator, fields: Fields, _: Instance, depth: int
+    translator: SubstitutionTranslator, fields: Fields, _: av.Instance, depth: int
 ) -> SubstitutionCall:
     named = SubstitutionCall("var", (translator.template(fields.get("name"), depth),))
     return SubstitutionCall("as-bool", ((named,),))
 
 
 def _not_equal(
-    translator: SubstitutionTranslator, fields: Fields, value: Instance, depth: int
+    translator: SubstitutionTranslator, fields: Fields, value: av.Instance, depth: int
 ) -> SubstitutionCall:
     return SubstitutionCall("not", ((_CONFIG_EQUALS(translator, fields, value, depth),),))
 

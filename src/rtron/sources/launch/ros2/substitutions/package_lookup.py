@@ -7,7 +7,7 @@ from pathlib import Path
 from rtron.folders import path_exists
 from rtron.sources.launch.common.commands import CatCommand
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.ros2.bundled_files import has_bundled_launch_files
+from rtron.sources.launch.ros2.file_search import has_bundled_launch_files
 from rtron.sources.launch.ros2.substitutions.command_output import CommandOutput
 from rtron.sources.launch.ros2.substitutions.functions import Function, require_arguments
 from rtron.sources.launch.ros2.substitutions.template import (
@@ -50,7 +50,7 @@ class PackageLookup:
                 return str(share)
         if self.symbolic and has_bundled_launch_files(name):
             return placeholder(f"find-pkg-share {name}")
-        raise UnresolvableError(f"package '{name}' is not here")
+        raise UnresolvableError(f"package '{name}' is not here", name)
 
     def _install_prefix(self, arguments: list[str]) -> str:
         if self.symbolic and "".join(arguments[:1]) in self.packages:

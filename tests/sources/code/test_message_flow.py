@@ -1,0 +1,112 @@
+"""What a node sends, calls or asks for because of a message, in both languages."""
+
+import pytest
+import ros1_runs
+import ros2_runs
+
+PYTHON = """import rospy
+from std_msgs.msg import Float32, String
+from std_srvs.srv import Empty
+
+
+class Node:
+    def __init__(self):
+        self.mode, self.seen = '', ''
+        self.kit = Kit()
+        self.motor = rospy.Publisher('motor', Float32, queue_size=1)
+        self.report = rospy.Publisher('report', String, queue_size=1)
+        self.home = rospy.ServiceProxy('go_home', Empty)
+        rospy.Subscriber('order', {type}, self.on_order)
+        rospy.Timer(rospy.Duration(0.1), self.tick)
+
+    def on_order(self, message):
+{callback}
+
+    def tick(self, event):
+{timer}
+
+    def drive(self, speed):
+        self.motor.publish(speed)
+
+    def is_on(self):
+        return self.mode == 'on'
+
+
+rospy.init_node('n')
+Node()
+rospy.spin()
+"""
+REPORT = "self.report.publish('fine')"
+
+
+def python(callback, timer="pass", type="String"):
+    """Return what the order leads to, None where that is not known."""
+    blocks = (
+        "\n".join(f"        {row}" for row in text.splitlines()) for text in (callback, timer)
+    )
+    text = PYTHON.format(type=type, **dict(zip(("callback", "timer"), blocks, strict=True)))
+    return led(ros1_runs.run_text(text))
+
+
+def led(interface):
+    at = {(d.kind.value, d.evidence[0]): d.name for d in interface.declarations}
+    flows = interface.message_flows
+    names = [at["publish", place] for flow in flows for place in flow.evidence[1:]]
+    found = sorted(each.rpartition("/")[2] for flow in flows for each in (*names, *flow.requests))
+    return found if flows else None
+
+
+@pytest.mark.parametrize(
+    ("callback", "timer", "found"),
+    [
+        ("self.motor.publish(1.0)", REPORT, ["motor"]),
+        ("self.drive(len(message.data))", REPORT, ["motor"]),
+        ("if message.data == 'home': self.home()", "pass", ["go_home"]),
+        ("self.mode = message.data", f"self.drive(len(self.mode))\n{REPORT}", ["motor"]),
+        ("self.mode = message.data", f"if self.mode == 'on': self.drive(1)\n{REPORT}", ["motor"]),
+        ("self.mode = message.data", "if not self.mode: return\nself.drive(1)", ["motor"]),
+        ("self.mode = message.data", f"if self.is_on(): self.drive(1)\n{REPORT}", ["motor"]),
+        ("self.mode = message.data", "self.report.publish(self.mode)", ["report"]),
+    ],
+)
+def test_in_python(callback, timer, found):
+    assert python(callback, timer) == found
+
+
+@pytest.mark.parametrize("callback", ["pass", "rospy.loginfo(message.data)", "x = message.data"])
+def test_what_is_not_used(callback):
+    assert python(callback) == []
+
+
+@pytest.mark.parametrize(
+    "callback", ["self.kit.servo[1].angle = 3", "self.seen = message.data", "write(message.data)"]
+)
+def test_what_may_do_something_else_is_not_known(callback):
+    assert python(callback) is None
+
+
+def test_what_is_measured_is_not_followed():
+    text = PYTHON.replace("String\n", "String\nfrom sensor_msgs.msg import Imu\n", 1)
+    text = text.format(type="Imu", callback="        self.motor.publish(1.0)", timer="        pass")
+    assert led(ros1_runs.run_text(text)) is None
+
+
+def test_in_cpp():
+    members = """
+  void on_order(const std_msgs::msg::String & message) { mode_ = message.data; }
+  void tick() { if (mode_.empty()) { return; } drive(1.0); }
+  void drive(double speed) { std_msgs::msg::Float32 m; m.data = speed; motor_->publish(m); }
+  void beat() { report_->publish(std_msgs::msg::String()); }
+  std::string mode_;
+  rclcpp::Publisher<std_msgs::msg::Float32>::SharedPtr motor_;
+  rclcpp::Publisher<std_msgs::msg::String>::SharedPtr report_;
+"""
+    body = """
+    motor_ = create_publisher<std_msgs::msg::Float32>("motor", 1);
+    report_ = create_publisher<std_msgs::msg::String>("report", 1);
+    auto sub = create_subscription<std_msgs::msg::String>("order", 1,
+      [this](const std_msgs::msg::String & m) { on_order(m); });
+    auto timer = create_wall_timer(50ms, std::bind(&N::tick, this));
+    auto other = create_wall_timer(50ms, std::bind(&N::beat, this));
+"""
+    assert led(ros2_runs.cpp(body, members=members)) == ["motor"]
