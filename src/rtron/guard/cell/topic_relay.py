@@ -5,14 +5,13 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from rtron.guard.cell.connection import CellConnection
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.core.report_messages import DIAGNOSTICS, OK, WARN, Status, diagnostics_message
 from rtron.guard.transport.common.protocol import (
-    ConnectHandler,
     InputOptions,
     MessageHandler,
     Output,
@@ -20,6 +19,9 @@ from rtron.guard.transport.common.protocol import (
     Transport,
 )
 from rtron.vocabulary import GATEWAY_NODE, SECOND, CarriedTopic, CellManifest, matches_node
+
+if TYPE_CHECKING:
+    from rtron.guard.cell.ros2.carried_side import CarriedSide
 
 log = logging.getLogger(__name__)
 
@@ -60,16 +62,6 @@ class CellRefusals:
         return Status(WARN if total else OK, f"rtron: cell of {self._node}", message, values)
 
 
-class TopicSource(Protocol):
-    """Where a topic is taken from; see `Transport`."""
-
-    def subscribe(
-        self, node: str, topic: str, type: str, on_connect: ConnectHandler, options: InputOptions
-    ) -> None:
-        """Subscribe `topic` as `node`."""
-        ...
-
-
 class TopicRelay:
     """Passes on the messages of the publishers that the manifest names, byte by byte.
 
@@ -81,7 +73,7 @@ class TopicRelay:
         self._output = output
         self._refusals = refusals
 
-    def open(self, source: TopicSource, node: str) -> None:
+    def open(self, source: "Transport | CarriedSide", node: str) -> None:
         """Take the topic from a transport, as a node."""
         topic = self._topic
         options = InputOptions(

@@ -52,7 +52,7 @@ _START_LIMIT = 10 * SECOND
 
 
 class CarriedSide:
-    """See `CellSide`; it has no more of a transport than a cell needs.
+    """Has no more of a transport than a cell needs.
 
     A carrier that answers no beat is given up, as one that is gone.
     """
