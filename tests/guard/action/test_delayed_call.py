@@ -3,7 +3,7 @@
 import pytest
 from app_in_memory import MemoryTransport
 
-from rtron.guard.action.common.delayed_call import DelayedCall
+from rtron.guard.core.timers import DelayedCall
 
 DELAY = 10
 

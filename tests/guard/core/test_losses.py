@@ -9,7 +9,7 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.losses import PERIOD, Losses
 from rtron.guard.link.stream_monitor import StreamMonitor
 from rtron.guard.transport.common.memory import MemoryTransport
-from rtron.guard.transport.common.protocol import DEFAULT_INPUT, DEFAULT_OUTPUT
+from rtron.guard.transport.common.protocol import DEFAULT_OUTPUT
 from rtron.vocabulary import SECOND, UNAPPROVED, Mode, StreamKind, VerdictCounts
 
 FLOW1, PUBLIC, OUT = "/rtron/cmd_vel/flow1", "/cmd_vel", "/rtron/cmd_vel/out"
@@ -125,9 +125,9 @@ class Depths(MemoryTransport):
         self.kept["out", topic] = (options.queue_size, options.keep_all)
         return super().advertise(node, topic, type, options)
 
-    def subscribe(self, node, topic, type, connect, lose, options=DEFAULT_INPUT):
+    def subscribe(self, node, topic, type, connect, options):
         self.kept["in", topic] = (options.queue_size, options.keep_all)
-        super().subscribe(node, topic, type, connect, lose, options)
+        super().subscribe(node, topic, type, connect, options)
 
 
 @pytest.mark.parametrize(

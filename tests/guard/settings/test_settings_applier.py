@@ -194,7 +194,7 @@ def test_a_rule_that_is_deselected_frees_and_one_that_is_selected_again_stops(ba
     base.apply(rule("red_light", revision=3, selected=True))
     base.transport.advance(2 * SECOND)
     assert base.xs()[:2] == [1.0, 0.875]
-    assert base.stream().stop_controller.stopped_flow == "flow1"
+    assert base.stream().stop_controller.last_flow == "flow1"
     base.drive(1.0)
     assert base.xs()[-1] == 0.0
     assert base.tally("flow1").last.reason == "rule red_light: the light is red"

@@ -25,7 +25,6 @@ from rtron.guard.transport.common.protocol import (
     OutputOptions,
     Peer,
     TypeInfo,
-    ignore_lost,
 )
 from rtron.guard.transport.ros1.middleware import Ros1Transport
 from rtron.messages.ros1.service_types import service_md5sum
@@ -140,7 +139,7 @@ class Ros1ClientNode:
             return None
 
         node, name = self._client.node, normalise_type(type)
-        self._transport.subscribe(node, topic, name, accept, ignore_lost, InputOptions())
+        self._transport.subscribe(node, topic, name, accept, InputOptions())
 
     def leave(self, topic: str) -> None:
         """Subscribe to a topic no more."""

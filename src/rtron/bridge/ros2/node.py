@@ -20,7 +20,6 @@ from rtron.guard.transport.common.protocol import (
     MessageHandler,
     OutputOptions,
     Peer,
-    ignore_lost,
 )
 from rtron.messages import Encoding
 from rtron.messages.common.json_decoder import decode_response
@@ -146,7 +145,7 @@ class Ros2ClientNode:
             return partial(self.take, topic)
 
         options = InputOptions(queue_size=self._client.limits.queue)
-        self._transport.subscribe(self._client.node, topic, type, accept, ignore_lost, options)
+        self._transport.subscribe(self._client.node, topic, type, accept, options)
         self._read.add(topic)
 
     def leave(self, topic: str) -> None:

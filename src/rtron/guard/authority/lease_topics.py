@@ -24,7 +24,6 @@ from rtron.guard.transport.common.protocol import (
     Output,
     Peer,
     Transport,
-    ignore_lost,
 )
 from rtron.policies.authority.command_lease import CommandLease, LeaseAnswer
 from rtron.vocabulary import GUARD_NODE, SECOND, lease_topic
@@ -81,9 +80,7 @@ class LeaseTopics:
     def _subscribe(self, lease: CommandLease) -> None:
         options = InputOptions(is_command=lambda peer: True, publishers=lease.commander_names)
         topic, connect = lease_topic(lease.name, "request"), partial(self._connect, lease)
-        self._transport.subscribe(
-            GUARD_NODE, topic, STRING.type, connect, ignore_lost, options=options
-        )
+        self._transport.subscribe(GUARD_NODE, topic, STRING.type, connect, options)
 
     def _connect(self, lease: CommandLease, peer: Peer) -> MessageHandler | None:
         refusal = _peer_refusal(lease, peer)

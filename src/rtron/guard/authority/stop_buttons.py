@@ -42,14 +42,9 @@ class StopButtons:
     def open(self) -> None:
         """Join the graph."""
         for button in self._buttons:
-            self._transport.subscribe(
-                GUARD_NODE,
-                button.topic,
-                _BOOL,
-                partial(self._connect, button),
-                partial(self._lose, button),
-                InputOptions(publishers=(button.publisher,)),
-            )
+            connect, lose = partial(self._connect, button), partial(self._lose, button)
+            options = InputOptions(publishers=(button.publisher,), on_lost=lose)
+            self._transport.subscribe(GUARD_NODE, button.topic, _BOOL, connect, options)
 
     def close(self) -> None:
         """Do nothing: the transport leaves the graph."""

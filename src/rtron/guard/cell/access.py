@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import SourceError
+from rtron.guard.system.process_port import receive_files
 from rtron.guard.system.unix_socket import peer_credentials, runtime_folder
 
 TCP, DIAG, STATE = b"tcp", b"diag", b"state"
@@ -126,9 +127,7 @@ class CellAccess:
 
 
 def _receive_sockets(connection: socket.socket, most: int) -> tuple[bytes, list[socket.socket]]:
-    identity, descriptors, _, _ = socket.recv_fds(
-        connection, MAX_PACKET, most, socket.MSG_CMSG_CLOEXEC
-    )
+    identity, descriptors = receive_files(connection, MAX_PACKET, most)
     return identity, [socket.socket(fileno=descriptor) for descriptor in descriptors]
 
 

@@ -5,11 +5,15 @@ import socket
 from collections.abc import Callable
 from contextlib import suppress
 from threading import Thread
-from typing import Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from rtron.errors import SourceError, WireError
 from rtron.guard.cell.access import GUARD_BEAT, WATCH, CellAccess
 from rtron.guard.core.event_loop import EventLoop
+
+if TYPE_CHECKING:
+    from rtron.guard.cell.ros2.carried_side import CarriedSide
+    from rtron.guard.transport.ros1.middleware import Ros1Transport
 
 log = logging.getLogger(__name__)
 
@@ -20,19 +24,8 @@ BEAT_S = 0.02
 """How often a guard beats, seconds."""
 
 
-class CellSide(Protocol):
-    """A transport inside a cell."""
-
-    def abandon(self) -> None:
-        """Close every connection; the loop goes on."""
-        ...
-
-    def close(self) -> None:
-        """Leave the graph inside in order."""
-        ...
-
-
-Side = TypeVar("Side", bound=CellSide)
+Side = TypeVar("Side", bound="Ros1Transport | CarriedSide")
+"""A transport inside a cell."""
 
 
 class CellConnection(Generic[Side]):

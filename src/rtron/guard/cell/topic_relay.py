@@ -1,30 +1,34 @@
 """A topic that passes between a cell and the app, and what a cell refuses to carry."""
 
 import logging
+import time
 from collections import Counter
 from collections.abc import Callable
-from typing import Protocol
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
+from rtron.guard.cell.connection import CellConnection
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
-from rtron.guard.core.report_messages import OK, WARN, Status
+from rtron.guard.core.report_messages import DIAGNOSTICS, OK, WARN, Status, diagnostics_message
 from rtron.guard.transport.common.protocol import (
-    DEFAULT_INPUT,
-    ConnectHandler,
     InputOptions,
-    LostHandler,
     MessageHandler,
     Output,
     Peer,
-    ignore_lost,
+    Transport,
 )
-from rtron.vocabulary import CarriedTopic, matches_node
+from rtron.vocabulary import GATEWAY_NODE, SECOND, CarriedTopic, CellManifest, matches_node
+
+if TYPE_CHECKING:
+    from rtron.guard.cell.ros2.carried_side import CarriedSide
 
 log = logging.getLogger(__name__)
 
 _QUEUE_SIZE = 100
 _MAX_SUBJECTS = 64
 _REST = "others"
+_DIAGNOSTICS_TOPIC = "/diagnostics"
 
 
 class CellRefusals:
@@ -44,28 +48,18 @@ class CellRefusals:
         if self._log_throttle.allows(key, self._now()):
             log.warning("cell of %s: %s is refused: %s", self._node, subject, reason)
 
-    def status(self) -> Status:
-        """Return what was refused, for the diagnostics."""
+    def publish(self, output: Output, transport: Transport, number: int = 1) -> None:
+        """Tell what was refused in the diagnostics, each second from now on."""
+        message = diagnostics_message(transport.encoding, number, time.time_ns(), [self._status()])
+        output.publish(message)
+        next_call = partial(self.publish, output, transport, number + 1)
+        transport.call_at(transport.now() + SECOND, next_call)
+
+    def _status(self) -> Status:
         total = self._counts.total()
         message = f"{total} refusals" if total else "nothing was refused"
         values = {subject: str(count) for subject, count in self._counts.items()}
         return Status(WARN if total else OK, f"rtron: cell of {self._node}", message, values)
-
-
-class TopicSource(Protocol):
-    """Where a topic is taken from; see `Transport`."""
-
-    def subscribe(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        on_connect: ConnectHandler,
-        on_lost: LostHandler = ignore_lost,
-        options: InputOptions = DEFAULT_INPUT,
-    ) -> None:
-        """Subscribe `topic` as `node`."""
-        ...
 
 
 class TopicRelay:
@@ -79,11 +73,13 @@ class TopicRelay:
         self._output = output
         self._refusals = refusals
 
-    def open(self, source: TopicSource, node: str) -> None:
+    def open(self, source: "Transport | CarriedSide", node: str) -> None:
         """Take the topic from a transport, as a node."""
-        options = InputOptions(publishers=self._topic.publishers, queue_size=_QUEUE_SIZE)
         topic = self._topic
-        source.subscribe(node, topic.topic, topic.type, self._connect, self._lose, options)
+        options = InputOptions(
+            publishers=topic.publishers, queue_size=_QUEUE_SIZE, on_lost=self._lose
+        )
+        source.subscribe(node, topic.topic, topic.type, self._connect, options)
 
     def _connect(self, peer: Peer) -> MessageHandler | None:
         name = self._topic.topic
@@ -102,3 +98,23 @@ class TopicRelay:
     def _lose(self, peer: Peer) -> None:
         if peer.latching:
             self._output.clear_latched()
+
+
+def open_published(
+    manifest: CellManifest,
+    outside: Transport,
+    cell: CellConnection[Any],
+    refusals: CellRefusals,
+) -> None:
+    """Pass on what the node in a cell publishes, and tell on /diagnostics what is refused."""
+    outputs: dict[str, Output] = {}
+    for topic in manifest.published:
+        output = outside.advertise(manifest.node, topic.topic, topic.type)
+        outputs[topic.topic] = output
+        cell.apply(partial(TopicRelay(topic, output, refusals).open, node=GATEWAY_NODE))
+    diagnostics = DIAGNOSTICS[outside.encoding]
+    output = outputs.get(_DIAGNOSTICS_TOPIC) or outside.advertise(
+        manifest.node, _DIAGNOSTICS_TOPIC, diagnostics.type
+    )
+    output.learn_type(diagnostics)
+    refusals.publish(output, outside)

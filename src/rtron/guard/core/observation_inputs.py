@@ -71,20 +71,15 @@ class ObservationInputs:
 
     def _open_event(self, source: EventSource) -> None:
         node = f"{PRIVATE_ROOT}/{self._observations.node}"
-        connect, lost = partial(self._connect_event, source), partial(self._on_event_lost, source)
+        connect = partial(self._connect_event, source)
+        options = InputOptions(
+            publishers=(source.publisher,),
+            keep_all=True,
+            on_missed=partial(self._on_event_missed, source.topic),
+            on_lost=partial(self._on_event_lost, source),
+        )
         for topic in self._observations.publisher_topics.topics_of(source.topic, source.publisher):
-            self._transport.subscribe(
-                node,
-                topic,
-                source.type,
-                connect,
-                lost,
-                InputOptions(
-                    publishers=(source.publisher,),
-                    keep_all=True,
-                    on_missed=partial(self._on_event_missed, source.topic),
-                ),
-            )
+            self._transport.subscribe(node, topic, source.type, connect, options)
 
     def _open_monitor(self, plan: FpsMonitor) -> None:
         monitor = self._observations.rates.monitors[plan.id]
@@ -98,7 +93,7 @@ class ObservationInputs:
         for topic in self._observations.publisher_topics.topics_of(flow.topic, flow.publisher):
             node, awaited = f"{PRIVATE_ROOT}/{plan.id}", (flow.publisher,)
             options = InputOptions(publishers=awaited, begin=_FRAME_BEGIN)
-            self._transport.subscribe(node, topic, "", connect, options=options)
+            self._transport.subscribe(node, topic, "", connect, options)
 
     def _connect_event(self, source: EventSource, peer: Peer) -> MessageHandler | None:
         if not _is_planned_publisher(source.publisher, peer, source.topic):

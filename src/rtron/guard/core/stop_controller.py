@@ -20,16 +20,16 @@ Send = Callable[[str, bytes], None]
 """Takes the flow that the guard speaks for, and the message."""
 
 
-class StopController:
+class StopController(VelocityWatchdog):
     """Stops the robot that a velocity stream moves; idle on other streams, and before `learn`."""
 
     def __init__(self, stream: Stream, send: Send) -> None:
+        super().__init__(stream.stop, self._last_velocity)
         stranger = Flow(name=UNAPPROVED, publisher="*")
         self._flows = {flow.name: flow for flow in (stranger, *stream.flows)}
         commands = stream.stages[0].settings.kind is StreamKind.COMMAND
         self._is_enabled = commands and stream.mode is Mode.ENFORCE
         self._send = send
-        self._stopping = VelocityWatchdog(stream.stop, self._velocity)
         self._codec: VelocityCodec | None = None
         self._last_message = b""
         self._refused: dict[str, tuple[bytes, int]] = {}
@@ -47,42 +47,22 @@ class StopController:
         return self._codec is not None
 
     @property
-    def reason(self) -> str:
-        """Why the robot is being stopped, "" if it is not."""
-        return self._stopping.reason
-
-    @property
-    def stopped_flow(self) -> str:
-        """The flow that moved the robot last."""
-        return self._stopping.last_flow
-
-    @property
-    def stop_count(self) -> int:
-        """How many times the robot was stopped."""
-        return self._stopping.stop_count
-
-    @property
-    def moving_flow(self) -> Flow | None:
-        """The flow that moves the robot."""
-        return self._stopping.moving_flow
-
-    @property
     def speed(self) -> float | None:
         """The last speed (m/s) that went out; None before, and where the stream moves nothing."""
-        velocity = self._velocity() if self._last_message else None
+        velocity = self._last_velocity() if self._last_message else None
         return velocity.speed if velocity else None
 
     def note_sent(self, flow: str, message: bytes, now: int) -> None:
         """Note that a message of `moving_flow` went out."""
         if self._codec is not None:
             self._last_message = message
-            self._stopping.record_output(self._flows[flow], now)
+            self.record_output(self._flows[flow], now)
 
     def note_dropped(self, verdict: Verdict, now: int) -> None:
         """Stop the robot if a message of the flow that moves it cannot be read."""
         flow = self.moving_flow
         if verdict.error and flow and flow.name == verdict.flow and flow.on_error is OnError.STOP:
-            self.stop_motion(verdict.reason, now)
+            self.refuse(verdict.reason, now)
 
     def note_refused(self, flow: str, message: bytes, now: int) -> None:
         """Note what a flow says while the robot is kept stopped."""
@@ -103,45 +83,25 @@ class StopController:
         A flow that has released the output may have stopped the robot: it is stopped, not set in
         motion again.
         """
-        velocity = self._velocity()
+        velocity = self._last_velocity()
         slower = bounded(velocity, now) if velocity else None
         if self._codec is None or slower is None or slower is velocity:
             return
-        if self._stopping.is_released:
-            self.stop_motion(f"the limit has fallen to {slower.speed:g} m/s", now)
+        if self.is_released:
+            self.refuse(f"the limit has fallen to {slower.speed:g} m/s", now)
             return
         self._last_message = self._codec.encode(self._last_message, slower)
         self.on_slowed(slower, now)
-        self._send(self.stopped_flow, self._last_message)
-
-    def stop_motion(self, why: str, now: int) -> None:
-        """Stop the robot: the flow that moves it may not go on."""
-        self._stopping.refuse(why, now)
+        self._send(self.last_flow, self._last_message)
 
     def brake(self, why: str, now: int) -> None:
         """Stop the robot until `release_brake`; do nothing if this stream moves none."""
         if self._codec is not None:
-            self._stopping.brake(why, now)
-
-    def set_reason(self, why: str) -> None:
-        """Give the stop that is under way another reason."""
-        self._stopping.set_reason(why)
-
-    def release_brake(self) -> None:
-        """Let the stop end as others do."""
-        self._stopping.release_brake()
-
-    def forget_flow(self, flow: str, now: int) -> None:
-        """Take a flow for silent at once: nobody speaks for it any more."""
-        self._stopping.forget_flow(flow, now)
-
-    def interrupt(self) -> None:
-        """Note that the robot was stopped by others."""
-        self._stopping.mark_stopped_elsewhere()
+            super().brake(why, now)
 
     def tick(self, now: int) -> None:
         """Send the stop message that is due."""
-        velocity = self._stopping.tick(now)
+        velocity = super().tick(now)
         if velocity is not None and self._codec is not None:
             self.on_slowed(velocity, now)
             self._send_stop(self._encode(self._codec, velocity))
@@ -154,7 +114,7 @@ class StopController:
 
     def stop_message(self, now: int) -> bytes | None:
         """Return the stop message of this moment, None if no stop is under way."""
-        velocity = self._stopping.current(now)
+        velocity = self.current(now)
         if velocity is None or self._codec is None:
             return None
         return self._encode(self._codec, velocity)
@@ -166,18 +126,14 @@ class StopController:
         except WireError:
             return True
 
-    def deadline(self) -> int | None:
-        """Return when (ns) `tick` next has something to do."""
-        return self._stopping.deadline()
-
     def _encode(self, codec: VelocityCodec, velocity: Velocity) -> bytes:
         is_rest = not velocity.linear
         return codec.zero_message if is_rest else codec.encode(self._last_message, velocity)
 
     def _send_stop(self, message: bytes) -> None:
-        self._send(self.stopped_flow or UNAPPROVED, message)
+        self._send(self.last_flow or UNAPPROVED, message)
 
-    def _velocity(self) -> Velocity | None:
+    def _last_velocity(self) -> Velocity | None:
         if self._codec is None:
             return None
         try:

@@ -4,7 +4,6 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from rtron.guard.core.deadline_timer import DeadlineTimer
 from rtron.guard.core.handover_state import FlowOrder
 from rtron.guard.core.lease_text import lease_text
 from rtron.guard.core.losses import Losses
@@ -22,6 +21,7 @@ from rtron.guard.core.stream_settings import (
     rules_met_by_flow,
     with_defaults,
 )
+from rtron.guard.core.timers import DeadlineTimer
 from rtron.guard.core.velocity_gate import VelocityGate
 from rtron.guard.system.process_attributes import exit_out_of_memory
 from rtron.guard.transport.common.protocol import MessageHandler, Peer, TypeInfo
@@ -216,7 +216,7 @@ class GuardedStream:
         """Stop or slow the robot if the flow that moves it may not go on as before."""
         flow = self.stop_controller.moving_flow
         if flow and (why := self.pipeline.refusal(flow.name, now)):
-            self.stop_controller.stop_motion(why, now)
+            self.stop_controller.refuse(why, now)
         self._slow_down(now)
         self._deadline_timer.run_due(now)
         self._notify_state_change()
@@ -335,7 +335,7 @@ class GuardedStream:
             exit_out_of_memory()
         except Exception:
             log.exception("%s: internal error, a message of %s is dropped", self.spec.topic, flow)
-            self.stop_controller.stop_motion("internal error", now)
+            self.stop_controller.refuse("internal error", now)
             self._deadline_timer.run_due(now)
             return None
 

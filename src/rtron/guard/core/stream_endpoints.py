@@ -117,7 +117,7 @@ class StreamEndpoints:
             return connect(peer) if self.is_successor(peer) else None
 
         options = InputOptions(publishers=self.spec.successors)
-        self._transport.subscribe(self._node, topic, type, connect_successor, options=options)
+        self._transport.subscribe(self._node, topic, type, connect_successor, options)
 
     def is_successor(self, peer: Peer) -> bool:
         """Tell whether a publisher is one of the planned successors."""
@@ -157,13 +157,13 @@ class StreamEndpoints:
             topic,
             self.spec.type,
             lambda peer: self._connect(flow_of(peer), peer, where),
-            lambda peer: self._lose(flow_of(peer)),
             InputOptions(
                 is_command=self._is_momentary,
                 publishers=publishers,
                 queue_size=self.spec.queue_size,
                 keep_all=keeps_all(self.spec),
                 on_missed=lambda peer, number: self._count_missed(flow_of(peer), peer, number),
+                on_lost=lambda peer: self._lose(flow_of(peer)),
             ),
         )
 

@@ -105,6 +105,13 @@ _SCHEMA = {
 DECISION_CHANNEL = Channel(
     DECISIONS, "json", "rtron.Decision", "jsonschema", json.dumps(_SCHEMA, separators=(",", ":"))
 )
+_KINDS = {
+    ControlState: "control",
+    RuleSwitched: "rule",
+    LeaseAnswered: "lease",
+    AlarmSwitched: "alarm",
+}
+"""The decisions that are written as they are."""
 Written = tuple[Channel, bytes]
 
 
@@ -197,12 +204,9 @@ class EntryDocuments:
                     "kind": "sent", "topic": topic, "flow": flow, "bytes": size,
                     "stopping": stopping,
                 }  # fmt: skip
-            case ControlState():
-                return _control(entry)
             case Observed():
                 return _observed(entry)
-            case _:
-                return _switched(entry)
+        return _document(entry)
 
     def _verdict(self, entry: Received) -> dict[str, Any]:
         return {
@@ -227,33 +231,18 @@ def _writable(learned: LearnedType) -> LearnedType:
     return learned._replace(type=type, md5sum=md5sum, definition=definition)
 
 
-def _switched(entry: Entry) -> dict[str, Any] | None:
+def _document(entry: Entry) -> dict[str, Any] | None:
+    """Return what an entry says, with the names of its fields, but not when."""
     match entry:
-        case RuleSwitched(_, rule, blocks, reason):
-            return {"kind": "rule", "rule": rule, "blocks": blocks, "reason": reason}
-        case LeaseAnswered(_, lease, request, granted, reason):
-            document = {"kind": "lease", "lease": lease, "request": request}
-            return {**document, "granted": granted, "reason": reason}
-        case AlarmSwitched(_, alarm, topic, reason, active):
-            document = {"kind": "alarm", "alarm": str(alarm), "topic": topic}
-            return {**document, "reason": reason, "active": active}
         case RevisionChanged(_, revision, settings):
             return {"kind": "settings", "revision": revision, "settings": json.loads(settings)}
-        case EntriesLost(_, count):
-            return {"kind": "lost", "count": count}
-    return None
-
-
-def _control(entry: ControlState) -> dict[str, Any]:
-    return {
-        "kind": "control",
-        "topic": entry.topic,
-        "owner": entry.owner,
-        "publisher": entry.publisher,
-        "stopping": entry.stopping,
-        "limit": _number(entry.limit),
-        "speed": _number(entry.speed),
-    }
+        case EntriesLost(_, number):
+            return {"kind": "lost", "count": number}
+    if type(entry) not in _KINDS:
+        return None
+    fields = {name: value for name, value in entry._asdict().items() if name != "at"}
+    numbers = {name: _number(value) for name, value in fields.items() if isinstance(value, float)}
+    return {"kind": _KINDS[type(entry)], **fields, **numbers}
 
 
 def _observed(entry: Observed) -> dict[str, Any]:

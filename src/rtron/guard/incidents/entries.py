@@ -112,7 +112,7 @@ class AlarmSwitched(NamedTuple):
     """An alarm was raised, or cleared."""
 
     at: int
-    kind: str
+    alarm: str
     topic: str
     reason: str
     active: bool

@@ -138,7 +138,7 @@ class RecordingPlayer:
 
     def _on_stop_change(self, stream: GuardedStream) -> None:
         if stream.stop_controller.reason:
-            stopped = stream.stop_controller.stopped_flow
+            stopped = stream.stop_controller.last_flow
             self._add(stream.spec.topic, stopped, "stop", "", stream.stop_controller.reason)
 
     def _add(self, topic: str, flow: str, decision: str, policy: str, reason: str) -> None:

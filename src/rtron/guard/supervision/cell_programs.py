@@ -36,7 +36,6 @@ from rtron.vocabulary import matches_node
 if TYPE_CHECKING:
     import subprocess
 
-INIT = "cell_programs:run_init"
 STOPPER = "cell_programs:run_stopper"
 MASTER = "cell_programs:run_cell_master"
 CARRIER = "cell_programs:run_carrier"

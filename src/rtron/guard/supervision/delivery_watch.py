@@ -10,6 +10,7 @@ import struct
 from rtron.guard.core.report_messages import UINT64
 from rtron.guard.supervision.watchdog import Watchdog
 from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
     MessageHandler,
     Output,
     OutputOptions,
@@ -111,4 +112,4 @@ def _subscribe(
         is_readable = peer.info.md5sum == UINT64.md5sum
         return handler if is_readable and peer.verified and peer.node == publisher else None
 
-    transport.subscribe(node, topic, UINT64.type, connect)
+    transport.subscribe(node, topic, UINT64.type, connect, DEFAULT_INPUT)

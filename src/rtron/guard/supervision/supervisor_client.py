@@ -135,7 +135,7 @@ class SupervisorClient:
         self._last_stop = stopped_at
         for guarded, last_message in zip(self._stoppable, self._memory.last_messages, strict=True):
             if decode_last_message(last_message.read()[1]).sent_at < stopped_at:
-                guarded.stop_controller.interrupt()
+                guarded.stop_controller.mark_stopped_elsewhere()
         if not self._memory[StatusWord.UNDELIVERED]:
             self._raise_temporary_alarm("it stood still, and the supervisor stopped the robot")
 

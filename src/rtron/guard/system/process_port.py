@@ -8,8 +8,6 @@ import socket
 from array import array
 
 _MOST_BYTES = 64
-_FILE_BYTES = socket.CMSG_LEN(array("i").itemsize)
-"""What a file needs beside them: `recv_fds` and `send_fds` of Python 3.11 take no flags."""
 
 
 class ProcessPort:
@@ -46,9 +44,23 @@ def connect(connecting_side: socket.socket, subject: bytes = b"-") -> socket.soc
 
 def accept(accepting_side: socket.socket) -> tuple[socket.socket, bytes] | None:
     """Return the connection that waits and what it is about, if there is one."""
-    flags = socket.MSG_DONTWAIT | socket.MSG_CMSG_CLOEXEC
     try:
-        subject, rights, _, _ = accepting_side.recvmsg(_MOST_BYTES, _FILE_BYTES, flags)
+        subject, files = receive_files(accepting_side, _MOST_BYTES, 1, socket.MSG_DONTWAIT)
     except BlockingIOError:
         return None
-    return (socket.socket(fileno=array("i", rights[0][2])[0]), subject) if rights else None
+    return (socket.socket(fileno=files[0]), subject) if files else None
+
+
+def receive_files(
+    sock: socket.socket, most_bytes: int, most_files: int, flags: int = 0
+) -> tuple[bytes, list[int]]:
+    """Return a message and its files, which no program that this process starts gets.
+
+    `socket.recv_fds` takes no flags in Python 3.11, and `send_fds` neither.
+    """
+    files = array("i")
+    size = socket.CMSG_LEN(most_files * files.itemsize)
+    data, ancillary, _, _ = sock.recvmsg(most_bytes, size, flags | socket.MSG_CMSG_CLOEXEC)
+    for _, _, rights in ancillary:
+        files.frombytes(rights[: len(rights) // files.itemsize * files.itemsize])
+    return data, files.tolist()

@@ -8,7 +8,7 @@ from functools import partial
 
 import pytest
 
-from rtron.guard.transport.common.protocol import OutputOptions
+from rtron.guard.transport.common.protocol import InputOptions, OutputOptions
 from rtron.vocabulary import SECOND, Durability, QoS
 
 A, B, TALKER, LISTENER = "/rtron/a", "/rtron/b", "/talker", "/listener"
@@ -39,7 +39,7 @@ class PublisherLog:
 
 def listening(world, *accepted, topic=TOPIC, type=STRING, node=A):
     ear = PublisherLog(*accepted)
-    world.transport.subscribe(node, topic, type, ear.connect, ear.lost.append)
+    world.transport.subscribe(node, topic, type, ear.connect, InputOptions(on_lost=ear.lost.append))
     return ear
 
 

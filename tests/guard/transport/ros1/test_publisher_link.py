@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.common.protocol import InputOptions, Peer, TypeInfo, ignore_lost
+from rtron.guard.transport.common.protocol import InputOptions, Peer, TypeInfo
 from rtron.guard.transport.ros1.handshake import TopicRequest
 from rtron.guard.transport.ros1.subscription import PublisherLink, Subscription
 from rtron.wire.ros1.tcpros import LENGTH
@@ -48,9 +48,7 @@ def loop() -> Iterator[EventLoop]:
 
 @pytest.fixture
 def link(loop, workers):
-    return PublisherLink(
-        loop, workers, REQUEST, "http://localhost:2/", lambda _peer: print, ignore_lost
-    )
+    return PublisherLink(loop, workers, REQUEST, "http://localhost:2/", lambda _peer: print)
 
 
 def test_a_worker_that_connects_after_the_end_leaves_no_socket(link, workers, sock):
@@ -109,9 +107,7 @@ class LatchedLink:
 
     def _link(self, uri, options):
         receive = self.heard.append
-        return PublisherLink(
-            self._loop, self.workers, REQUEST, uri, lambda _peer: receive, ignore_lost, options
-        )
+        return PublisherLink(self._loop, self.workers, REQUEST, uri, lambda _peer: receive, options)
 
     def connect(self, *words):
         """Let the publisher answer, and send words at once; return its end."""

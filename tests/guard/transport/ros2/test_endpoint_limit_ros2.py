@@ -9,6 +9,7 @@ from harness import wait_for
 from rmw_marks import RMW
 from ros2_world import OnRos2
 
+from rtron.guard.transport.common.protocol import InputOptions
 from rtron.guard.transport.ros2.participants import MAX_ENDPOINTS
 
 pytestmark = [
@@ -44,7 +45,7 @@ def test_who_is_known_is_heard_whatever_crowd_comes(world, ros2):
     def connect(peer):
         return heard.append if peer.node == "/nav" else None
 
-    world.transport.subscribe("/guard", TOPIC, TYPE, connect, lost.append)
+    world.transport.subscribe("/guard", TOPIC, TYPE, connect, InputOptions(on_lost=lost.append))
     skip_process_ids(LAST_GIDS)
     ros2.node("bytes_publisher.py", TOPIC, "8", "1", name="/nav")
     world.until(lambda: heard)

@@ -42,7 +42,7 @@ class Reader:
     def __init__(self, world, **options):
         self.heard, self.lost, self.is_connected = [], 0, False
         given = InputOptions(on_missed=self._miss, queue_size=QUEUE, **options)
-        world.transport.subscribe(NODE, TOPIC, STRING, self._connect, options=given)
+        world.transport.subscribe(NODE, TOPIC, STRING, self._connect, given)
 
     def _connect(self, peer):
         self.is_connected = peer.node == "/talker"  # its name may come after its endpoint
@@ -161,7 +161,7 @@ def test_what_the_guard_does_not_take_fills_no_memory(world, ros2, begin):
     heard = []
     options = InputOptions(keep_all=True, begin=begin)
     connect = lambda _peer: lambda message: heard.append(len(message))  # noqa: E731
-    world.transport.subscribe(NODE, TOPIC, ARRAY, connect, options=options)
+    world.transport.subscribe(NODE, TOPIC, ARRAY, connect, options)
     scanner = ros2.node("bytes_publisher.py", TOPIC, str(SCAN_BYTES), "50", name="/scanner")
     world.until(lambda: heard)
     (reader,) = world.transport._subscriptions[0]._readers.values()
@@ -194,7 +194,7 @@ class GrowingMessages:
         self.world, self.heard, self.missed = world, [], 0
         options = InputOptions(keep_all=True, on_missed=self._miss)
         connect = lambda _peer: self.heard.append  # noqa: E731
-        world.transport.subscribe(NODE, TOPIC, STRING, connect, options=options)
+        world.transport.subscribe(NODE, TOPIC, STRING, connect, options)
         self.talker = world.publisher("/talker", TOPIC)
         self.said = Numbered(world).said
         world.until(lambda: self.talker.say(world.text("?")) or self.heard)

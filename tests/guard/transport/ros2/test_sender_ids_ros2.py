@@ -12,6 +12,7 @@ from ros2_world import OnRos2
 from test_msgs.srv import Empty
 
 from rtron.errors import SourceError
+from rtron.guard.transport.common.protocol import DEFAULT_INPUT
 from rtron.guard.transport.ros2 import cyclone_ids, sender_ids
 from rtron.guard.transport.ros2.rcl import Rcl
 from rtron.guard.transport.ros2.sender_ids import find_sender_ids
@@ -149,7 +150,9 @@ def test_a_message_waits_until_its_sender_is_known(ros2, session, monkeypatch):
             world.transport.rcl, "_gid_of", lambda told: UNKNOWN[:8] + real(told)[8:]
         )
         heard, asked = [], []
-        world.transport.subscribe("/guard", "/text", "std_msgs/String", lambda _peer: heard.append)
+        world.transport.subscribe(
+            "/guard", "/text", "std_msgs/String", lambda _peer: heard.append, DEFAULT_INPUT
+        )
         world.publisher("/talker", "/text", latched=True).say(world.text("kept"))
         (gid,) = (each.gid for each in await_publishers(world.session.node("/talker"), "/text", 1))
         monkeypatch.setattr(ids, "gid", lambda told: asked.append(told) or told)

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 
-from rtron.guard.action.common.delayed_call import DelayedCall
 from rtron.guard.action.common.goal_queue import GoalQueue
 from rtron.guard.core.stream_endpoints import StreamContext
+from rtron.guard.core.timers import DelayedCall
 from rtron.policies.goals.registry import MAX_GOALS, Goal, GoalRegistry, GoalStage
 from rtron.vocabulary import SECOND, Stream
 

@@ -6,10 +6,10 @@ from collections import deque
 from collections.abc import Iterator
 
 from rtron.guard.action.common.action_goals import ORPHAN_TIMEOUT, ActionGoals
-from rtron.guard.action.common.delayed_call import DelayedCall
 from rtron.guard.action.ros1.server_state import ServerState
 from rtron.guard.action.ros1.topics import ActionTopics
 from rtron.guard.core.stream_endpoints import StreamContext
+from rtron.guard.core.timers import DelayedCall
 from rtron.guard.transport.common.protocol import Transport
 from rtron.messages.ros1.actions import GoalID, GoalStatus, result_message, with_statuses
 from rtron.policies.goals.registry import ID_REUSE_DELAY, Goal

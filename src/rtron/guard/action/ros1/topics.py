@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.transport.common.protocol import (
+    DEFAULT_INPUT,
+    InputOptions,
     MessageHandler,
     Output,
     OutputOptions,
@@ -95,22 +97,18 @@ class ActionTopics:
             if any(matches_node(flow.publisher, node) for node in stream.successors):
                 self._cancel_outputs.append(self._advertise(private, CANCEL))
             connect = partial(self._connect_client, flow.name, flow.publisher)
-            self._transport.subscribe(self._node, private, CANCEL, connect)
+            self._transport.subscribe(self._node, private, CANCEL, connect, DEFAULT_INPUT)
         connect = partial(self._connect_client, UNAPPROVED, "*")
-        self._transport.subscribe(self._node, topic, CANCEL, connect)
+        self._transport.subscribe(self._node, topic, CANCEL, connect, DEFAULT_INPUT)
 
     def _open_server_topics(self, part: Ros1ActionTopic) -> None:
         topic = ros1_topic_name(self._stream.action, part)
         type = STATUS if part is Ros1ActionTopic.STATUS else ""
         names = (output_topic(topic), topic)
         self._server_outputs[part] = [self._advertise(name, type) for name in names]
-        self._transport.subscribe(
-            self._node,
-            flow_topic(topic, SERVER_FLOW),
-            type,
-            partial(self._connect_server, part),
-            partial(self._listener.on_server_lost, part),
-        )
+        source, connect = flow_topic(topic, SERVER_FLOW), partial(self._connect_server, part)
+        options = InputOptions(on_lost=partial(self._listener.on_server_lost, part))
+        self._transport.subscribe(self._node, source, type, connect, options)
 
     def _advertise(self, topic: str, type: str) -> Output:
         options = OutputOptions(queue_size=self._stream.queue_size)

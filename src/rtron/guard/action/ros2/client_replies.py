@@ -7,7 +7,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rtron.guard.action.common.action_goals import ActionGoals
-from rtron.guard.action.common.delayed_call import DelayedCall
 from rtron.guard.action.ros2.endpoints import (
     NONE,
     REJECTED,
@@ -24,6 +23,7 @@ from rtron.guard.action.ros2.goal_results import (
     ResultRequestHandover,
 )
 from rtron.guard.core.stream_endpoints import StreamContext
+from rtron.guard.core.timers import DelayedCall
 from rtron.guard.transport.common.protocol import Transport
 from rtron.messages.ros2.actions import ACCEPTED, UNKNOWN, GoalStatus, status_array
 from rtron.policies.goals.registry import Goal, GoalStage

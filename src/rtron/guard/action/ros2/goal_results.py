@@ -5,9 +5,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from rtron.guard.action.common.delayed_call import DelayedCall
 from rtron.guard.action.ros2.endpoints import MAX_PENDING_RESULTS, GoalReply
 from rtron.guard.core.stream_endpoints import StreamContext
+from rtron.guard.core.timers import DelayedCall
 from rtron.policies.goals.registry import Goal
 from rtron.vocabulary import SECOND
 

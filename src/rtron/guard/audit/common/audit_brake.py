@@ -1,38 +1,16 @@
 """The brake that the audit puts on a stream, and how it answers what intruders say there."""
 
-from typing import Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.transport.common.protocol import Transport
 from rtron.vocabulary import SECOND
 
+if TYPE_CHECKING:
+    from rtron.guard.lanes.command.remote_audit import RemoteBrake
+
 _SOURCE = "the audit"
 _ANSWER_PERIOD = SECOND // 1000
-
-
-class Brake(Protocol):
-    """The brake of one stream; see `AuditBrake`."""
-
-    @property
-    def is_ready(self) -> bool:
-        """Whether the guard knows here what stops the robot."""
-        ...
-
-    def hold(self, why: str) -> None:
-        """Let nothing pass and keep the robot stopped."""
-        ...
-
-    def release(self) -> None:
-        """Let pass again what the policies let pass."""
-        ...
-
-    def answer(self, message: bytes) -> None:
-        """Answer a message of an intruder."""
-        ...
-
-    def repeat_stop(self) -> None:
-        """Tell the stop to a node that has just begun to listen."""
-        ...
 
 
 class AuditBrake:
@@ -118,3 +96,7 @@ class AuditBrake:
         """Let the stop come to its end, unless there is a reason by now that it goes on."""
         if not self._is_held and self._transport.now() >= self._repeat_until:
             self._guarded.release(_SOURCE)
+
+
+Brake: TypeAlias = "AuditBrake | RemoteBrake"
+"""The brake of one stream, in this process or the other."""

@@ -7,7 +7,7 @@ from functools import partial
 from rtron.guard.audit.common.alarm_response import AlarmResponse
 from rtron.guard.audit.common.audit_response import ListenRequest, ListenToPublisher
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.transport.common.protocol import MessageHandler, Peer, ignore_lost
+from rtron.guard.transport.common.protocol import MessageHandler, Peer
 from rtron.guard.transport.ros1.handshake import TopicRequest
 from rtron.guard.transport.ros1.subscription import PublisherLink
 from rtron.vocabulary import GUARD_NODE
@@ -62,9 +62,7 @@ class IntruderLinks:
             self._close(key)
         request = TopicRequest(GUARD_NODE, publisher.topic, "", self._master)
         on_connect = partial(self._on_connect, key)
-        link = PublisherLink(
-            self._loop, self._workers, request, publisher.uri, on_connect, ignore_lost
-        )
+        link = PublisherLink(self._loop, self._workers, request, publisher.uri, on_connect)
         self._links[key] = _IntruderLink(publisher.stream, link)
 
     def silence(self, stream: str) -> int | None:

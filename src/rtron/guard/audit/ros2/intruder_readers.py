@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rtron.guard.audit.common.audit_response import EndpointTrust
+from rtron.guard.transport.ros2.data_reader import DataListener
 from rtron.vocabulary import SECOND, output_topic
 from rtron.wire.ros2.endpoints import PARTICIPANT_SIZE
 
@@ -96,8 +97,8 @@ class IntruderReaders:
         self._response.answer(stream, message)
 
 
-class _StreamReader:
-    """The reader of one output; a `DataListener`. `last_message_at` begins with the reader."""
+class _StreamReader(DataListener):
+    """The reader of one output. `last_message_at` begins with the reader."""
 
     def __init__(
         self,
@@ -119,9 +120,3 @@ class _StreamReader:
         if not self._transport.graph.is_own(gid):
             self._on_message(self._stream, gid, message)
         return False
-
-    def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:
-        """Do nothing: nothing is late here."""
-
-    def note_replaced(self, count: int) -> None:
-        """Do nothing: a newer message was read."""

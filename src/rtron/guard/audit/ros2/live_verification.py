@@ -7,7 +7,7 @@ import time
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from rtron.errors import SourceError
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
@@ -20,13 +20,11 @@ from rtron.wire.ros2.domain_id import domain_address, domain_id
 from rtron.wire.ros2.service_names import is_service_topic
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
+    from rtron.guard.audit.ros2.celled_graph import CellReader
     from rtron.guard.audit.ros2.observed_graph import ObservedGraph
     from rtron.guard.cell.access import CellAccess
     from rtron.vocabulary import Plan
     from rtron.vocabulary.verification import Verification
-    from rtron.wire.ros2.endpoints import Ros2Endpoint
 
 _POLL_S = 0.1
 _QUIET_S = 3.5
@@ -34,22 +32,6 @@ _QUIET_S = 3.5
 _MIN_WAIT_S = 15.0
 _HELP = "is the app running? see ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, RMW_IMPLEMENTATION"
 _HELP_RCLPY = "pip install rtron[ros2], or source your ROS"
-
-
-class EndpointReader(Protocol):
-    """What tells who is in a graph; see `GraphReader`."""
-
-    def endpoints(self, topics: Iterable[str]) -> Iterable[Ros2Endpoint]:
-        """Return the endpoints of topics."""
-        ...
-
-    def nodes(self) -> tuple[str, ...]:
-        """Return every node's full name."""
-        ...
-
-    def snapshot(self, topics: Iterable[str]) -> ObservedGraph:
-        """Return all there is."""
-        ...
 
 
 def verify_domain(plan: Plan, timeout: float, domain: int | None = None) -> Verification:
@@ -107,7 +89,7 @@ def _topics(plan: Plan) -> tuple[str, ...]:
 
 
 def _wait_until_settled(
-    reader: EndpointReader, topics: tuple[str, ...], limit: float
+    reader: GraphReader | CellReader, topics: tuple[str, ...], limit: float
 ) -> ObservedGraph:
     started = changed = time.monotonic()
     last_state: object = None

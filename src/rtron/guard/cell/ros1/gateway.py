@@ -1,7 +1,6 @@
 """What passes in and out of a cell on ROS 1: topics, services, and parameters at the start."""
 
 import logging
-import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
@@ -10,11 +9,9 @@ from typing import Any
 from rtron.errors import RTronError
 from rtron.guard.cell.access import WATCH
 from rtron.guard.cell.ros1.service_relay import ServiceRelay, ServiceSide
-from rtron.guard.cell.topic_relay import CellRefusals, TopicRelay
+from rtron.guard.cell.topic_relay import CellRefusals, TopicRelay, open_published
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.printable import printable
-from rtron.guard.core.report_messages import DIAGNOSTICS, diagnostics_message
-from rtron.guard.transport.common.protocol import Output
 from rtron.guard.transport.ros1.celled_transport import (
     CELL_HOST,
     PRIVATE_MASTER,
@@ -22,8 +19,7 @@ from rtron.guard.transport.ros1.celled_transport import (
     open_ros1_cell,
 )
 from rtron.guard.transport.ros1.middleware import Ros1Transport
-from rtron.messages.common.encoding import Encoding
-from rtron.vocabulary import GATEWAY_NODE, PRIVATE_ROOT, SECOND, CarriedTopic, CellManifest
+from rtron.vocabulary import GATEWAY_NODE, PRIVATE_ROOT, CarriedTopic, CellManifest
 from rtron.wire.ros1.network import HOST_NETWORK, advertised_host
 from rtron.wire.ros1.ros_api import parse_system_state
 from rtron.wire.ros1.xmlrpc import RefusalError, ros_call
@@ -34,7 +30,6 @@ NODE_ENVIRON = {"ROS_MASTER_URI": f"http://{CELL_HOST}:{PUBLIC_PORT}/", "ROS_IP"
 """Where the node in a cell finds its master."""
 _TIMEOUT_S = 3.0
 _LOOK_S = 2.0
-_DIAGNOSTICS_TOPIC = "/diagnostics"
 _CHANGED = "the cell keeps what it had at the start: start the node again"
 _UNLISTED = "the manifest does not list it"
 
@@ -57,12 +52,11 @@ class Ros1Gateway:
         self._services: list[ServiceRelay] = []
         self._copied: dict[str, Any] = {}
         self._on_ready: Callable[[], None] = lambda: None
-        self._number = 0
 
     def open(self, on_ready: Callable[[], None]) -> None:
         """Begin to carry; `on_ready` is called when the node can start."""
         self._on_ready = on_ready
-        self._open_published()
+        open_published(self._manifest, self._outside, self._cell, self._refusals)
         self._open_subscribed()
         self._cell.apply(self._enter)
 
@@ -72,20 +66,6 @@ class Ros1Gateway:
             service.close()
         self._worker.shutdown(wait=False, cancel_futures=True)
         self._outside.close()
-
-    def _open_published(self) -> None:
-        outputs: dict[str, Output] = {}
-        for topic in self._manifest.published:
-            output = self._outside.advertise(self._manifest.node, topic.topic, topic.type)
-            outputs[topic.topic] = output
-            relay = TopicRelay(topic, output, self._refusals)
-            self._cell.apply(partial(relay.open, node=GATEWAY_NODE))
-        diagnostics = DIAGNOSTICS[Encoding.ROS1]
-        output = outputs.get(_DIAGNOSTICS_TOPIC) or self._outside.advertise(
-            self._manifest.node, _DIAGNOSTICS_TOPIC, diagnostics.type
-        )
-        output.learn_type(diagnostics)
-        self._report(output)
 
     def _open_subscribed(self) -> None:
         for topic in self._manifest.subscribed:
@@ -197,12 +177,6 @@ class Ros1Gateway:
 
     def _refuse_shutdown(self, node: str, reason: str) -> None:
         self._refusals.report(f"a shutdown of {node}", printable(reason))
-
-    def _report(self, output: Output) -> None:
-        self._number += 1
-        fields = (self._number, time.time_ns(), [self._refusals.status()])
-        output.publish(diagnostics_message(Encoding.ROS1, *fields))
-        self._loop.call_at(self._loop.now() + SECOND, partial(self._report, output))
 
 
 def _is_logger(service: str) -> bool:

@@ -24,15 +24,6 @@ from rtron.guard.cell.ros2.messages import (
     Subscribers,
 )
 from rtron.guard.supervision.watchdog import SchedulingDelay, Watchdog, adapt_bound
-from rtron.guard.transport.common.protocol import (
-    DEFAULT_INPUT,
-    ConnectHandler,
-    InputOptions,
-    LostHandler,
-    MessageHandler,
-    Peer,
-    ignore_lost,
-)
 from rtron.vocabulary import SECOND
 
 if TYPE_CHECKING:
@@ -43,6 +34,13 @@ if TYPE_CHECKING:
     from rtron.guard.cell.ros2.messages import ToCarrier
     from rtron.guard.cell.ros2.service_relay import CarriedCalls
     from rtron.guard.core.event_loop import EventLoop
+    from rtron.guard.transport.common.protocol import (
+        ConnectHandler,
+        InputOptions,
+        LostHandler,
+        MessageHandler,
+        Peer,
+    )
 
 _SILENCE_LIMIT = SECOND
 _LONGEST_LIMIT = 3 * SECOND
@@ -54,7 +52,7 @@ _START_LIMIT = 10 * SECOND
 
 
 class CarriedSide:
-    """See `CellSide`; it has no more of a transport than a cell needs.
+    """Has no more of a transport than a cell needs.
 
     A carrier that answers no beat is given up, as one that is gone.
     """
@@ -100,17 +98,11 @@ class CarriedSide:
         return number
 
     def subscribe(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        on_connect: ConnectHandler,
-        on_lost: LostHandler = ignore_lost,
-        options: InputOptions = DEFAULT_INPUT,
+        self, node: str, topic: str, type: str, on_connect: ConnectHandler, options: InputOptions
     ) -> None:
         """Subscribe `topic` as `node` inside; see `Transport`."""
         number = next(self._numbers)
-        self._handlers[number] = (on_connect, on_lost)
+        self._handlers[number] = (on_connect, options.on_lost)
         self.send(
             Subscribe(
                 id=number,

@@ -189,15 +189,10 @@ class Carrier:
             publishers=request.publishers,
             queue_size=request.queue_size,
             keep_all=request.keep_all,
+            on_lost=self._lose,
         )
-        self._transport.subscribe(
-            request.node,
-            request.topic,
-            request.type,
-            partial(self._connect, request.id),
-            self._lose,
-            options,
-        )
+        connect = partial(self._connect, request.id)
+        self._transport.subscribe(request.node, request.topic, request.type, connect, options)
 
     def _connect(self, subscription: int, peer: Peer) -> MessageHandler:
         number = next(self._numbers)

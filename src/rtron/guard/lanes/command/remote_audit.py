@@ -122,7 +122,7 @@ def _incomplete(missing: str) -> str:
 
 
 class RemoteBrake:
-    """The brake of a stream in the bulk process; a new one is told, too. See `Brake`."""
+    """The brake of a stream in the bulk process; a new one is told, too."""
 
     is_ready = False
     """What an intruder says on such a stream is not answered: it moves no robot."""

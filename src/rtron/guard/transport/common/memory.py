@@ -6,19 +6,16 @@ from collections.abc import Callable
 from itertools import count
 
 from rtron.guard.transport.common.protocol import (
-    DEFAULT_INPUT,
     DEFAULT_OUTPUT,
     ConnectHandler,
     Greeting,
     InputOptions,
     LostHandler,
     MessageHandler,
-    MissedHandler,
     Output,
     OutputOptions,
     Peer,
     TypeInfo,
-    ignore_lost,
 )
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import QoS, normalise_type
@@ -35,8 +32,7 @@ class MemoryTransport:
         self._time = 0
         self._sequence = count()
         self._timers: list[tuple[int, int, Callable[[], None]]] = []
-        self._subscribers: dict[str, list[tuple[ConnectHandler, LostHandler]]] = defaultdict(list)
-        self._missed_handlers: dict[str, list[MissedHandler]] = defaultdict(list)
+        self._subscribers: dict[str, list[tuple[ConnectHandler, InputOptions]]] = defaultdict(list)
         self._lost_handlers: dict[tuple[str, Peer], list[LostHandler]] = defaultdict(list)
         self._listeners: dict[str, list[list[bytes]]] = defaultdict(list)
         self.outputs: dict[str, MemoryOutput] = {}
@@ -77,18 +73,11 @@ class MemoryTransport:
         return self.outputs[topic]
 
     def subscribe(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        on_connect: ConnectHandler,
-        on_lost: LostHandler = ignore_lost,
-        options: InputOptions = DEFAULT_INPUT,
+        self, node: str, topic: str, type: str, on_connect: ConnectHandler, options: InputOptions
     ) -> None:
         """Subscribe `topic`; outside publishers that come later are offered to `on_connect`."""
         del node, type
-        self._subscribers[topic].append((on_connect, on_lost))
-        self._missed_handlers[topic].append(options.on_missed)
+        self._subscribers[topic].append((on_connect, options))
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Connect two nodes of the guard; `listen` shows the messages between them."""
@@ -98,11 +87,11 @@ class MemoryTransport:
     def publisher(self, topic: str, peer: Peer) -> MessageHandler:
         """Connect an outside publisher and return the function that it publishes with."""
         receivers = []
-        for on_connect, on_lost in self._subscribers[topic]:
+        for on_connect, options in self._subscribers[topic]:
             receive = on_connect(peer)
             if receive is not None:
                 receivers.append(receive)
-                self._lost_handlers[topic, peer].append(on_lost)
+                self._lost_handlers[topic, peer].append(options.on_lost)
 
         def publish(message: bytes) -> None:
             for receive in receivers:
@@ -112,8 +101,8 @@ class MemoryTransport:
 
     def miss(self, topic: str, peer: Peer, count: int) -> None:
         """Lose messages of an outside publisher."""
-        for on_missed in self._missed_handlers[topic]:
-            on_missed(peer, count)
+        for _, options in self._subscribers[topic]:
+            options.on_missed(peer, count)
 
     def leave(self, topic: str, peer: Peer) -> None:
         """End an outside publisher's connections."""

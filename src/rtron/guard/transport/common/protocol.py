@@ -46,7 +46,6 @@ ConnectHandler = Callable[[Peer], MessageHandler | None]
 """Returns the handler of a new publisher's messages, or None to refuse the publisher."""
 
 LostHandler = Callable[[Peer], None]
-"""Called when the connection to an accepted publisher has ended."""
 
 
 def ignore_lost(peer: Peer) -> None:
@@ -82,7 +81,7 @@ class InputOptions:
     `keep_all` all of a reliable publisher wait, unless they are commands. `on_missed` is told of
     each loss that is known: on ROS 1 those of latched commands. Where `begin` is not 0, only so
     many bytes of each message are passed on, and the others not copied where the middleware lets
-    us.
+    us. `on_lost` is called when the connection to an accepted publisher has ended.
     """
 
     is_command: IsCommand = accept_any_age
@@ -91,6 +90,7 @@ class InputOptions:
     keep_all: bool = False
     begin: int = 0
     on_missed: MissedHandler = ignore_missed
+    on_lost: LostHandler = ignore_lost
 
 
 DEFAULT_INPUT = InputOptions()
@@ -191,13 +191,7 @@ class Transport(Protocol):
         ...
 
     def subscribe(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        on_connect: ConnectHandler,
-        on_lost: LostHandler = ignore_lost,
-        options: InputOptions = DEFAULT_INPUT,
+        self, node: str, topic: str, type: str, on_connect: ConnectHandler, options: InputOptions
     ) -> None:
         """Subscribe `topic` as `node`, without messages that this transport publishes."""
         ...

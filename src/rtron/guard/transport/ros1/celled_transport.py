@@ -9,15 +9,12 @@ from rtron.guard.cell.connection import CellConnection
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.transport.common.cell_routes import CellRoutes
 from rtron.guard.transport.common.protocol import (
-    DEFAULT_INPUT,
     DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
-    LostHandler,
     Output,
     OutputOptions,
     SubscriberProgress,
-    ignore_lost,
 )
 from rtron.guard.transport.ros1.middleware import Ros1Transport, TypedPublication
 from rtron.vocabulary import Plan
@@ -70,16 +67,10 @@ class CelledTransport(Ros1Transport):
         return self._routes.advertise(topic, inside, outside)
 
     def subscribe(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        on_connect: ConnectHandler,
-        on_lost: LostHandler = ignore_lost,
-        options: InputOptions = DEFAULT_INPUT,
+        self, node: str, topic: str, type: str, on_connect: ConnectHandler, options: InputOptions
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
-        arguments = (node, topic, type, on_connect, on_lost, options)
+        arguments = (node, topic, type, on_connect, options)
         outside = partial(super().subscribe, *arguments)
         self._routes.subscribe(topic, lambda side: side.subscribe(*arguments), outside)
 

@@ -8,16 +8,13 @@ from concurrent.futures import ThreadPoolExecutor
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.protocol import (
-    DEFAULT_INPUT,
     DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
-    LostHandler,
     Output,
     OutputOptions,
     SubscriberProgress,
     TypeInfo,
-    ignore_lost,
 )
 from rtron.guard.transport.ros1.handshake import TopicRequest
 from rtron.guard.transport.ros1.node import Ros1Node
@@ -88,13 +85,7 @@ class Ros1Transport:
         self._registrar.publish(owner, topic)
 
     def subscribe(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        on_connect: ConnectHandler,
-        on_lost: LostHandler = ignore_lost,
-        options: InputOptions = DEFAULT_INPUT,
+        self, node: str, topic: str, type: str, on_connect: ConnectHandler, options: InputOptions
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`.
 
@@ -103,16 +94,14 @@ class Ros1Transport:
         """
         request = TopicRequest(node, topic, type, self.master, self.network)
         workers = self._create_workers(topic)
-        link = link_factory(self._loop, workers, request, on_connect, on_lost, options)
+        link = link_factory(self._loop, workers, request, on_connect, options)
         self._subscribe(node, Subscription(topic, type, link))
 
     def link_nodes(self, publisher: str, subscriber: str, topic: str, type: str) -> Output:
         """Show two nodes of ours as connected; see `Transport`."""
         output = self.advertise(publisher, topic, type)
         request = TopicRequest(subscriber, topic, type, self.master, self.network)
-        link = link_factory(
-            self._loop, self._create_workers(topic), request, lambda peer: None, ignore_lost
-        )
+        link = link_factory(self._loop, self._create_workers(topic), request, lambda peer: None)
         self._subscribe(subscriber, Subscription(topic, type, link, is_internal=True))
         return output
 

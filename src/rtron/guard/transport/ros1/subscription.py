@@ -11,7 +11,6 @@ from rtron.guard.transport.common.protocol import (
     DEFAULT_INPUT,
     ConnectHandler,
     InputOptions,
-    LostHandler,
     MessageHandler,
     Peer,
 )
@@ -44,7 +43,6 @@ class PublisherLink:
         request: TopicRequest,
         uri: str,
         on_connect: ConnectHandler,
-        on_lost: LostHandler,
         options: InputOptions = DEFAULT_INPUT,
     ) -> None:
         self._loop = loop
@@ -52,7 +50,6 @@ class PublisherLink:
         self._request = request
         self.uri = uri
         self._on_connect = on_connect
-        self._on_lost = on_lost
         self._peer: Peer | None = None
         self._on_message: MessageHandler = _ignore
         self._sock: socket.socket | None = None
@@ -167,7 +164,7 @@ class PublisherLink:
             self._loop.forget(sock)
         peer, self._peer = self._peer, None
         if peer is not None:
-            self._on_lost(peer)
+            self._options.on_lost(peer)
 
     def _retry_later(self, why: str) -> None:
         self.may_be_late = True
@@ -197,11 +194,10 @@ def link_factory(
     workers: Executor,
     request: TopicRequest,
     on_connect: ConnectHandler,
-    on_lost: LostHandler,
     options: InputOptions = DEFAULT_INPUT,
 ) -> Callable[[str], PublisherLink]:
     """Return a function that creates a link to a publisher's address; see `PublisherLink`."""
-    return lambda uri: PublisherLink(loop, workers, request, uri, on_connect, on_lost, options)
+    return lambda uri: PublisherLink(loop, workers, request, uri, on_connect, options)
 
 
 class Subscription:

@@ -11,14 +11,11 @@ from rtron.guard.cell.ros2.carried_output import CarriedOutput
 from rtron.guard.cell.ros2.carried_side import CarriedSide
 from rtron.guard.transport.common.cell_routes import CellRoutes
 from rtron.guard.transport.common.protocol import (
-    DEFAULT_INPUT,
     DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
-    LostHandler,
     Output,
     OutputOptions,
-    ignore_lost,
 )
 from rtron.guard.transport.ros2.middleware import Ros2Transport
 
@@ -72,16 +69,10 @@ class CelledRos2Transport(Ros2Transport):
         return self._routes.advertise(topic, inside, outside)
 
     def subscribe(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        on_connect: ConnectHandler,
-        on_lost: LostHandler = ignore_lost,
-        options: InputOptions = DEFAULT_INPUT,
+        self, node: str, topic: str, type: str, on_connect: ConnectHandler, options: InputOptions
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
-        arguments = (node, topic, type, on_connect, on_lost, options)
+        arguments = (node, topic, type, on_connect, options)
         outside = partial(super().subscribe, *arguments)
         self._routes.subscribe(topic, lambda side: side.subscribe(*arguments), outside)
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import logging
 import math
+from abc import ABC, abstractmethod
 from functools import partial
 from time import time_ns
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy
 
@@ -40,7 +41,24 @@ log = logging.getLogger(__name__)
 _DEPTH = 10
 
 
-class FeedbackReader:
+class DataListener(ABC):
+    """Whom a reader's messages are for."""
+
+    @abstractmethod
+    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> bool:
+        """Take a message, its publisher's GID, and its DDS sequence number if there is one.
+
+        Return whether the message counts: a stranger's does not.
+        """
+
+    def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:  # noqa: B027
+        """Note a message that is dropped since it is late."""
+
+    def note_replaced(self, count: int) -> None:  # noqa: B027 - most need not know
+        """Note how many messages newer ones replaced in the reader before they were taken."""
+
+
+class FeedbackReader(DataListener):
     """Passes on each feedback message of an action, whoever sends it.
 
     SourceError if the action's type is not installed.
@@ -76,12 +94,6 @@ class FeedbackReader:
         self._on_feedback(message)
         return True
 
-    def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:
-        """Do nothing: feedback is never late."""
-
-    def note_replaced(self, count: int) -> None:
-        """Do nothing: newer feedback replaces older one."""
-
 
 try:
     from rclpy.event_handler import SubscriptionEventCallbacks
@@ -91,25 +103,6 @@ except ImportError:  # Humble
 
 _MAX_BYTES = 1 << 20
 """What is taken at a time: more of it would keep commands waiting."""
-
-
-class DataListener(Protocol):
-    """Whom a reader's messages are for."""
-
-    def take(self, reader: DataReader, gid: bytes, message: bytes, number: int | None) -> bool:
-        """Take a message, its publisher's GID, and its DDS sequence number if there is one.
-
-        Return whether the message counts: a stranger's does not.
-        """
-        ...
-
-    def note_late(self, reader: DataReader, gid: bytes, number: int | None) -> None:
-        """Note a message that is dropped since it is late."""
-        ...
-
-    def note_replaced(self, count: int) -> None:
-        """Note how many messages newer ones replaced in the reader before they were taken."""
-        ...
 
 
 class _Queue:

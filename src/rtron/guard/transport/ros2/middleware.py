@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.transport.common.memory import Stage
 from rtron.guard.transport.common.protocol import (
-    DEFAULT_INPUT,
     DEFAULT_OUTPUT,
     ConnectHandler,
     InputOptions,
-    LostHandler,
     Output,
     OutputOptions,
     SubscriberProgress,
-    ignore_lost,
 )
 from rtron.guard.transport.ros2.action_client import GoalCanceller
 from rtron.guard.transport.ros2.action_relay import ActionRelay
@@ -32,7 +29,7 @@ from rtron.guard.transport.ros2.qos import profile
 from rtron.guard.transport.ros2.rcl import Rcl
 from rtron.guard.transport.ros2.sender_ids import find_sender_ids
 from rtron.guard.transport.ros2.service_endpoints import CalledService, OfferedService
-from rtron.guard.transport.ros2.subscription import Subscription, SubscriptionHandlers
+from rtron.guard.transport.ros2.subscription import Subscription
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import GUARD_NODE, SECOND, QoS, Reliability
 from rtron.wire.ros2.discovery_tuning import publishes_without_waiting
@@ -145,18 +142,11 @@ class Ros2Transport:
         return self._publication(node, topic, type, replace(options, keep_all=keep_all))
 
     def subscribe(
-        self,
-        node: str,
-        topic: str,
-        type: str,
-        on_connect: ConnectHandler,
-        on_lost: LostHandler = ignore_lost,
-        options: InputOptions = DEFAULT_INPUT,
+        self, node: str, topic: str, type: str, on_connect: ConnectHandler, options: InputOptions
     ) -> None:
         """Subscribe `topic` as `node`; see `Transport`."""
         ros_node = self.session.node(node)
-        handlers = SubscriptionHandlers(on_connect, on_lost, options)
-        subscription = Subscription(ros_node, topic, type, handlers, self._context)
+        subscription = Subscription(ros_node, topic, type, on_connect, options, self._context)
         self._subscriptions.append(subscription)
 
     def create_reader(self, topic: str, type: str, listener: DataListener) -> DataReader:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from rtron.errors import SourceError, WireError
 from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.transport.common.protocol import Peer, TypeInfo
-from rtron.guard.transport.ros2.data_reader import DataReader
+from rtron.guard.transport.ros2.data_reader import DataListener, DataReader
 from rtron.guard.transport.ros2.delivery import SequenceGaps
 from rtron.guard.transport.ros2.qos import requested_profile
 from rtron.messages.common.definition_parser import parse_definition
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from rtron.guard.transport.common.protocol import (
         ConnectHandler,
         InputOptions,
-        LostHandler,
         MessageHandler,
     )
     from rtron.guard.transport.ros2.context import TransportContext
@@ -52,15 +51,6 @@ _MAX_WAITING_BYTES = 1 << 24
 """The most bytes of all messages that wait for a name."""
 
 _Kind = tuple[type, Reliability, Durability]
-
-
-@dataclass(frozen=True, slots=True)
-class SubscriptionHandlers:
-    """What `Transport.subscribe` is given beside the topic."""
-
-    on_connect: ConnectHandler
-    on_lost: LostHandler
-    options: InputOptions
 
 
 @dataclass(slots=True)
@@ -94,7 +84,7 @@ class _Unresolved:
         return self.gid[:PARTICIPANT_SIZE]
 
 
-class Subscription:
+class Subscription(DataListener):
     """Passes each publisher's messages to its handler, and reports publishers that leave."""
 
     def __init__(
@@ -102,14 +92,15 @@ class Subscription:
         node: Node,
         topic: str,
         type: str,
-        handlers: SubscriptionHandlers,
+        on_connect: ConnectHandler,
+        options: InputOptions,
         context: TransportContext,
     ) -> None:
         """Subscribe to publishers of one type, "" for any."""
         self.topic = topic
         self._type = normalise_type(type)
         self._node = node
-        self._handlers, self._options = handlers, handlers.options
+        self._on_connect, self._options = on_connect, options
         self._context = context
         self._senders: dict[bytes, _PublisherState] = {}
         self._readers: dict[_Kind, DataReader] = {}
@@ -187,7 +178,7 @@ class Subscription:
         if interface_type is None:
             self._log_problem(peer, why)
             return _PublisherState(peer, None, now)
-        receive = self._handlers.on_connect(peer)
+        receive = self._on_connect(peer)
         if receive is None:
             return _PublisherState(peer, None, now)
         reader = self._reader_for(interface_type, endpoint.qos, peer)
@@ -302,7 +293,7 @@ class Subscription:
         sender = self._senders.pop(gid)
         self._gaps.forget(gid)
         if sender.receive is not None:
-            self._handlers.on_lost(sender.peer)
+            self._options.on_lost(sender.peer)
 
     def _log_problem(self, peer: Peer, why: str) -> None:
         """Report an unreadable message or publisher, at most once a second for each."""

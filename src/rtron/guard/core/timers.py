@@ -1,4 +1,4 @@
-"""A timer for the next deadline of something that changes by time alone."""
+"""Timers for what changes by time alone, and for what waits a moment."""
 
 from collections.abc import Callable
 from functools import partial
@@ -57,3 +57,29 @@ class DeadlineTimer:
         self._tick(self._transport.now())
         self._on_tick()
         self._arm()
+
+
+class DelayedCall:
+    """Calls a function after the event in which it is asked for, `delay` ns after the last call.
+
+    So the first change counts at once, and many that follow cost one call.
+    """
+
+    def __init__(self, transport: Transport, delay: int, function: Callable[[], None]) -> None:
+        self._transport = transport
+        self._delay = delay
+        self._function = function
+        self._is_scheduled = False
+        self._called_at = -delay
+
+    def schedule(self) -> None:
+        """Call it as soon as it may be called."""
+        if not self._is_scheduled:
+            self._is_scheduled = True
+            due = max(self._transport.now(), self._called_at + self._delay)
+            self._transport.call_at(due, self._run)
+
+    def _run(self) -> None:
+        self._is_scheduled = False
+        self._called_at = self._transport.now()
+        self._function()
