@@ -1,6 +1,5 @@
 """The script that runs the tests: what it chooses, when it stops, what it says at the end."""
 
-import re
 import sys
 
 import pytest
@@ -56,15 +55,10 @@ def test_the_files_that_begin_exist():
 
 
 def test_the_longest_files_of_the_last_run_are_named(results, capsys):
-    run_all([group(results, name, PASSING, is_gate=True) for name in ("one", "two", "three")])
+    run_tests.RESULTS.mkdir()
     for name, seconds in (("one", 21), ("two", 60), ("three", 19)):
-        report = results / "results" / f"{name}.xml"
-        text = re.sub(
-            r'(classname="test_\w+" name="test_good" time)="[^"]+"',
-            rf'\1="{seconds}"',
-            report.read_text(),
-        )
-        report.write_text(text)
+        case = f'<testcase classname="test_{name}" name="test_good" time="{seconds}"/>'
+        (run_tests.RESULTS / f"{name}.xml").write_text(f"<testsuite>{case}</testsuite>")
     run_tests.print_durations()
     told = capsys.readouterr().out
     assert "for longest_first.txt:\ntest_two.py\ntest_one.py\n\n" in told
