@@ -14,6 +14,7 @@ from urllib.request import Request, urlopen
 
 from typing_extensions import Self
 
+from rtron.cli.commands.token import TokenScope, create
 from rtron.demos.runtime.isolation import free_port
 
 T = TypeVar("T")
@@ -102,13 +103,8 @@ class ServiceProcess:
 
     def create_token(self, name: str, *scopes: str, robot: str = "") -> Path:
         """Make a token and return the file that it stands in."""
-        path = self.folder / f"{name}.token"
-        options = [word for scope in scopes for word in ("--scope", scope)]
-        options += ["--robot", robot] if robot else []
-        options += ["--token-file", str(path), "--database", self.database]
-        subprocess.run(
-            rtron_command("token", "create", name, *options), check=True, capture_output=True
-        )
+        path, scope = self.folder / f"{name}.token", [TokenScope(each) for each in scopes]
+        create(name, scope=scope, robot=robot or None, token_file=path, database=self.database)
         return path
 
     def request(self, path: str, method: str = "GET", body: object = None, token: str = "") -> Any:  # noqa: ANN401
