@@ -8,10 +8,10 @@ import ast
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial, singledispatchmethod
+from functools import partial
 
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.common.expression import ExpressionEvaluator
+from rtron.sources.launch.common.expression import ExpressionEvaluator, NodeMethod
 from rtron.sources.launch.common.expression_library import (
     FUNCTIONS,
     MAX_LENGTH,
@@ -52,7 +52,7 @@ class XacroExpressionEvaluator(ExpressionEvaluator):
         self._budget.count_steps(value_weight(value))
         return value
 
-    @singledispatchmethod
+    @NodeMethod
     def _value(self, node: ast.expr) -> Value:
         return super()._value(node)
 

@@ -7,7 +7,7 @@ well know it. Every value on the way is bounded (ROS wiki: roslaunch/XML, substi
 
 import ast
 from collections.abc import Callable, Mapping
-from functools import partial, singledispatchmethod
+from functools import lru_cache, partial, singledispatchmethod
 
 from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.launch.common.expression_library import (
@@ -58,6 +58,7 @@ def typed_argument(text: str) -> Value:
     return {"true": True, "false": False}.get(text.lower(), text)
 
 
+@lru_cache(maxsize=1024)  # those of models come again for each node
 def _parse(text: str) -> ast.expr:
     if "__" in text:
         raise ValueError("double underscores are not allowed")
@@ -69,18 +70,26 @@ def _parse(text: str) -> ast.expr:
         raise ValueError(str(error)) from None
 
 
+class NodeMethod(singledispatchmethod):  # type: ignore[type-arg]
+    """A method for each kind of a syntax tree's nodes, found in half the time of its base's."""
+
+    def __get__(self, owner: object, kind: type | None = None) -> Callable[[ast.expr], Value]:
+        """Return the method of an evaluator, which chooses by the node that it is given."""
+        return lambda node: self.dispatcher.dispatch(type(node))(owner, node)
+
+
 class ExpressionEvaluator:
     """Evaluates one parsed expression, a method a kind of node; a subclass may know more kinds."""
 
     def __init__(self, functions: Mapping[str, Function], argument: Callable[[str], Value]) -> None:
-        self._functions = {**FUNCTIONS, **functions}
+        self._functions: Mapping[str, Function] = {**FUNCTIONS, **functions}
         self._argument = argument
 
     def value(self, node: ast.expr) -> Value:
         """Return a node's value; raise UnresolvableError if it is outside the grammar or large."""
         return check_size(self._value(node))
 
-    @singledispatchmethod
+    @NodeMethod
     def _value(self, node: ast.expr) -> Value:
         return self._unsupported(node)
 

@@ -3,11 +3,13 @@
 A template is a text with expressions in braces: `{param('~prefix', 'robot')}/odom`.
 """
 
+import ast
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from rtron.sources.launch.common.expression import evaluate
+from rtron.sources.launch.common.expression import ExpressionEvaluator, evaluate_with
 from rtron.sources.models.common.functions import Function, model_functions
 from rtron.sources.models.common.model_scope import ModelScope
 from rtron.sources.models.common.values import Placeholder, Value, has_placeholder
@@ -24,14 +26,12 @@ class ModelExpressions:
     has_unknown: bool = False
 
     @cached_property
-    def _functions(self) -> dict[str, Function]:
-        return {name: self._tracked(f) for name, f in model_functions(self.scope).items()}
+    def _evaluator(self) -> "_ModelEvaluator":
+        return _ModelEvaluator(model_functions(self.scope), self._variable, self._track)
 
     def value(self, text: str) -> Value:
         """Return an expression's value; raise ValueError or UnresolvableError if it has none."""
-        results: list[Value] = []
-        evaluate(f"keep({text})", {**self._functions, "keep": results.append}, self._variable)
-        return results[0]
+        return evaluate_with(self._evaluator, f"({text})")  # it may have several lines
 
     def text(self, template: str) -> str:
         """Return a template with its expressions' values filled in; they must be plain values."""
@@ -53,11 +53,27 @@ class ModelExpressions:
     def _variable(self, name: str) -> Value:
         return self._track(self.scope.variables[name])
 
-    def _tracked(self, function: Function) -> Function:
-        return lambda *arguments: self._track(function(*arguments))
-
     def _track(self, value: Value) -> Value:
         self.has_unknown = (
             self.has_unknown or isinstance(value, Placeholder) or has_placeholder(value)
         )
         return value
+
+
+class _ModelEvaluator(ExpressionEvaluator):
+    """Evaluates an expression of a model, and shows what a model's functions give."""
+
+    def __init__(
+        self,
+        functions: Mapping[str, Function],
+        argument: Callable[[str], Value],
+        track: Callable[[Value], Value],
+    ) -> None:
+        super().__init__(functions, argument)
+        self._model_functions, self._track = functions, track
+
+    def _function(self, node: ast.expr) -> Function:
+        function = super()._function(node)
+        if not (isinstance(node, ast.Name) and node.id in self._model_functions):
+            return function
+        return lambda *arguments: self._track(function(*arguments))
