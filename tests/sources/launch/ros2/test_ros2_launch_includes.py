@@ -320,6 +320,7 @@ def test_an_argument_that_a_file_does_not_know_and_that_is_near_one(included, na
         f'{NEAR}<include file="/gone.xml"/>',
         f"{NEAR}<!-- launch_configurations of all -->",
         '<arg name="file_path" default="y"/>',
+        '<arg name="use_file" default="y"/>',
         f'{NEAR}<include file="$(find-pkg-share pkg)/launch/inner.xml"/>',
     ],
 )

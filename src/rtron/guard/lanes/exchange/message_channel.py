@@ -59,7 +59,8 @@ class MessageChannel:
         """
         body = pickle.dumps(message)
         if len(body) > MAX_MESSAGE_BYTES:
-            self._log_refusal(type(message).__name__, len(body))
+            name = message[0] if isinstance(message, tuple) else type(message).__name__
+            self._log_refusal(name, len(body))
             return
         is_idle = not self._pending
         self._pending += _LENGTH.pack(len(body)) + body

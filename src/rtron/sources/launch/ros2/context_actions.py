@@ -222,7 +222,7 @@ def note_undeclared(evaluator: LaunchEvaluator, site: ElementSite, file: FileInc
 def _is_near(name: str, other: str) -> bool:
     """Return whether one name ends with the words of the other, or is spelled alike."""
     shorter, longer = sorted((name, other), key=len)
-    is_end = longer.endswith(f"_{shorter}")
+    is_end = longer.endswith(f"_{shorter}") and longer != f"use_{shorter}"
     return is_end or bool(get_close_matches(name, [other], 1, _NEAR_RATIO))
 
 

@@ -9,7 +9,7 @@ from rtron.sources.code.ir import TypeRef
 from rtron.sources.code.library_models.common.cpp_arguments import escape_functions
 from rtron.sources.code.library_models.common.trivial_functions import return_owner, returning_field
 from rtron.sources.code.library_models.ros2_common import parameter_types, parameters
-from rtron.sources.code.library_models.ros2_common.parameter_types import record_mistyped
+from rtron.sources.code.library_models.ros2_common.mistyped_parameters import record_mistyped
 
 
 def parameter_object(name: av.Value, value: av.Value) -> av.Instance:

@@ -8,9 +8,9 @@ from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMa
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.library_models.rclpy.qos import endpoint_qos
 from rtron.sources.code.library_models.ros2_common import endpoints, nodes, parameters
+from rtron.sources.code.library_models.ros2_common.mistyped_parameters import record_mistyped
 from rtron.sources.code.library_models.ros2_common.parameter_types import (
     python_parameter_type,
-    record_mistyped,
     type_name,
 )
 from rtron.sources.code.library_models.ros2_common.parameters import (
