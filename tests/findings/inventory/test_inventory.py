@@ -1429,6 +1429,28 @@ def test_what_makes_a_node_call_a_service_is_behind_it():
     assert names(mover.commands) == ["/set_blade"]
 
 
+@pytest.mark.parametrize(
+    ("type", "value", "device", "count"),
+    [
+        ("sensor_msgs/msg/Joy", "write", "CAN", 1),
+        ("std_msgs/msg/String", "write", "serial port", 1),
+        ("std_msgs/msg/String", "", "serial port", 0),
+        ("std_msgs/msg/String", "write", "", 0),
+        ("sensor_msgs/msg/Imu", "write", "serial port", 0),
+    ],
+)
+def test_what_a_node_writes_to_hardware_moves_it_whatever_it_is_called(type, value, device, count):
+    graph = small_graph(f"/truck truck own\n    sub /remote {type}\n")
+    ends = tuple(replace(each, evidence=PLACE) for each in graph.endpoints)
+    facts = [fact("message_flow", "/truck", value)] + [fact("device", "/truck", device)] * bool(
+        device
+    )
+    movers = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=tuple(facts))))
+    assert [(m.thing, m.drivers, names(m.commands)) for m in movers] == [
+        (Thing.DEVICE, ("/truck",), ["/remote"])
+    ] * count
+
+
 DEAD_END = f"""
 /behaviors behaviors third_party
     pub /cmd_vel_blocked {TWIST}

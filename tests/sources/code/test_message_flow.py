@@ -41,11 +41,15 @@ REPORT = "self.report.publish('fine')"
 
 def python(callback, timer="pass", type="String"):
     """Return what the order leads to, None where that is not known."""
+    return led(run(callback, timer, type))
+
+
+def run(callback, timer="pass", type="String"):
     blocks = (
         "\n".join(f"        {row}" for row in text.splitlines()) for text in (callback, timer)
     )
     text = PYTHON.format(type=type, **dict(zip(("callback", "timer"), blocks, strict=True)))
-    return led(ros1_runs.run_text(text))
+    return ros1_runs.run_text(text)
 
 
 def led(interface):
@@ -89,17 +93,62 @@ def test_what_is_not_used(callback):
 
 @pytest.mark.parametrize(
     "callback",
-    [
-        "self.kit.servo[1].angle = 3",
-        "self.seen = message.data",
-        "write(message.data)",
-        "self.kit.error(message.data)",
-        "print(message.data, file=self.kit)",
-        "del self.seen",
-    ],
+    ["self.kit.servo[1].angle = 3", "self.seen = message.data", "del self.seen"],
 )
 def test_what_may_do_something_else_is_not_known(callback):
     assert python(callback) is None
+
+
+@pytest.mark.parametrize(
+    ("callback", "timer", "output"),
+    [
+        ("write(message.data)", "pass", "write"),
+        ("self.kit.error(message.data)", "pass", "error"),
+        ("print(message.data, file=self.kit)", "pass", "print"),
+        ("if message.data == 'go': self.kit.forward()", "pass", "forward"),
+        ("self.mode = message.data", "self.kit.write(self.mode)", "write"),
+        ("self.mode = message.data", "if self.is_on(): self.kit.forward()", "forward"),
+        ("self.mode = message.data", "self.kit.blink()", ""),
+        ("self.mode = self.kit.parse(message.data)", "pass", ""),
+        ("self.seen.append(message.data)", "pass", ""),
+        ("self.lock.acquire()\nself.mode = message.data", "pass", ""),
+        ("self.report.publish(message.data)", "self.kit.blink()", ""),
+    ],
+)
+def test_a_message_leads_to_a_function_of_a_library(callback, timer, output):
+    flows = run(callback, timer).message_flows
+    assert {flow.output for flow in flows} == ({output} if output or flows else set())
+
+
+def test_another_class_gets_it_by_a_function_that_returns_it():
+    top = """
+struct Listener {
+  void on_order(const std_msgs::msg::String & message) { mode_ = message.data; }
+  std::string mode() { return mode_; }
+  std::string mode_;
+};
+"""
+    members = """
+  void tick() { port_.transmit(listener_.mode()); }
+  Listener listener_;
+  Port port_;
+"""
+    body = """
+    auto sub = create_subscription<std_msgs::msg::String>("order", 1,
+      [this](const std_msgs::msg::String & m) { listener_.on_order(m); });
+    auto timer = create_wall_timer(50ms, std::bind(&N::tick, this));
+"""
+    (flow,) = ros2_runs.cpp(body, top=top, members=members).message_flows
+    assert flow.output == "transmit"
+
+
+def test_a_joystick_of_ros_2_commands():
+    body = """
+    auto sub = create_subscription<sensor_msgs::msg::Joy>("joy", 1,
+      [this](const sensor_msgs::msg::Joy & m) { port_.transmit(m.axes[0]); });
+"""
+    (flow,) = ros2_runs.cpp(body, members="  Port port_;").message_flows
+    assert flow.output == "transmit"
 
 
 def test_what_is_measured_is_not_followed():

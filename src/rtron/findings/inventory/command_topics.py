@@ -162,8 +162,17 @@ class CommandTopics:
         found |= set(filter(self.unheard.leaves, self._things))
         for node in filter(self.roles.obeys, filter(self.roles.is_called_driver, self.app.nodes)):
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
-        found |= set(filter(self._switches, self._things)) | self._pressed
+        found |= set(filter(self._switches, self._things)) | self._pressed | self._written
         return frozenset(found | self.releases)
+
+    @cached_property
+    def _written(self) -> set[str]:
+        """What nodes write to hardware of what they get, whatever it is called."""
+        inputs = (e for e in self.app.graph.endpoints if e.direction is Direction.SUBSCRIBE)
+        written = (e for e in inputs if (e.node, e.topic) in self.flows.outputs)
+        return {
+            e.topic for e in written if self.is_unnamed(e) and self.roles.moves_hardware(e.node)
+        }
 
     @cached_property
     def _pressed(self) -> set[str]:

@@ -56,9 +56,16 @@ class MessageFlows:
                 for node, topic in chain.from_iterable(inputs[at] for at in fact.evidence[:1]):
                     led = {name for at in places for name in self._outputs.get((node, at), ())}
                     led.update(fact.others)
-                    if led or not places:
+                    if led or not (places or fact.value):
                         found[node][topic] = found[node].get(topic, frozenset()) | led
         return found
+
+    @cached_property
+    def outputs(self) -> frozenset[tuple[str, str]]:
+        """The nodes and topics whose messages lead to functions of libraries."""
+        flows = (f for f in self.app.graph.wiring if f.kind is WiringFactKind.MESSAGE_FLOW)
+        led = (at for fact in flows if fact.value for at in fact.evidence[:1])
+        return frozenset(chain.from_iterable(self._inputs[at] for at in led))
 
     @cached_property
     def _inputs(self) -> dict[Evidence, list[tuple[str, str]]]:

@@ -29,8 +29,8 @@ _DRIVER_PACKAGES = (
 _SCANS_AND_IMAGES = frozenset(
     {"sensor_msgs/LaserScan", "sensor_msgs/Image", "sensor_msgs/PointCloud2"}
 )
-_SHOWING = r"lights?|leds?|lcd|sound|display\w*|speech\w*"
-"""Words in the names of nodes that show or sound, also where they open hardware for it."""
+_SHOWING = r"lights?|leds?|lcd|sound|display\w*|speech\w*|radio|modem"
+"""Words in the names of nodes that show, sound or transmit, also by hardware that they open."""
 _LISTENERS = re.compile(
     r"(?:filter|locali[sz]|odom|estimat|ekf|record|visuali|plot|marker)\w*"
     rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|debug|collector|status|web(?:site|page|app)?|reports?"

@@ -50,7 +50,7 @@ from rtron.sources.declaration import Declaration, DeclarationKind, LastMessageU
 from rtron.vocabulary import Evidence, LastMessageFate
 
 _STATES = re.compile(
-    r"sensor_msgs/(?:msg/)?(?!Joy)|nav_msgs/|tf2?_msgs/|visualization_msgs/|diagnostic_msgs/"
+    r"sensor_msgs/(?!(?:msg/)?Joy)|nav_msgs/|tf2?_msgs/|visualization_msgs/|diagnostic_msgs/"
     r"|rosgraph_msgs/|rcl_interfaces/"
 )
 """Types of what is measured or shown: no command."""

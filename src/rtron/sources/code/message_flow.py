@@ -17,7 +17,7 @@ from rtron.sources.code.ir.references import cache_by_identity, called_names, ca
 from rtron.sources.declaration import Declaration, DeclarationKind, MessageFlow
 
 _MEASURED = re.compile(
-    r"sensor_msgs/(?:msg/)?(?!Joy)|nav_msgs/(?:msg/)?(?!Path)|tf2?_msgs/|visualization_msgs/"
+    r"sensor_msgs/(?!(?:msg/)?Joy)|nav_msgs/(?!(?:msg/)?Path)|tf2?_msgs/|visualization_msgs/"
     r"|diagnostic_msgs/|rosgraph_msgs/|rcl_interfaces/|map_msgs/"
 )
 """Types of what is measured or shown: a robot senses it, nobody commands by it."""
@@ -33,6 +33,13 @@ _MAX_ALIKE = 3
 
 
 _ADDING = frozenset(["append", "insert", "push", "push_back", "emplace_back", "put"])
+_INSIDE = re.compile(
+    r"publish\w*|send(?:Transform|_goal\w*|_request)|call(?:_async)?|(?:un)?lock|acquire|release"
+    r"|wait\w*|notify\w*|sleep\w*|spin\w*|shutdown|exit|start|join|cancel|reset|clear|update|remove"
+    r"|pop\w*|erase|resize|reserve|extend|add|copy|assign|fill|mem\w+|strn?cpy|s?n?printf|super"
+    r"|__init__|imshow|waitKey|get\w*|set_(?:succeeded|aborted|parameters?)|str|split"
+)
+"""Names of library functions whose effect stays inside the program, or is a message's."""
 _LOGGING = re.compile(
     r"(?:log)?_?(?:debug|info|warn|warning|error|fatal|critical)(?:_\w+)?|[gG]et_?[lL]ogger"
 )
@@ -46,12 +53,16 @@ def message_flows(machine: AbstractMachine) -> Iterator[MessageFlow]:
         given = (f for at in declared.evidence for f in machine.callbacks_at.get(at, ()))
         callbacks = list({each.key: each for each in given}.values())
         if callbacks and not (declared.implicit or _MEASURED.match(declared.type)):
-            led = list(_Flow(program).of(callbacks))
+            flow = _Flow(program)
+            led = list(flow.of(callbacks))
             topics = (each for each in led if each.kind is DeclarationKind.PUBLISH)
             requests = (each.name for each in led if each.kind is not DeclarationKind.PUBLISH)
-            if led or program.do_nothing(callbacks):
-                places = (each.evidence[0] for each in (declared, *topics))
-                yield MessageFlow(evidence=tuple(places), requests=tuple(dict.fromkeys(requests)))
+            if led or flow.output or program.do_nothing(callbacks):
+                yield MessageFlow(
+                    evidence=tuple(each.evidence[0] for each in (declared, *topics)),
+                    requests=tuple(dict.fromkeys(requests)),
+                    output=flow.output,
+                )
 
 
 class _Steps:
@@ -64,6 +75,7 @@ class _Steps:
         own |= {node.name for node in nodes if isinstance(node, ir.Declare)}
         outer = {name for node in nodes if isinstance(node, ir.Global) for name in node.names}
         self.calls = [node for node in nodes if isinstance(node, ir.Call)]
+        self.evaluated = {id(node.value) for node in nodes if isinstance(node, ir.Evaluate)}
         self.returned = [node.value for node in nodes if isinstance(node, ir.Return) and node.value]
         self.assigned: list[tuple[str, ir.Expr]] = []
         self.members = set[str]()
@@ -194,6 +206,16 @@ class _Program:
             near = [each for each in alike if _scope(each) == scope]
             yield from near or (alike if len(alike) <= _MAX_ALIKE else ())
 
+    def is_external_effect(self, code: _Steps, call: ir.Call) -> bool:
+        """Return whether a call is made for its effect, by what is neither of ROS nor in here."""
+        name = _last_name(call.function)
+        is_known = name in _ADDING or _INSIDE.fullmatch(name) or _only_logs(call)
+        return bool(
+            id(call) in code.evaluated
+            and not is_known
+            and not self.machine.runtime.functions_named(name)
+        )
+
     def do_nothing(self, callbacks: Collection[ir.Function]) -> bool:
         """Return whether callbacks call nothing but logs, and set nothing but own variables."""
         codes = [self.steps(each) for each in callbacks]
@@ -213,9 +235,14 @@ class _Program:
 
 @dataclass
 class _Flow:
-    """Follows a message: `_led` is what sends because of it, `_members` keep it, by scope."""
+    """Follows a message: `_led` is what sends because of it, `_members` keep it, by scope.
+
+    `_results` are the functions that return it, `output` is one outside that gets it.
+    """
 
     program: _Program
+    output: str = ""
+    _results: set[str] = field(default_factory=set)
     _led: dict[Declaration, None] = field(default_factory=dict)
     _members: defaultdict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
     _done: set[int] = field(default_factory=set)
@@ -225,10 +252,10 @@ class _Flow:
         self._run(callbacks)
         size = -1
         for _ in range(_MAX_ROUNDS):
-            if size == (size := sum(map(len, self._members.values()))):
+            if size == (size := sum(map(len, (*self._members.values(), self._results)))):
                 break
             for function in self.program.functions:
-                names = self._members.get(_scope(function), set())
+                names = self._members.get(_scope(function), set()) | self._results
                 if id(function) not in self._done and names & _mentioned(function.body):
                     self._follow(self.program.steps(function), names)
         return self._led
@@ -243,7 +270,7 @@ class _Flow:
                 code, scope = self.program.steps(function), _scope(function)
                 self._members[scope] |= code.members
                 for call in code.calls:
-                    self._led |= dict.fromkeys(self.program.sent(call, scope))
+                    self._use(code, call)
                 pending += self.program.called(called_names(function), scope)
 
     def _follow(self, code: _Steps, names: set[str]) -> None:
@@ -255,11 +282,20 @@ class _Flow:
         ids = set(map(id, chosen))
         self._members[scope] |= made & code.members
         if any(_mentioned(value) & made for value in code.returned):
-            self._members[scope].add(code.function.name.rpartition("::")[2])
+            name = code.function.name.rpartition("::")[2]
+            is_only = len(self.program.machine.runtime.functions_named(name)) == 1
+            (self._results if is_only else self._members[scope]).add(name)
         for call in code.calls:
             if id(call) in ids or _mentioned((call.args, call.keywords)) & made:
-                self._led |= dict.fromkeys(self.program.sent(call, scope))
+                self._use(code, call)
                 self._run(self.program.called({_last_name(call.function)}, scope))
+
+    def _use(self, code: _Steps, call: ir.Call) -> None:
+        """Keep what a call sends by, or that its effect is outside of the program."""
+        sent = dict.fromkeys(self.program.sent(call, _scope(code.function)))
+        self._led |= sent
+        if not (sent or self.output) and self.program.is_external_effect(code, call):
+            self.output = _last_name(call.function)
 
 
 def _scope(function: ir.Function) -> str:

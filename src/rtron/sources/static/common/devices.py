@@ -141,6 +141,7 @@ def message_flows(part: NodePart) -> Iterator[WiringFact]:
         yield WiringFact(
             kind=WiringFactKind.MESSAGE_FLOW,
             subject=part.owner,
+            value=flow.output,
             others=flow.requests,
             evidence=flow.evidence,
         )
