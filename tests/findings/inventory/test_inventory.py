@@ -1451,6 +1451,15 @@ def test_what_a_node_writes_to_hardware_moves_it_whatever_it_is_called(type, val
     ] * count
 
 
+@pytest.mark.parametrize(("value", "count"), [("pan", 1), ("", 0)])
+def test_what_an_unknown_library_gets_moves_what_its_name_says(value, count):
+    graph = small_graph("/mount mount own\n    sub /pan_tilt/values geometry_msgs/msg/Point\n")
+    ends = tuple(replace(each, evidence=PLACE) for each in graph.endpoints)
+    flow = fact("message_flow", "/mount", value)
+    movers = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=(flow,))))
+    assert [mover.thing for mover in movers] == [Thing.HEAD] * count
+
+
 DEAD_END = f"""
 /behaviors behaviors third_party
     pub /cmd_vel_blocked {TWIST}

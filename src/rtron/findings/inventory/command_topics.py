@@ -167,12 +167,18 @@ class CommandTopics:
 
     @cached_property
     def _written(self) -> set[str]:
-        """What nodes write to hardware of what they get, whatever it is called."""
+        """What nodes write to hardware, whatever it is called; or give to an unknown library."""
         inputs = (e for e in self.app.graph.endpoints if e.direction is Direction.SUBSCRIBE)
-        written = (e for e in inputs if (e.node, e.topic) in self.flows.outputs)
+        written = filter(self.is_unnamed, inputs)
         return {
-            e.topic for e in written if self.is_unnamed(e) and self.roles.moves_hardware(e.node)
+            e.topic
+            for e in written
+            if (e.node, e.topic) in self.flows.outputs and self._is_given_to_hardware(e)
         }
+
+    def _is_given_to_hardware(self, end: Endpoint) -> bool:
+        is_named = self._things[end.topic] not in {None, Thing.DEVICE, Thing.MODE}
+        return self.roles.moves_hardware(end.node) or (is_named and self.roles.obeys(end.node))
 
     @cached_property
     def _pressed(self) -> set[str]:
