@@ -130,7 +130,7 @@ install_packages
 # Distributions optimise their Python; with one built by hand the tests take an eighth longer.
 make_venv .venv requirements.lock 4 /usr/bin/python3
 if has_ros2_wheels; then
-  make_venv .venv-ros2 requirements-ros2.lock $ROS2_BELOW python3
+  make_venv .venv-ros2 requirements-ros2.lock $ROS2_BELOW /usr/bin/python3
 else
   echo "setup: no wheels of ROS 2 for $(uname -m): its tests are left out"
 fi

@@ -72,7 +72,6 @@ MISSION = MSRCN(
     eflows=(LIGHT,),
     rules=(MissionRule(name="light", when="red", block=("/cmd_vel",)),),
 )
-GONE = re.compile("the bulk process is gone|rtron-bulk stands still")
 
 
 class LanedBase2:
@@ -107,12 +106,14 @@ class LanedBase2:
 
         A frozen one is still there when the robot rests: its numbers are old, and that suffices.
         """
-        bulk, before = self.bulk_process, len(self.speeds())
+        bulk, before, logged = self.bulk_process, len(self.speeds()), len(self.guard.log)
         os.kill(bulk, number)
         wait_for(lambda: self.heard(0.0, before), what="rest")
-        assert number == signal.SIGKILL or not GONE.search(self.guard.log), self.guard.log
         wait_for(lambda: not lives(bulk), what="the end of the bulk process")
         wait_for(lambda: self.bulk_process != bulk, what="the next bulk process")
+        log = self.guard.log[logged:]
+        is_killed, gone = number == signal.SIGKILL, log.index("the bulk process is gone")
+        assert is_killed or log.index("/cmd_vel: stopping") < gone, log
 
     def assert_never_faster(self):
         assert max(self.speeds()) == SPEED
