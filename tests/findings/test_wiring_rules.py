@@ -694,6 +694,26 @@ class TestMissingManagedNode:
         added |= {"services": more["services"]} if "services" in more else {}
         assert not found("missing_managed_node", replace(self.SLAM, **added))
 
+    @pytest.mark.parametrize(("event", "count"), [("slam", 0), ("laser", 1)])
+    def test_an_event_activates_the_node_that_it_is_for(self, event, count):
+        fact = WiringFact(kind=WiringFactKind.TRANSITION, subject="a.launch.py", value=event)
+        graph = replace(self.SLAM, wiring=(fact,))
+        assert len(found("missing_managed_node", graph)) == count
+
+    ALONE = "/slam slam_toolbox third_party\n  pub /map nav_msgs/OccupancyGrid\n/planner nav own\n"
+
+    def test_without_a_manager_a_node_that_others_read_is_to_be_activated(self):
+        reader, services = "  sub /map nav_msgs/OccupancyGrid\n", self.offers("/slam")
+        graph = small_graph(self.ALONE + reader, services=services)
+        finding = the_finding("missing_managed_node", graph)
+        assert finding.summary == "nobody configures and activates /slam"
+        assert finding.cause.startswith("this launch has no lifecycle manager")
+        assert finding.level is FindingLevel.REGULAR
+        assert not found("missing_managed_node", small_graph(self.ALONE, services=services))
+        calls = (ServiceClient(node="/planner", name="/slam/change_state"),)
+        graph = small_graph(self.ALONE + reader, services=services, clients=calls)
+        assert not found("missing_managed_node", graph)
+
     def test_nodes_that_are_there_and_names_known_in_part_are_none(self):
         calls = (ServiceClient(node="/manager", name="/{?}/change_state"), *self.CALLS)
         text = MANAGER + self.AMCL + "/recoveries nav own\n"

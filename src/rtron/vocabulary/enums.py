@@ -31,6 +31,8 @@ class UnresolvedCause(StringEnum):
     """A library, plugin or base class that may add endpoints."""
     SYNTAX_ERROR = "syntax_error"
     PARTLY_READ = "partly_read"
+    LIMIT = "limit"
+    """What a scan ends because it is too large: it is read in part, too."""
     RUN_TIME = "run_time"
     """What only the running app decides."""
     UNREACHED = "unreached"

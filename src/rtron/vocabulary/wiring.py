@@ -73,7 +73,8 @@ class WiringFactKind(StringEnum):
     SENT_ONCE = "sent_once"
     """A node that is a `topic pub` of the launch and sends its message once, not ever again."""
     TRANSITION = "transition"
-    """A launch file that changes states of lifecycle nodes itself, or has an event for it."""
+    """A launch file that changes a lifecycle node's state; the value is the node's plain name, or
+    empty where any may be meant."""
     DISTRIBUTION = "distribution"
     """The ROS distribution that the user gave for the scan; what is only guessed is no fact."""
     DEVICE = "device"

@@ -53,7 +53,7 @@ def test_what_somebody_can_give_comes_first_each_kind_with_its_remedy(text_of):
         "  Values that are not given (2)",
         "  Code that is not here and may add endpoints (1)",
         "  Errors in the source (1)",
-        "  Programs that are read in part only (1)",
+        "  Programs that are read in part only (2)",
         "  Known only while the app runs (1)",
         "  Functions that nothing which is seen calls (1)",
         "  Not followed in the source (1)",

@@ -4,7 +4,8 @@
 
 A name in the `node_names` of a lifecycle manager of Nav2 that no node of the launch has. The
 manager waits for it and activates none of the others. Or the launch starts a lifecycle node that
-nobody configures and activates, while a manager does so for others: it publishes nothing.
+nobody configures and activates: it publishes nothing. Without a manager it counts if others read
+what it publishes.
 
 For example, `/lifecycle_manager` manages `/recoveries_server`, and the launch starts
 `/behavior_server`.
@@ -16,11 +17,12 @@ Start the node, correct its name or namespace, or remove it from `node_names`. A
 ## When it is silent
 
 Below `pedantic`, where something was not read, or where the launch starts no other node of the
-manager and no lifecycle node of a near name. A node that no manager lists is none where something
-was not read, where a launch file changes states by events, and if it changes its own.
+manager and no lifecycle node of a near name. A node that nobody activates is none where something
+was not read, where an event of a launch file or `ros2 lifecycle set` is for it or for one that is
+not known, and if it changes its own state.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rtron.findings.app_facts import AppFacts, near_names
 from rtron.findings.rule import FindingRule, make_finding
@@ -33,6 +35,7 @@ from rtron.vocabulary import (
     WiringFactKind,
     fits_open_name,
 )
+from rtron.vocabulary.names import TRANSFORM_TOPICS
 from rtron.wording import join_names
 
 _MANAGER = "nav2_lifecycle_manager"
@@ -50,35 +53,56 @@ def check(app: AppFacts) -> Iterator[Finding]:
         if missing:
             is_in_part = len(missing) < len(names)
             yield _finding(app, manager, missing, unmanaged, is_in_part=is_in_part)
-    is_open = any(fact.kind is WiringFactKind.TRANSITION for fact in app.graph.wiring)
     is_all = app.nodes.keys() >= {name for names in managed.values() for name in names}
-    if app.is_whole and is_all and not is_open and len(managers) == 1:
-        yield from _not_listed(app, managers[0], managed[managers[0]])
+    if app.is_whole and is_all and len(managers) <= 1:
+        yield from _not_activated(app, managed)
 
 
-def _not_listed(app: AppFacts, manager: str, managed: list[str]) -> Iterator[Finding]:
-    """Yield a finding for the nodes of other programs than a manager's whom nobody activates."""
-    programs = {(app.nodes[each].package, app.nodes[each].executable) for each in managed}
-    others = set(_nodes(app.graph.services)).difference(_nodes(app.graph.clients))
+def _not_activated(app: AppFacts, managed: Mapping[str, list[str]]) -> Iterator[Finding]:
+    """Yield a finding for the nodes whom nobody activates, neither the one manager nor another.
+
+    Those of a manager's programs are left out; without one, those whose topics nobody reads.
+    """
+    of_manager = [name for names in managed.values() for name in names]
+    programs = {(app.nodes[each].package, app.nodes[each].executable) for each in of_manager}
     idle = [
         each
-        for each in sorted(others & app.nodes.keys())
+        for each in _idle_nodes(app)
         if (app.nodes[each].package, app.nodes[each].executable) not in programs
+        and (of_manager or (not managed and _is_read(app, each)))
     ]
-    if idle and managed:
-        names = join_names(idle)
+    if idle:
+        names, manager = join_names(idle), next(iter(managed), "")
         yield make_finding(
             RULE.name,
             idle[0],
             summary=f"nobody configures and activates {names}",
-            cause=f"the node_names of {manager} are {join_names(managed)}",
-            remedy=f"add {names} to node_names of {manager}",
+            cause=f"the node_names of {manager} are {join_names(of_manager)}"
+            if manager
+            else "this launch has no lifecycle manager, and no event or command for it",
+            remedy=f"add {names} to node_names of {manager}"
+            if manager
+            else f"start a lifecycle manager with {names} in its node_names, or emit ChangeState",
             consequence=Consequence.FAILURE,
             certainty=Certainty.LIKELY,
-            nodes=(*idle, manager),
+            nodes=(*idle, *managed),
             topics=[f"{name}{_CALLED[0]}" for name in idle],
-            evidence=(*app.node_evidence(idle), *app.node_evidence([manager])),
+            evidence=(*app.node_evidence(idle), *app.node_evidence(managed)),
         )
+
+
+def _idle_nodes(app: AppFacts) -> list[str]:
+    """Return the lifecycle nodes whose state nothing changes; none where any may be meant."""
+    events = {e.value for e in app.graph.wiring if e.kind is WiringFactKind.TRANSITION}
+    others = set(_nodes(app.graph.services)).difference(_nodes(app.graph.clients))
+    found = (each for each in sorted(others & app.nodes.keys()) if "" not in events)
+    return [each for each in found if each.rpartition("/")[2] not in events]
+
+
+def _is_read(app: AppFacts, node: str) -> bool:
+    """Return whether another node reads what a node publishes by itself."""
+    sent = {end.topic for end in app.graph.published_by(node) if not end.implicit}
+    return any({*app.readers(topic)} - {node} for topic in sent - {*TRANSFORM_TOPICS})
 
 
 def is_managing(app: AppFacts, node: str, service: str) -> bool:

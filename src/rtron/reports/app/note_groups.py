@@ -28,6 +28,9 @@ _NOT_IN_APP = NoteKind(
 _VALUES = NoteKind(
     "Values that are not given", "--env NAME=VALUE for a variable, NAME:=VALUE for an argument"
 )
+_READ_IN_PART = NoteKind(
+    "Programs that are read in part only", f"look at these places yourself, or {_MODEL}"
+)
 _KINDS: dict[UnresolvedCause | None, NoteKind] = {
     UnresolvedCause.MISSING_SOURCE: NoteKind(
         "Source that is not here", f"give the folder of its source, or {_MODEL}"
@@ -40,9 +43,8 @@ _KINDS: dict[UnresolvedCause | None, NoteKind] = {
     UnresolvedCause.SYNTAX_ERROR: NoteKind(
         "Errors in the source", "correct these places, and scan again"
     ),
-    UnresolvedCause.PARTLY_READ: NoteKind(
-        "Programs that are read in part only", f"look at these places yourself, or {_MODEL}"
-    ),
+    UnresolvedCause.PARTLY_READ: _READ_IN_PART,
+    UnresolvedCause.LIMIT: _READ_IN_PART,
     UnresolvedCause.RUN_TIME: NoteKind(
         "Known only while the app runs", "read the running app: rtron scan --live"
     ),

@@ -7,12 +7,10 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rtron.sources.code import ir
-from rtron.sources.code.endpoint_calls import ENDPOINT_CALLS
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.cpp.runtime import CppRuntime
 from rtron.sources.code.interpreter.cpp.symbol_table import MAX_FILES, SymbolTable
 from rtron.sources.code.interpreter.execution.abstract_machine import (
-    TOO_LARGE,
     AbstractMachine,
     StepsExceededError,
     ThrownError,
@@ -68,7 +66,6 @@ from rtron.sources.code.reachability import (
 from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence, UnresolvedCause
 
-_UNREADABLE_PIECE = "cannot be read: "
 _MISSING_CLASS_REASON = "its class is not in the sources"
 _Start: TypeAlias = tuple[str, Callable[[], object]]
 """The file that a program starts in, and what runs it."""
@@ -216,7 +213,7 @@ def _run_cpp_program(
         if found is None:
             location = Evidence(file=str(sources[0]) if sources else "")
             machine.recorder.add_unresolved(*missing, location, cause=UnresolvedCause.MISSING_CODE)
-            _note_problems(machine, runtime.symbols, lambda each: not _is_relevant_problem(each))
+            _note_problems(machine, runtime.symbols, may_join=False)
         else:
             _run_part(machine, Path(found[0]), runtime.initialise_globals)
             _run_all(machine, Path(found[0]), found[1])
@@ -303,17 +300,16 @@ def _create_cpp_machine(
     )
     machine = _create_machine(runtime, site, volatile)
     runtime.machine = machine
-    _note_problems(machine, symbols, _is_relevant_problem)
+    _note_problems(machine, symbols, may_join=True)
     _note_unread(machine, symbols)
     return runtime, machine
 
 
-def _note_problems(
-    machine: AbstractMachine, symbols: SymbolTable, is_noted: Callable[[ir.SourceProblem], bool]
-) -> None:
+def _note_problems(machine: AbstractMachine, symbols: SymbolTable, *, may_join: bool) -> None:
+    """Note what cannot be read: what may join nodes, or, where no program was found, the rest."""
     for path, unit in symbols.units.items():
         for problem in unit.problems if symbols.is_program_file(str(path)) else ():
-            if is_noted(problem):
+            if problem.may_join is may_join:
                 machine.recorder.add_problem(path, problem)
 
 
@@ -325,13 +321,6 @@ def _note_unread(machine: AbstractMachine, symbols: SymbolTable) -> None:
     for path, line, name, header in symbols.unexpanded_macros():
         why = f"{name} makes endpoints by a macro of {header.name}, which is not expanded here"
         machine.recorder.add_problem(path, ir.SourceProblem(line, why))
-
-
-def _is_relevant_problem(problem: ir.SourceProblem) -> bool:
-    """Tell whether a problem is of a whole file, or of a piece that may join nodes."""
-    return _UNREADABLE_PIECE not in problem.why or any(
-        word in problem.why for word in ENDPOINT_CALLS
-    )
 
 
 def _create_machine(
@@ -362,7 +351,7 @@ def _run_part(machine: AbstractMachine, path: Path, run: Callable[[], object]) -
     try:
         run()
     except StepsExceededError as error:
-        _note_incomplete(machine, path, TOO_LARGE, error.place)
+        machine.recorder.add_too_large(path.name, error.place or Evidence(file=str(path)))
     except ThrownError as error:
         _note_incomplete(
             machine, path, f"{error.name} ends it before all of it is run", error.place

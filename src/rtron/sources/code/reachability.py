@@ -8,7 +8,6 @@ from itertools import islice
 from rtron.sources.code.endpoint_calls import ENDPOINT_CALLS
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import (
-    TOO_LARGE,
     AbstractMachine,
     EndError,
     StepsExceededError,
@@ -150,7 +149,7 @@ def _run_callback(machine: AbstractMachine, waiting: av.FunctionValue) -> None:
         with machine.step_budget(MAX_STEPS if machine.recorder.site.ros == 1 else MAX_ROS2_STEPS):
             dispatch(machine, waiting, Arguments(frame=StackFrame(file=function.file)))
     except StepsExceededError as error:
-        machine.recorder.add_partly_read(function.name, TOO_LARGE, error.place or location)
+        machine.recorder.add_too_large(function.name, error.place or location)
     except ThrownError as error:
         why = f"{error.name} ends it before all of it is run"
         machine.recorder.add_partly_read(function.name, why, error.place or location)

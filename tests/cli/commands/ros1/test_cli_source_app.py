@@ -287,6 +287,14 @@ def test_an_argument_under_a_condition_is_declared(rtron, folder, branches):
     assert "no launch file declares" not in said
 
 
+def test_an_argument_that_a_file_uses_without_declaring_it_is_known(rtron, folder, branches):
+    used = '<param name="a" value="$(arg robot)"/><param name="b" value="$(eval arg(\'b\'))"/>\n'
+    (folder / "launch" / "branches.launch").write_text(BRANCHES.replace("\n", used, 1))
+    said = head(rtron("scan", folder, *branches, "robot:=x", "b:=x", "other:=x"))
+    assert said.count("no launch file declares") == 1
+    assert "launch argument other: no launch file declares it" in said
+
+
 def test_the_distribution_is_guessed_from_the_workspace(rtron, folder, branches, monkeypatch):
     monkeypatch.setenv("ROS_DISTRO", "kinetic")
     assert "ROS_DISTRO" not in head(rtron("scan", folder, *branches))

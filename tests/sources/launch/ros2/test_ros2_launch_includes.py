@@ -332,3 +332,11 @@ def test_an_argument_that_may_be_known_or_is_near_none(included, front):
 def test_an_argument_that_is_near_one_that_is_given_too(included):
     text = UNKNOWN.replace("</front>", '<arg name="map_file" value="z"/></front>')
     assert included(text, front=NEAR) == []
+
+
+def test_of_many_arguments_few_are_compared(included):
+    declared = "".join(f'<arg name="{each:03}" default="y"/>' for each in range(100))
+    given = "".join(f'<arg name="file{each}" value="x"/>' for each in range(9))
+    near = NEAR.replace("map_file", "files")
+    assert included(f"<front>{given}</front>", front=declared + near) == []
+    assert len(included(f"<front>{given}</front>", front=near)) == 5

@@ -53,7 +53,7 @@ realsense2_camera/realsense2_camera_node rf2o_laser_odometry/rf2o_laser_odometry
 robot_localization/ekf_node robot_localization/navsat_transform_node robot_localization/ukf_node
 robot_state_publisher/robot_state_publisher ros1_bridge/dynamic_bridge ros1_bridge/parameter_bridge
 ros1_bridge/static_bridge ros2_aruco/aruco_node ros2action/send_goal ros2bag/play ros2bag/record
-ros2service/call ros2topic/echo ros2topic/pub ros_gz_sim/create
+ros2lifecycle/set ros2service/call ros2topic/echo ros2topic/pub ros_gz_sim/create
 ros_tcp_endpoint/default_server_endpoint rosapi/rosapi_node rosbridge_server/rosbridge_websocket
 rplidar_ros/rplidar_node rqt_bag/rqt_bag rqt_console/rqt_console rqt_graph/rqt_graph
 rqt_gui/rqt_gui rqt_image_view/rqt_image_view rqt_plot/rqt_plot rqt_publisher/rqt_publisher

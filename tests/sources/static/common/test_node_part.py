@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-from rtron.sources.code.interpreter.execution.abstract_machine import TOO_LARGE
 from rtron.sources.declaration import Declaration, DeclarationKind, NodeInterface, NodeSite
 from rtron.sources.launch.common.packages import find_packages
 from rtron.sources.models import ROS2_LIBRARY, load_models
@@ -151,19 +150,19 @@ OPEN = replace(SENT, name="/{a}", resolution=Resolution.SYMBOLIC)
     [
         ((), (), False),
         ((SENT,), (), False),
-        ((SENT, OPEN), ("what it is called on is not known",), False),
-        ((SENT,), (TOO_LARGE,), True),
+        ((SENT, OPEN), (None,), False),
+        ((SENT,), (UnresolvedCause.LIMIT,), True),
         ((OPEN,), (), True),
         ((OPEN, replace(SENT, kind=DeclarationKind.SERVICE)), (), True),
-        ((replace(SENT, kind=DeclarationKind.SERVICE),), ("jumps are not followed",), False),
-        ((replace(SENT, implicit=True),), ("not done within 60 s",), True),
+        ((replace(SENT, kind=DeclarationKind.SERVICE),), (None,), False),
+        ((replace(SENT, implicit=True),), (UnresolvedCause.PARTLY_READ,), True),
     ],
 )
 def test_a_source_that_tells_not_all_is_cut(declared, notes, is_cut):
     site = NodeSite(name="/n", ros=2)
     task = InterpretationTask(kind=TaskKind.CPP, sources=(), site=site)
     node = AppNode(site=site, package="p", type="x", evidence=Evidence(file="a", line=1))
-    unresolved = tuple(UnresolvedItem(what="x", why=why) for why in notes)
+    unresolved = tuple(UnresolvedItem(what="x", why="?", cause=cause) for cause in notes)
     interface = NodeInterface(declarations=declared, unresolved=unresolved)
     part = NodePart(node=node, owner="/n", task=task, interface=interface)
     assert part.is_cut is is_cut

@@ -90,6 +90,12 @@ def test_a_service_that_is_called(started, type):
     assert (client.name, client.type) == ("/go", "std_srvs/srv/Trigger")
 
 
+def test_a_lifecycle_node_whose_state_is_set(started):
+    graph = started("ros2 lifecycle set /ns/slam activate")
+    assert [client.name for client in graph.clients] == ["/ns/slam/change_state"]
+    assert graph.unresolved == ()
+
+
 def test_a_goal_that_is_sent(started):
     graph = started("ros2 action send_goal -f /spin nav2_msgs/action/Spin '{target_yaw: 1.0}'")
     (action,) = graph.actions

@@ -87,11 +87,12 @@ class SourceLanguage(str, Enum):
 
 @record(frozen=True, slots=True)
 class SourceProblem:
-    """A part of a file that could not be read, and why."""
+    """A part of a file that could not be read, and why; `may_join` where it may join nodes."""
 
     line: int
     why: str
     cause: UnresolvedCause = UnresolvedCause.PARTLY_READ
+    may_join: bool = True
 
 
 @record(frozen=True, slots=True, kw_only=True)

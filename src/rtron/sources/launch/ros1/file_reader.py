@@ -146,6 +146,7 @@ class LaunchFileReader:
             environ=self.state.environ,
             folder=self.document.folder,
             arguments=context.arguments,
+            used=self.state.declared_arguments,
         )
 
 

@@ -3,7 +3,7 @@
 import os.path
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from rtron.sources.launch.common.environment import look_up
@@ -24,12 +24,17 @@ _MAX_ADDED_LENGTH = 64 * 1024
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SubstitutionArgs:
-    """Replaces every `$(…)` in texts of one launch file; `folder` is what `$(dirname)` means."""
+    """Replaces every `$(…)` in texts of one launch file; `folder` is what `$(dirname)` means.
+
+    `used` gets the names of the arguments that texts use, declared or not: roslaunch takes them
+    from its command line.
+    """
 
     packages: PackageIndex
     environ: Mapping[str, str]
     folder: str
     arguments: Mapping[str, Argument]
+    used: set[str] = field(default_factory=set)
 
     def replace(self, text: str) -> str:
         """Return `text` with its substitutions made, `$(find …)` last as its path may use others.
@@ -95,6 +100,7 @@ class SubstitutionArgs:
         }
 
     def _argument(self, name: str) -> str:
+        self.used.add(name)
         if name not in self.arguments:
             raise MissingArgumentError(name)
         value = self.arguments[name]

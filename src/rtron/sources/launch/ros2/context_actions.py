@@ -48,6 +48,8 @@ IGNORED_TAGS = frozenset(
 )
 """What neither starts a node nor changes a name."""
 _NEAR_RATIO = 0.8
+_MOST_GIVEN, _MOST_DECLARED = 5, 100
+"""Among more arguments of an inclusion a near one tells nothing, and comparing takes long."""
 _USE = r"(?:LaunchConfiguration\w*\(|launch_configurations(?:\[|\.get\()|\$\(var)"
 """What stands before the name of an argument where a launch file uses it."""
 
@@ -211,8 +213,9 @@ def note_undeclared(evaluator: LaunchEvaluator, site: ElementSite, file: FileInc
     declared = evaluator.choices.declared
     places = {each.plain_text("name"): each.location for each in site.children("arg", "let")}
     unused = [] if UNKNOWN_NAME in declared else sorted(places.keys() - declared)
-    for name in unused:
-        near = [each for each in sorted(declared - places.keys()) if _is_near(name, each)]
+    others = sorted(declared - places.keys())[:_MOST_DECLARED]
+    for name in unused[:_MOST_GIVEN]:
+        near = [each for each in others if _is_near(name, each)]
         if near and not any(_may_use(path, name) for path in file.paths()):
             kind = WiringFactKind.UNDECLARED_ARGUMENT
             fact = WiringFact(kind=kind, subject=name, value=near[0], others=(file.path,))

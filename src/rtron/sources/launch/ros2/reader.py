@@ -7,7 +7,7 @@ Python launch file, which is in the tree without nodes. `app.read_app_launch` lo
 
 import os.path
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 from math import inf
 from pathlib import Path
@@ -208,15 +208,17 @@ class LaunchReader:
             "lifecycle_transition": self._note_transition,
         }
 
-    def _note_transition(self, site: ElementSite) -> None:
-        kind = WiringFactKind.TRANSITION
-        fact = WiringFact(kind=kind, subject=site.file.path, evidence=(site.location,))
-        self._evaluator.wiring.append(fact)
+    def _note_transition(self, site: ElementSite, key: str = "node") -> None:
+        """Note that a launch file changes the state of the node that an attribute names."""
+        kind, name = WiringFactKind.TRANSITION, self._evaluator.value(site, key) or ""
+        known = "" if has_placeholder(name) else name.rpartition("/")[2]
+        fact = WiringFact(kind=kind, subject=site.file.path, value=known)
+        self._evaluator.wiring.append(replace(fact, evidence=(site.location,)))
 
     def _node(self, site: ElementSite) -> None:
         name = self._collector.add_node(site)
         if site.has("autostart"):
-            self._note_transition(site)
+            self._note_transition(site, "name")
         if site.tag == "node_container":
             self._components(site, name)
 

@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 
 from rtron.errors import suggestion
-from rtron.sources.code.interpreter.execution.abstract_machine import TOO_LARGE
 from rtron.sources.declaration import DeclarationKind, NodeInterface
 from rtron.sources.models import Model, ModelCatalog
 from rtron.sources.models.common.arguments import positional
@@ -77,12 +76,13 @@ class NodePart:
     @property
     def is_cut(self) -> bool:
         """Whether its source was run in part only, or gives no name of the topics it joins."""
-        notes = [note.why for note in self.interface.unresolved]
+        notes = self.interface.unresolved
         explicit = [each for each in self.interface.declarations if not each.implicit]
         topics = [each for each in explicit if each.kind in _TOPICS]
         is_named = any(e.resolution is not Resolution.SYMBOLIC for e in topics or explicit)
         is_open = bool(notes or explicit) and not is_named
-        return self.task is not None and (TOO_LARGE in notes or is_open)
+        is_limited = any(note.cause is UnresolvedCause.LIMIT for note in notes)
+        return self.task is not None and (is_limited or is_open)
 
     @property
     def is_whole(self) -> bool:

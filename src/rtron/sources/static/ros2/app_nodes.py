@@ -36,6 +36,7 @@ _VERBS: Mapping[str, frozenset[str]] = {
     "topic": frozenset({"pub", "echo", "hz", "bw", "delay"}),
     "service": frozenset({"call"}),
     "action": frozenset({"send_goal"}),
+    "lifecycle": frozenset({"set"}),
     "bag": frozenset({"play", "record"}),
 }
 

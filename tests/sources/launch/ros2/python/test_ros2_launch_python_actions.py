@@ -303,13 +303,36 @@ def generate_launch_description():
 """)
     assert names(app) == ["/first"]
     assert app.unresolved == ()
-    assert [fact.kind for fact in app.wiring] == ["transition"]
+    assert [(fact.kind, fact.value) for fact in app.wiring] == [("transition", "first")]
+
+
+@pytest.mark.parametrize(
+    ("event", "values"),
+    [
+        ("Shutdown()", []),
+        ("ShutdownProcess(process_matcher=matches_action(None))", []),
+        ("ChangeState(lifecycle_node_matcher=matches_node_name('/ns/slam'))", ["slam"]),
+        ("ChangeState(lifecycle_node_matcher=lambda action: True)", [""]),
+        ("Other()", [""]),
+    ],
+)
+def test_an_event_that_changes_a_state(program, event, values):
+    app = program(f"""
+from launch.events import Shutdown, matches_action
+from launch.events.process import ShutdownProcess
+from launch_ros.events.lifecycle import ChangeState
+from launch_ros.events.matchers import matches_node_name
+from other import Other
+def generate_launch_description():
+    return LaunchDescription([EmitEvent(event={event})])
+""")
+    assert [fact.value for fact in app.wiring] == values
 
 
 def test_a_node_that_the_launch_activates(python):
     node = "LifecycleNode(package='p', executable='e', name='n', namespace=''{})"
     assert not python(node.format("")).wiring
-    assert python(node.format(", autostart=True")).wiring
+    assert [fact.value for fact in python(node.format(", autostart=True")).wiring] == ["n"]
 
 
 def test_an_action_of_another_package_is_noted(python):

@@ -9,7 +9,7 @@ import tree_sitter_cpp
 from tree_sitter import Language, Node, Parser
 
 from rtron.sources.code import ir
-from rtron.sources.code.endpoint_calls import ENDPOINT_CALL
+from rtron.sources.code.endpoint_calls import ENDPOINT_CALL, ENDPOINT_CALLS
 from rtron.sources.code.frontends.cpp import (
     declarations,
     functions,
@@ -61,6 +61,8 @@ def _decode(data: bytes) -> str:
 
 MAX_BYTES = 4 * 2**20
 _MAX_ERRORS = 20
+_SHOWN = 60
+"""So many characters of what cannot be read are shown: the rest is often read after all."""
 _CPP = Language(tree_sitter_cpp.language())
 _EXPRESSION_MACRO = re.compile(r"[^;{}#\n]{1,400}")
 _NO_MACROS: Mapping[str, str] = MappingProxyType({})
@@ -121,7 +123,9 @@ def _note_errors(context: LoweringContext, root: Node) -> None:
             continue
         if node.is_error or node.is_missing:
             noted += 1
-            context.add_problem(line_of(node), f"cannot be read: {context.text(node)[:60]!r}")
+            piece = context.text(node)[:_SHOWN]
+            may_join = any(call in piece for call in ENDPOINT_CALLS)
+            context.add_problem(line_of(node), f"cannot be read: {piece!r}", may_join=may_join)
         else:
             open_nodes += [child for child in reversed(node.children) if _has_error(child)]
 

@@ -57,10 +57,10 @@ class LoweringContext:
         """Return a node's source text."""
         return self.source[node.start_byte : node.end_byte].decode("utf-8", "replace")
 
-    def add_problem(self, line: int, why: str) -> None:
+    def add_problem(self, line: int, why: str, *, may_join: bool = True) -> None:
         """Note a part that could not be read; the number of notes is bounded."""
         if len(self.problems) < _MAX_PROBLEMS:
-            self.problems.append(ir.SourceProblem(line, why))
+            self.problems.append(ir.SourceProblem(line, why, may_join=may_join))
 
     def note_call(self, name: Node) -> None:
         """Note that what is called, or declared, by a name is lowered."""

@@ -52,7 +52,6 @@ MAX_DYNAMIC_STEPS = 20_000
 """The steps of a function that joins no nodes, and of one that calls what it does not name."""
 MAX_IRRELEVANT_SUM = 8_000
 """The steps of all calls, by callbacks, of a function that joins no nodes and handles no text."""
-TOO_LARGE = "too large to be run whole"
 MAX_CALLS = 48
 MAX_RECURSION = 3
 MAX_PASSED_FUNCTIONS = 1_000
@@ -250,7 +249,7 @@ class AbstractMachine:
             self.possible_throws += 1
             if is_noted:
                 place = Evidence(file=function.file, line=function.line)
-                self.recorder.add_unresolved(function.name, TOO_LARGE, place)
+                self.recorder.add_too_large(function.name, place)
             return False
         finally:
             relevant = self._relevant_steps - relevant

@@ -214,6 +214,10 @@ class DeclarationRecorder:
         """Record what is run or read in part only, and where it ends."""
         self.add_unresolved(what, why, place, cause=UnresolvedCause.PARTLY_READ)
 
+    def add_too_large(self, what: str, place: Evidence) -> None:
+        """Record what is not run to its end, because it takes too many steps."""
+        self.add_unresolved(what, "too large to be run whole", place, cause=UnresolvedCause.LIMIT)
+
     def add_problem(self, path: Path, problem: SourceProblem) -> None:
         """Record a part of a file that could not be read."""
         location = Evidence(file=str(path), line=problem.line)

@@ -69,6 +69,11 @@ _MATCHERS = _signatures(
     """
 )
 """They choose the nodes that an event is for, and start none."""
+_ROS_MATCHERS = _signatures("matches_node_name node_name")
+_EVENTS = _signatures(
+    "Shutdown, ShutdownProcess, SignalProcess, SendProcessTerminate, SendProcessKill"
+)
+_ROS_EVENTS: Mapping[str, tuple[str, ...]] = {"ChangeState": ()}
 _ROS_EVENT_HANDLERS: Mapping[str, tuple[str, ...]] = {"OnStateTransition": ()}
 _DESCRIPTION_SOURCES: Mapping[str, tuple[str, ...]] = {
     f"{kind}LaunchDescriptionSource": ("location",)
@@ -102,6 +107,9 @@ POSITIONAL_PARAMETERS: Mapping[str, tuple[str, ...]] = {
     **_CONDITIONS,
     **_EVENT_HANDLERS,
     **_MATCHERS,
+    **_ROS_MATCHERS,
+    **_EVENTS,
+    **_ROS_EVENTS,
     **_ROS_EVENT_HANDLERS,
     **_DESCRIPTION_SOURCES,
     **_DESCRIPTIONS,
@@ -119,7 +127,8 @@ CLASSES_BY_MODULE: Mapping[str, tuple[str, ...]] = {
     "launch.substitutions": tuple(_SUBSTITUTIONS),
     "launch.conditions": tuple(_CONDITIONS),
     "launch.event_handlers": tuple(_EVENT_HANDLERS),
-    "launch.events": tuple(_MATCHERS),
+    "launch.events": (*_MATCHERS, "Shutdown"),
+    "launch.events.process": tuple(_EVENTS),
     "launch.events.matchers": tuple(_MATCHERS),
     "launch.descriptions": ("Executable",),
     "launch.launch_description_sources": tuple(_DESCRIPTION_SOURCES),
@@ -127,6 +136,8 @@ CLASSES_BY_MODULE: Mapping[str, tuple[str, ...]] = {
     "launch_yaml.launch_description_sources": ("YAMLLaunchDescriptionSource",),
     "launch_ros.actions": tuple(_ROS_ACTIONS),
     "launch_ros.substitutions": (*_ROS_SUBSTITUTIONS, "Parameter"),
+    "launch_ros.events.lifecycle": tuple(_ROS_EVENTS),
+    "launch_ros.events.matchers": tuple(_ROS_MATCHERS),
     "launch_ros.event_handlers": tuple(_ROS_EVENT_HANDLERS),
     "launch_ros.descriptions": tuple(_DESCRIPTIONS),
     "launch_ros.parameter_descriptions": ("Parameter", "ParameterFile", "ParameterValue"),

@@ -177,6 +177,22 @@ def _event_handler(actions: ActionTranslator, fields: Fields) -> Element:
     return Element("event_handler", {"event": name}, tuple(inner))
 
 
+def _event(actions: ActionTranslator, fields: Fields) -> Element:
+    """Return the element of an event: of one that is known, only `ChangeState` changes a state."""
+    event = fields.get("event", av.NONE)
+    if launch_class_name(event) not in {"", "ChangeState"}:
+        return Element("log", {})
+    matcher = _made_with(event).get("lifecycle_node_matcher", av.NONE)
+    node = _made_with(_made_with(matcher).get("target_action", av.NONE))
+    names = {**actions.attributes_of(node, node="name")}
+    names |= actions.attributes_of(_made_with(matcher), node="node_name")
+    return Element("lifecycle_transition", names)
+
+
+def _made_with(value: av.Value) -> Fields:
+    return constructor_arguments(value) if isinstance(value, av.Instance) else {}
+
+
 def _opaque_function(actions: ActionTranslator, fields: Fields) -> Element:
     return actions.function_element(
         actions.callbacks.callback(fields, actions.elements, event=False)
@@ -234,11 +250,12 @@ _APPEND_FIELDS = {"name": "name", "value": "value", "prepend": "prepend", "separ
 _COMPOSITION_FIELDS = ("container_name", "create_own_container", "use_composition")
 BUILDERS: Mapping[str, Build] = {
     **dict.fromkeys(_IGNORED_ACTIONS, _empty_element("log")),
-    **dict.fromkeys(("EmitEvent", "LifecycleTransition"), _empty_element("lifecycle_transition")),
+    "LifecycleTransition": _empty_element("lifecycle_transition"),
     "AppendEnvironmentVariable": _text_element("append_env", **_APPEND_FIELDS),
     "ComposableNodeContainer": partial(node_element, tag="node_container"),
     "DeclareBooleanLaunchArgument": _argument,
     "DeclareLaunchArgument": _argument,
+    "EmitEvent": _event,
     "ExecuteLocal": _process,
     "ExecuteProcess": _process,
     "ForEach": _loop,
