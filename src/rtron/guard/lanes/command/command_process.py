@@ -31,12 +31,12 @@ from rtron.guard.runner import (
     GraphPart,
     Part,
     open_control_socket,
-    raise_file_limit,
     run_parts,
 )
 from rtron.guard.settings.intrusion_clearing import create_request_handler
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
 from rtron.guard.supervision.output_watch import OutputWatch
+from rtron.guard.system.process_attributes import allow_many_files
 from rtron.vocabulary import Mode, OnForeign, Plan, build_streams
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def run_command_process(
     settings of the security service at `link` are put in force first. SourceError if the plan is
     for ROS 2, which is not installed here, or if `control` cannot be used.
     """
-    raise_file_limit()
+    allow_many_files()
     loop = EventLoop()
     middleware = open_middleware(plan, master, loop, supervisor.session, GUARD)
     transport = middleware.transport
