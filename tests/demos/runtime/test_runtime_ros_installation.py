@@ -17,6 +17,13 @@ def test_nothing_leads_to_what_the_user_runs(tmp_path, monkeypatch):
     assert found["AMENT_PREFIX_PATH"] == "/opt/ros/x"
 
 
+def test_a_relative_python_path_leads_to_the_same_from_another_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", "mine::yours")
+    _, *found = shared_environ(tmp_path, tmp_path)["PYTHONPATH"].split(":")
+    assert found == [str(tmp_path / "mine"), str(tmp_path / "yours")]
+
+
 def test_a_python_that_is_named_is_taken_wherever_it_is_started_from(tmp_path, monkeypatch):
     python = tmp_path / "python"
     python.write_text("#!/bin/sh\nexit 0\n")

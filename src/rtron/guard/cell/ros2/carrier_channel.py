@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rtron.guard.cell.ros2.messages import decode, encode
-from rtron.guard.core.framed_channel import FramedChannel
+from rtron.guard.transport.common.framed_channel import FramedChannel
 
 if TYPE_CHECKING:
     import socket

@@ -10,8 +10,8 @@ import struct
 from collections.abc import Callable
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.core.framed_channel import FramedChannel
 from rtron.guard.core.log_throttle import LogThrottle
+from rtron.guard.transport.common.framed_channel import FramedChannel
 
 log = logging.getLogger(__name__)
 
