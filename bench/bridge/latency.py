@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from bench.common.latency import quantile
 from bench.common.testbed import ReportProgress, Testbed, python, result_of, running, wait_for_port
 from figures.figure import Figure
-from rtron.bridge.rights.loader import token_hash
+from rtron.bridge.rights.tokens import token_hash
 from rtron.demos.runtime.isolation import free_port
 
 _RUNS, _MESSAGES = 5, 300

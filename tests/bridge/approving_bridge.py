@@ -4,7 +4,7 @@ import threading
 from contextlib import suppress
 
 from rtron.bridge.protocol.approvals import Approvals
-from rtron.bridge.rights.loader import parse_rights
+from rtron.bridge.rights.rights_file import parse_rights
 from rtron.bridge.server.runner import hearing_persons
 from rtron.errors import WireError
 from rtron.guard.core.event_loop import EventLoop

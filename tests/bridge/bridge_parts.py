@@ -10,7 +10,8 @@ from rtron.bridge.protocol.approvals import Approvals
 from rtron.bridge.protocol.client_state import ClientRates
 from rtron.bridge.protocol.session import ClientSession
 from rtron.bridge.rights.document import BridgeRights
-from rtron.bridge.rights.loader import parse_rights, token_hash
+from rtron.bridge.rights.rights_file import parse_rights
+from rtron.bridge.rights.tokens import token_hash
 from rtron.errors import SourceError
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.vocabulary import SECOND

@@ -8,7 +8,7 @@ from pathlib import Path
 from harness import LIMIT_S, wait_for
 from websockets.sync.client import connect
 
-from rtron.bridge.rights.loader import token_hash
+from rtron.bridge.rights.tokens import token_hash
 
 CLIENT = Path(__file__).parent / "nodes" / "roslibpy_client.py"
 PLAN = """

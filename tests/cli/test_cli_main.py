@@ -57,6 +57,19 @@ def test_a_pipe_that_closes_early_is_no_error(graph_file):
     assert (ran.returncode, ran.stderr) == (1, b"")
 
 
+def test_a_usage_message_that_nobody_reads_is_no_error_of_ours():
+    reader, writer = os.pipe()
+    os.close(reader)
+    code = (
+        "import sys; from rtron.cli import main as cli\n"
+        "sys.excepthook = lambda *_: sys.stdout.write(str(_))\n"
+        "sys.argv[1:] = ['nothing']; cli.main()"
+    )
+    with os.fdopen(writer, "wb") as closed:
+        ran = subprocess.run([sys.executable, "-c", code], stdout=-1, stderr=closed, check=False)
+    assert (ran.returncode, ran.stdout) == (2, b"")
+
+
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_full_disk_is_2(graph_file, unbuffered):
     command, environ = [*MODULE, "scan", graph_file], {"PYTHONUNBUFFERED": unbuffered}

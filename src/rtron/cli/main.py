@@ -9,7 +9,7 @@ import typer
 
 from rtron import __version__
 from rtron.cli.command_registry import CommandGroup
-from rtron.cli.support.outcome import BAD_INPUT, Outcome, deliver, print_error
+from rtron.cli.support.outcome import BAD_INPUT, Outcome, deliver, discard_output, print_error
 from rtron.errors import RTronError
 
 app = typer.Typer(
@@ -31,6 +31,10 @@ def main() -> None:
         app(prog_name="rtron")
     except RTronError as error:
         print_error(error)
+        sys.exit(BAD_INPUT)
+    except BrokenPipeError:  # of a usage message, which Click writes
+        discard_output(sys.stdout)
+        discard_output(sys.stderr)
         sys.exit(BAD_INPUT)
 
 

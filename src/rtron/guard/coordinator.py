@@ -35,6 +35,7 @@ from rtron.guard.core.report_messages import (
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.core.stream_endpoints import StreamContext
 from rtron.guard.core.stream_settings import StreamUpdate
+from rtron.guard.core.timers import DeadlineTimer
 from rtron.guard.intrusion_latch import IntrusionLatch
 from rtron.guard.transport.common.protocol import Output, Peer, Transport
 from rtron.messages.common.encoding import Encoding
@@ -85,7 +86,9 @@ class Coordinator:
         self._recheck_scheduled = False
         self._log_throttle = LogThrottle()
         self._unsettled_rules: set[str] = set()
-        self._armed_deadline: int | None = None
+        self._deadline_timer = DeadlineTimer(
+            transport, self._deadline, self._update_time, self.recheck
+        )
         self._diagnostics: Output | None = None
         self._report_number = 0
         self.observations.mission.on_change = self._on_rule_change
@@ -208,19 +211,13 @@ class Coordinator:
 
     def schedule_deadline(self) -> None:
         """Be called when something changes by time alone, if not before."""
-        due = self.observations.deadline(self._transport.now())
-        if due is not None and (self._armed_deadline is None or due < self._armed_deadline):
-            self._armed_deadline = due
-            self._transport.call_at(due, partial(self._on_deadline, due))
+        self._deadline_timer.arm()
 
-    def _on_deadline(self, due: int) -> None:
-        """Check the observations again, unless an earlier deadline replaced this one."""
-        if due != self._armed_deadline:
-            return
-        self._armed_deadline = None
-        self.observations.update_time(self._transport.now())
-        self.recheck()
-        self.schedule_deadline()
+    def _deadline(self) -> int | None:
+        return self.observations.deadline(self._transport.now())
+
+    def _update_time(self, now: int) -> None:
+        self.observations.update_time(now)
 
     def _on_rule_change(self, rule_status: RuleStatus) -> None:
         self._log_rule_change(rule_status)

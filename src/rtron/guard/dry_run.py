@@ -24,7 +24,6 @@ from rtron.guard.runner import (
     GraphPart,
     Part,
     open_control_socket,
-    raise_file_limit,
     run_parts,
 )
 from rtron.guard.settings.applier import SettingsApplier
@@ -32,6 +31,7 @@ from rtron.guard.settings.in_force import SettingsInForce
 from rtron.guard.settings.intrusion_clearing import create_request_handler
 from rtron.guard.settings.saved_settings import settings_at_start
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
+from rtron.guard.system.process_attributes import allow_many_files
 from rtron.vocabulary import Plan, build_streams
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def run_dry(
     what is measured. `link` leads to the security service. SourceError if the plan is for ROS 2,
     which is not installed here, or if `control` cannot be used.
     """
-    raise_file_limit()
+    allow_many_files()
     loop = EventLoop()
     middleware = open_middleware(plan, master, loop, supervisor.session, GUARD)
     transport = middleware.transport

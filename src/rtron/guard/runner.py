@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import logging
-import resource
 import signal
 import sys
 from typing import TYPE_CHECKING, Protocol
@@ -77,12 +76,6 @@ def open_control_socket(
         unreachable = "`rtron override` and `rtron clear` do not reach this guard: %s; %s"
         log.error(unreachable, error, error.help)  # noqa: TRY400 - no fault of RTron's
         return None
-
-
-def raise_file_limit() -> None:
-    """Let this process open as many files as the system allows it."""
-    _, hard_limit = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (hard_limit, hard_limit))
 
 
 def _reduce_latency() -> None:

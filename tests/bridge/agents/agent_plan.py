@@ -1,6 +1,6 @@
 """A plan with an agent, a second one that goes past `rtron mcp`, and a person; their rights."""
 
-from rtron.bridge.rights.loader import token_hash
+from rtron.bridge.rights.tokens import token_hash
 
 AGENT, ROGUE, PERSON = "/bridge/agent", "/bridge/rogue", "/bridge/person"
 SPEED, TURN = 0.22, 1.0

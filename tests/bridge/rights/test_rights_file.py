@@ -17,14 +17,8 @@ from rtron.bridge.rights.document import (
     rights_json_schema,
     same_type,
 )
-from rtron.bridge.rights.loader import (
-    SignIn,
-    new_token,
-    parse_rights,
-    read_rights,
-    rights_entry,
-    token_hash,
-)
+from rtron.bridge.rights.rights_file import parse_rights, read_rights
+from rtron.bridge.rights.tokens import SignIn, new_token, rights_entry, token_hash
 from rtron.errors import InputError, WireError
 from rtron.planning.plan_file.loader import parse_plan
 

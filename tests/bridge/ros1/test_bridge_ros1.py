@@ -18,7 +18,7 @@ from bridge_process import (
 from harness import wait_for
 from memory_bridge import hear, say
 
-from rtron.bridge.rights.loader import token_hash
+from rtron.bridge.rights.tokens import token_hash
 
 pytest.importorskip("roslibpy", reason="roslibpy is of the extra `dev`")
 pytestmark = pytest.mark.ros1

@@ -14,7 +14,7 @@ from harness import wait_for
 from memory_bridge import LIMIT_S, hear, memory_bridge, say
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from rtron.bridge.rights.loader import token_hash
+from rtron.bridge.rights.tokens import token_hash
 from rtron.bridge.server import client_connection
 from rtron.errors import SourceError
 

@@ -3,7 +3,8 @@
 import pytest
 from bridge_parts import PLAN, RIGHTS, SET_BOOL
 
-from rtron.bridge.rights.loader import SignIn, parse_rights, token_hash
+from rtron.bridge.rights.rights_file import parse_rights
+from rtron.bridge.rights.tokens import SignIn, token_hash
 
 
 @pytest.fixture

@@ -12,8 +12,9 @@ from rtron.demos.cases import GR, MSR
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.plots.html_report import CaseFindings, Picture, render_report
 from rtron.demos.plots.style import require_matplotlib
-from rtron.demos.plots.timeline import draw_timeline, draw_velocity, flow_lanes
+from rtron.demos.plots.timeline import draw_timeline, flow_lanes
 from rtron.demos.plots.trajectories import draw_trajectories
+from rtron.demos.plots.velocity import draw_velocity
 from rtron.demos.runtime.processes import CompletedCommand
 from rtron.errors import SourceError
 

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 from harness import lives, wait_for
@@ -54,6 +55,14 @@ def test_what_runs_ends_with_the_block(tmp_path):
         pids = [processes.start(SLEEP, os.environ).popen.pid for _ in range(3)]
         assert all(map(lives, pids))
     assert not any(map(lives, pids))
+
+
+def test_the_watchdog_finds_rtron_from_another_folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", "src")
+    with ProcessGroup(tmp_path) as processes:
+        environ = Path(f"/proc/{processes._watchdog.pid}/environ").read_text().split("\0")
+    (path,) = (each for each in environ if each.startswith("PYTHONPATH="))
+    assert all(map(os.path.isabs, path.partition("=")[2].split(os.pathsep)))
 
 
 def test_who_does_not_listen_is_killed(tmp_path, monkeypatch):
@@ -138,7 +147,7 @@ def test_a_runner_that_ends_leaves_nothing_behind(tmp_path, number, before):
 
 
 def test_an_interrupted_runner_says_that_it_ends():
-    text = "from rtron.demos.runtime.processes import interrupt_on_signals\n"
+    text = "from rtron.demos.runtime.signals import interrupt_on_signals\n"
     text += "import signal\nwith interrupt_on_signals(): signal.raise_signal(signal.SIGTERM)\n"
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, check=False)
     assert done.returncode == -signal.SIGINT
@@ -146,7 +155,7 @@ def test_an_interrupted_runner_says_that_it_ends():
 
 
 def test_whom_nohup_started_outlives_its_terminal():
-    text = "from rtron.demos.runtime.processes import defer_signals, interrupt_on_signals\n"
+    text = "from rtron.demos.runtime.signals import defer_signals, interrupt_on_signals\n"
     text += "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
     text += "with interrupt_on_signals(), defer_signals(): signal.raise_signal(signal.SIGHUP)\n"
     text += "print('on')"

@@ -1,4 +1,4 @@
-from rtron.service.domain.login_throttle import CodeThrottle
+from rtron.service.domain.code_throttle import CodeThrottle
 
 SECOND = 1_000_000_000
 DAY_S = 24 * 3600

@@ -7,7 +7,7 @@ from bridge_process import BridgeProcess, hear_until
 from driven_base import CMD_VEL_GUARD, start_guard
 from harness import wait_for
 
-from rtron.bridge.rights.loader import token_hash
+from rtron.bridge.rights.tokens import token_hash
 from rtron.cli.support.control_request import send_request
 from rtron.guard.core.control_socket import control_path
 from rtron.planning.plan_file.loader import read_plan

@@ -20,7 +20,7 @@ from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.service_connection import ServiceConnection
 from rtron.guard.link.spool import Spool
 from rtron.service.collector.close_codes import CloseCode
-from rtron.service.store.accounts.passwords import secret_digest
+from rtron.service.store.accounts.random_secrets import secret_digest
 from rtron.service.store.tables import TokenRow
 from rtron.wire.common.link_protocol import (
     RenewedToken,

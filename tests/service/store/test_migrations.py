@@ -144,14 +144,17 @@ def test_an_old_postgresql_is_refused(postgresql, monkeypatch):
     assert "use PostgreSQL 99, or newer" in raised.value.help
 
 
-def test_an_unknown_schema_is_refused(database, where):
+@pytest.mark.parametrize(
+    ("revision", "help"), [("9999", "newest RTron"), ("0009", "give another --database")]
+)
+def test_an_unknown_schema_is_refused(database, where, revision, help):
     with database.session() as session:
-        session.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+        session.execute(text(f"UPDATE alembic_version SET version_num = '{revision}'"))
     with pytest.raises(
-        InputError, match=f"9999 is unknown to this RTron, which has {head_revision()}"
+        InputError, match=f"{revision} is unknown to this RTron, which has {head_revision()}"
     ) as raised:
         Database(where)
-    assert "newest RTron" in raised.value.help
+    assert raised.value.help.startswith(("start the " if revision == "9999" else "") + help)
 
 
 def test_tables_of_another_program_are_left_alone(tmp_path):

@@ -22,7 +22,7 @@ from rtron.bridge.protocol.approvals import Approvals
 from rtron.bridge.protocol.client_state import ClientRates
 from rtron.bridge.protocol.session import ClientSession
 from rtron.bridge.rights.document import BridgeRights
-from rtron.bridge.rights.loader import SignIn
+from rtron.bridge.rights.tokens import SignIn
 from rtron.bridge.server.client_connection import ClientConnection
 from rtron.errors import SourceError, WireError
 from rtron.guard.transport.ros1.tcp_server import TcpServer

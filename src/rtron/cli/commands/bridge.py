@@ -117,7 +117,7 @@ def token(
 
     Exit code: 0 made, 2 not a name.
     """
-    from rtron.bridge.rights.loader import new_token, rights_entry
+    from rtron.bridge.rights.tokens import new_token, rights_entry
 
     secret = new_token()
     try:
@@ -215,7 +215,7 @@ def mcp(
 
 def _read(plan: Path, rights: Path) -> "tuple[Plan, BridgeRights]":
     from rtron.bridge.common.plan_topics import check_rights
-    from rtron.bridge.rights.loader import read_rights
+    from rtron.bridge.rights.rights_file import read_rights
     from rtron.planning.plan_file.loader import read_plan
 
     known, granted = read_plan(plan), read_rights(rights)

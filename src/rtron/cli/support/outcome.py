@@ -18,6 +18,7 @@ from rtron.sanitize import sanitize
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from typing import TextIO
 
     from rich.console import Console
     from rich.markdown import Markdown
@@ -114,11 +115,18 @@ def _print(shown: str | Report | Markdown) -> bool:
         sys.stdout.flush()
         return True
     except OSError as error:
-        # Python flushes once more at exit and would complain then.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        discard_output(sys.stdout)
         if isinstance(error, BrokenPipeError):
             return False
         raise _write_error(error, "standard output") from None
+
+
+def discard_output(file: TextIO) -> None:
+    """Let what is written to a file that nobody reads lead nowhere.
+
+    Python flushes standard output and standard error at exit, and would complain then.
+    """
+    os.dup2(os.open(os.devnull, os.O_WRONLY), file.fileno())
 
 
 def _for_terminal(shown: Report | Markdown) -> str:

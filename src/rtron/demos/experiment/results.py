@@ -15,8 +15,9 @@ from rtron.demos.experiment.demonstration import DemoRequest
 from rtron.demos.experiment.study import Study
 from rtron.demos.metrics.case_run import Variant
 from rtron.demos.plots.html_report import CaseFindings, Picture, render_report
-from rtron.demos.plots.timeline import draw_timeline, draw_velocity
+from rtron.demos.plots.timeline import draw_timeline
 from rtron.demos.plots.trajectories import draw_trajectories
+from rtron.demos.plots.velocity import draw_velocity
 from rtron.demos.runtime.instrumentation import plain_copy
 from rtron.demos.world.scenes.generator import make_scene
 from rtron.errors import InputError

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from shapely import LineString, Point
 
-from rtron.bridge.rights.loader import new_token, token_hash
+from rtron.bridge.rights.tokens import new_token, token_hash
 from rtron.demos.runtime.environment import DemoEnvironment
 from rtron.demos.runtime.isolation import APPS, free_port
 from rtron.demos.runtime.polling import wait_for

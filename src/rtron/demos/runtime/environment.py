@@ -32,6 +32,8 @@ from rtron.workflows.live_app import master_answers
 _NAME = "/rtron_demo"
 _ANSWER_TIMEOUT_S = 2.0
 _ATTEMPTS, _BEGIN_TIMEOUT_S = 3, 40.0
+_LONGEST_FOLDER = 107 - len("/rtron-approvals_tb3_demo.sock")
+"""The longest name of a folder for sockets, bytes."""
 
 
 @contextmanager
@@ -152,6 +154,7 @@ def demo_environment(ros: int, folder: Path, *, speed: float = 1.0) -> Iterator[
         new_folder.mkdir(parents=True, exist_ok=True)
     with ExitStack() as stack:
         sockets = Path(stack.enter_context(TemporaryDirectory(prefix="rtron-demo-")))
+        _check_length(sockets)
         processes = stack.enter_context(ProcessGroup(folder / "log"))
         world = sockets / "world"
         environ = shared_environ(folder, sockets) | {"DEMO_WORLD": str(world)}
@@ -168,6 +171,13 @@ def demo_environment(ros: int, folder: Path, *, speed: float = 1.0) -> Iterator[
         )
         environment.arm_attack("none", 0)
         yield environment
+
+
+def _check_length(sockets: Path) -> None:
+    """Raise SourceError if a folder's name leaves no room for those of sockets (unix(7))."""
+    if len(os.fsencode(sockets)) > _LONGEST_FOLDER:
+        help = f"set TMPDIR to another folder, such as /tmp: {sockets.parent} is too long"
+        raise SourceError("no Unix socket can be made below TMPDIR", help=help)
 
 
 def _display_argument(argument: str | Path) -> str:

@@ -57,7 +57,7 @@ def shared_environ(folder: Path, sockets: Path) -> dict[str, str]:
     }
     return inherited | {
         "COLUMNS": str(WIDTH),
-        "PYTHONPATH": _join_paths(LOGIC, os.environ.get("PYTHONPATH", "")),
+        "PYTHONPATH": _join_paths(LOGIC, *_python_path()),
         "PYTHONUNBUFFERED": "1",
         "ROS_HOME": str(folder / "ros"),
         "ROS_LOG_DIR": str(folder / "ros" / "log"),
@@ -89,6 +89,12 @@ def ros2_environ(domain: int) -> dict[str, str]:
         "ROS_DOMAIN_ID": str(domain),
         "ROS_LOCALHOST_ONLY": "1",
     }
+
+
+def _python_path() -> list[Path]:
+    """Return the user's PYTHONPATH for programs that start in another folder."""
+    given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    return [Path(path).absolute() for path in given if path]
 
 
 def _join_paths(*paths: Path | str) -> str:

@@ -10,15 +10,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from signal import SIGINT, SIGKILL, SIGTERM
-from types import FrameType, TracebackType
-from typing import Any
+from types import TracebackType
 from uuid import uuid4
 
+from rtron.demos.runtime.signals import defer_signals, interrupt_on_signals
 from rtron.errors import SourceError
 
 Environ = Mapping[str, str]
@@ -80,6 +80,7 @@ class ProcessGroup:
         self._watchdog = subprocess.Popen(
             [sys.executable, "-m", "rtron.demos.runtime.processes"],
             cwd=self._folder,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
             stdin=subprocess.PIPE,
             text=True,
             start_new_session=True,
@@ -218,67 +219,3 @@ def _has_marker(folder: Path, markers: Collection[bytes]) -> bool:
 
 if __name__ == "__main__":
     _kill_descendants(sys.stdin.read().split())
-
-
-_TERMINATION_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-_STANDARD_ERROR = 2
-_NOTICE = "\nending what was started…\n".encode()
-_Handler = Callable[[int, FrameType | None], Any] | int | None
-
-
-@contextmanager
-def interrupt_on_signals() -> Iterator[None]:
-    """Let each raise KeyboardInterrupt within the block, also where a shell had it ignored.
-
-    It is said on standard error, since the end may take a while.
-
-    Only a SIGHUP that is ignored stays so: that is what nohup is for.
-    """
-    with _install_handler(_interrupt):
-        yield
-
-
-@contextmanager
-def defer_signals() -> Iterator[None]:
-    """Let none interrupt the block; one that comes counts when the block is over."""
-    pending: list[int] = []
-    try:
-        with _install_handler(lambda number, _: pending.append(number)):
-            yield
-    finally:
-        for number in pending[:1]:
-            signal.raise_signal(number)
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    with suppress(OSError):  # a terminal that is closed
-        os.write(_STANDARD_ERROR, _NOTICE)  # Python's own stream may be in the midst of a line
-    signal.default_int_handler(number, frame)
-
-
-@contextmanager
-def _install_handler(handler: _Handler) -> Iterator[None]:
-    with _block_signals():
-        before = {number: signal.signal(number, handler) for number in _handled_signals()}
-    try:
-        yield
-    finally:
-        with _block_signals():
-            for number, old in before.items():
-                signal.signal(number, old)
-
-
-def _handled_signals() -> Iterator[signal.Signals]:
-    for number in _TERMINATION_SIGNALS:
-        if number is not signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:
-            yield number
-
-
-@contextmanager
-def _block_signals() -> Iterator[None]:
-    """Let them wait until the block is over, so that no handler is left half way."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _TERMINATION_SIGNALS)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

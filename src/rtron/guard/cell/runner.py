@@ -34,8 +34,8 @@ from rtron.guard.cell.isolation import (
     take_user,
 )
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.runner import raise_file_limit
 from rtron.guard.supervision.programs import command
+from rtron.guard.system.process_attributes import allow_many_files
 from rtron.guard.system.unix_socket import open_own_folder, runtime_folder
 from rtron.vocabulary import CarriedService, CarriedTopic, CellManifest, Plan, may_pass
 
@@ -137,7 +137,7 @@ def run_cell(request: CellRequest) -> int:
     _check_carried(request)
     if os.getuid() == 0:
         _tell_changeable(request)
-    raise_file_limit()
+    allow_many_files()
     outside = describe_outside()
     config = _cell_config(request, outside)
     loop = EventLoop()

@@ -20,6 +20,8 @@ log = logging.getLogger(__name__)
 
 _MOST_BYTES = 1 << 18
 _RETRY_S = 1.0
+_END_S, _PAUSE_S = 1.0, 0.01
+"""How long the end of a process waits for the disk."""
 _HELP = "set XDG_STATE_HOME to a folder of your own (mode 700)"
 
 
@@ -63,6 +65,17 @@ class StateFile:
         if self._worker is None:
             self._worker = BackgroundWorker(self._save, "state-file")
         self._worker.request()
+
+    def open(self) -> None:
+        """Do nothing: what is saved is written at once."""
+
+    def close(self) -> None:
+        """Wait until all is written, a second at most; say so if it is not."""
+        until = time.monotonic() + _END_S
+        while not self.is_saved and time.monotonic() < until:
+            time.sleep(_PAUSE_S)
+        if not self.is_saved:
+            log.error("%s: the disk is slow", self._loss)
 
     def _save(self) -> None:
         """Write the state, in the thread; try again later if that fails."""

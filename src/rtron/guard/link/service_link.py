@@ -9,6 +9,7 @@ from uuid import uuid4
 from rtron import __version__
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.timers import DelayedCall
 from rtron.guard.lanes.exchange.lane_state import LaneState, lane_state, stream_figures
 from rtron.guard.link.event_recorder import EventCounter, EventRecorder, RecordEvent
 from rtron.guard.link.host_events import HostEvents
@@ -64,9 +65,8 @@ class ServiceLink:
         self.record: RecordEvent = self._recorder.record
         self._recorder.revision = settings.revision
         self._host_events = HostEvents(host, self._recorder.record)
+        self._schedule_state = DelayedCall(loop, _STATE_PERIOD, self._send_state).schedule
         self._host_events.on_change = self._schedule_state
-        self._state_sent_at = 0
-        self._is_state_due = False
 
     def open(self) -> None:
         """Tell what happens from now on; the host is open."""
@@ -159,16 +159,7 @@ class ServiceLink:
             self._recorder.record(EventKind.COUNTS, values=values)
         self._send_state()
 
-    def _schedule_state(self) -> None:
-        """Tell the state soon; what flickers is told a few times a second."""
-        if not self._is_state_due:
-            self._is_state_due = True
-            due = max(self._loop.now(), self._state_sent_at + _STATE_PERIOD)
-            self._loop.call_at(due, self._send_state)
-
     def _send_state(self) -> None:
-        self._is_state_due = False
-        self._state_sent_at = self._loop.now()
         self._client.send(self._state())
 
     def _state(self) -> StateReport:

@@ -21,7 +21,6 @@ from rtron.guard.supervision.guard_name import (
 )
 from rtron.guard.supervision.guard_process import GuardProcess, spawn_guard
 from rtron.guard.supervision.helper_process import make_helpers, stop_helpers
-from rtron.guard.supervision.intrusion_file import intrusion_file
 from rtron.guard.supervision.plan_trial import PlanTrial, make_plan_slot
 from rtron.guard.supervision.programs import JOB_CONTROL_SIGNALS, TERMINATION_SIGNALS
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
@@ -43,8 +42,6 @@ from rtron.wire.common.systemd import take_notifier
 log = logging.getLogger(__name__)
 
 _SPARE_AFTER = SECOND
-_SAVE_S = 1.0
-"""How long an end waits for the disk."""
 _SPARE_RETRY = 5 * SECOND
 _FOR_PLAN = "made place for another plan"
 _FAILURES = {
@@ -77,9 +74,6 @@ class Supervisor:
         self._log_throttle = LogThrottle()
         self._systemd = take_notifier(os.environ)
         self._memory = memory = GuardMemory.create(self._stream_count)
-        self._intrusions = intrusion_file(config)
-        if self._intrusions:
-            memory.handover_state.write(self._intrusions.handover_document())
         self._brakes = StreamBrakes(streams, self._transport, memory)
         self._watchdog = Watchdog(loop.now())
         self._delay = SchedulingDelay(loop.now())
@@ -111,8 +105,6 @@ class Supervisor:
         if self._spare:
             self._spare.discard()
         stop_helpers(self._helpers)
-        if self._intrusions:
-            self._intrusions.finish(_SAVE_S)
         self._transport.close()
         self._loop.close()
         return self._code or self._fsm.code
@@ -156,8 +148,6 @@ class Supervisor:
         self._systemd.report(now, f"guard {self._fsm.phase.name.lower()}", is_well=is_well)
         if self._memory[StatusWord.SERVING] and not self._is_leaving:
             self._tick_helpers(now)
-        if self._intrusions:
-            self._intrusions.follow(self._memory.handover_state)
 
     def _tick_helpers(self, now: int) -> None:
         for helper in self._helpers:

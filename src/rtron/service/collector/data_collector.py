@@ -23,7 +23,6 @@ from rtron.service.domain.plan_json import plan_digest, plan_json
 from rtron.service.domain.schemas import EventView
 from rtron.service.live.hub import Hub
 from rtron.service.live.listener import LiveMessage
-from rtron.service.store.acknowledgements import end_acknowledgements
 from rtron.service.store.database import Database
 from rtron.service.store.events import (
     EventBatch,
@@ -38,6 +37,7 @@ from rtron.service.store.notices import EventsNotice, post_notice
 from rtron.service.store.retention import RetentionLimits
 from rtron.service.store.robots import find_robot, register_robot
 from rtron.service.store.settings import load_settings, newest_settings
+from rtron.service.store.shifts import end_acknowledgements
 from rtron.vocabulary import EventKind, GuardEventLevel, Settings
 from rtron.wire.common.incident_report import IncidentReport
 from rtron.wire.common.link_protocol import Applied, Hello

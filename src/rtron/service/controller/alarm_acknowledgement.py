@@ -11,10 +11,10 @@ from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.schemas import RobotSummary
 from rtron.service.domain.shifts import AlarmReference, Situation
 from rtron.service.live.live_robots import LiveRobots
-from rtron.service.store.acknowledgements import acknowledge, acknowledgements_in_force
 from rtron.service.store.notices import AcknowledgedNotice, post_notice
 from rtron.service.store.robots import RobotFilter, find_robot
 from rtron.service.store.settings import ChangeAuthor
+from rtron.service.store.shifts import acknowledge, acknowledgements_in_force
 
 
 def present_alarms(

@@ -10,7 +10,6 @@ from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.revisions import StaleRevisionError
 from rtron.service.domain.schemas import RobotSummary, SettingsOutcome
 from rtron.service.live.live_robots import LiveRobot, LiveRobots
-from rtron.service.store.acknowledgements import acknowledgements_in_force
 from rtron.service.store.fleet.labels import labels_by_robot, labels_of
 from rtron.service.store.robots import RobotFilter, find_robot, list_robots, load_plan
 from rtron.service.store.settings import (
@@ -20,6 +19,7 @@ from rtron.service.store.settings import (
     newest_settings_by_app,
     settings_view,
 )
+from rtron.service.store.shifts import acknowledgements_in_force
 from rtron.service.store.tables import AppRow, RobotRow, SettingsRow
 from rtron.vocabulary import SECOND, Plan, Settings
 

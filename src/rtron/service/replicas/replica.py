@@ -16,10 +16,11 @@ from rtron.service.controller.risk_controller import RiskController
 from rtron.service.domain.alarms import HANDOVER_MESSAGE, acknowledged_change
 from rtron.service.domain.rollouts.observations import rollout_message
 from rtron.service.live.hub import Hub, change_message
-from rtron.service.replicas.live_publisher import LiveFollower, LivePublisher
-from rtron.service.replicas.notice_listener import CommandRelay, NoticeListener
+from rtron.service.replicas.command_relay import CommandRelay
+from rtron.service.replicas.live_follower import LiveFollower
+from rtron.service.replicas.live_publisher import LivePublisher
+from rtron.service.replicas.notice_listener import NoticeListener
 from rtron.service.replicas.shared_throttles import SharedThrottles
-from rtron.service.store.acknowledgements import find_acknowledgements
 from rtron.service.store.database import Database
 from rtron.service.store.event_pages import find_events
 from rtron.service.store.incidents import INCIDENT_MESSAGE
@@ -41,6 +42,7 @@ from rtron.service.store.notices import (
     post_notices,
 )
 from rtron.service.store.settings import find_views
+from rtron.service.store.shifts import find_acknowledgements
 
 log = logging.getLogger(__name__)
 

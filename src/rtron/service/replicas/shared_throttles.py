@@ -8,7 +8,8 @@ from typing import Literal
 from sqlalchemy.exc import SQLAlchemyError
 
 from rtron.service.domain.clock import Clock
-from rtron.service.domain.login_throttle import CodeThrottle, LoginThrottle
+from rtron.service.domain.code_throttle import CodeThrottle
+from rtron.service.domain.login_throttle import LoginThrottle
 from rtron.service.store.database import Database
 from rtron.service.store.notices import CodeNotice, LoginNotice, Notice, post_notice
 

@@ -15,13 +15,8 @@ from rtron.service.api.auth.login_attempts import LoginQueue
 from rtron.service.api.context import ServiceContext
 from rtron.service.api.error_responses import ERROR_RESPONSES, install_error_handlers
 from rtron.service.api.middleware.request_body import RequestBodyLimit
-from rtron.service.api.middleware.request_checks import (
-    HostCheck,
-    InternalErrorHandler,
-    NulCheck,
-    OriginCheck,
-    SecurityHeaders,
-)
+from rtron.service.api.middleware.request_checks import HostCheck, NulCheck, OriginCheck
+from rtron.service.api.middleware.response_middleware import InternalErrorHandler, SecurityHeaders
 from rtron.service.api.routes import (
     approvals,
     audit,
@@ -56,7 +51,8 @@ from rtron.service.controller.command_dispatcher import (
 )
 from rtron.service.controller.risk_controller import RiskController
 from rtron.service.domain.clock import Clock, SteadyClock, monotonic_clock, wall_clock
-from rtron.service.domain.login_throttle import CodeThrottle, LoginThrottle
+from rtron.service.domain.code_throttle import CodeThrottle
+from rtron.service.domain.login_throttle import LoginThrottle
 from rtron.service.live.hub import Hub
 from rtron.service.live.live_robots import LocalLiveRobots, SharedLiveRobots
 from rtron.service.replicas.replica import Replica

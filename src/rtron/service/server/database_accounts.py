@@ -10,7 +10,8 @@ from rtron.service.api.schemas import NewToken, NewUser
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.clock import wall_clock
 from rtron.service.store.accounts.logins import end_sessions
-from rtron.service.store.accounts.passwords import hash_password, new_password
+from rtron.service.store.accounts.passwords import hash_password
+from rtron.service.store.accounts.random_secrets import new_password
 from rtron.service.store.accounts.second_factors import (
     begin_enrolment,
     confirm_enrolment,

@@ -15,7 +15,8 @@ from rtron.errors import InputError
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.errors import ConflictError
 from rtron.service.domain.principal import UserRole
-from rtron.service.store.accounts.passwords import hash_password, new_password
+from rtron.service.store.accounts.passwords import hash_password
+from rtron.service.store.accounts.random_secrets import new_password
 from rtron.service.store.accounts.users import add_user, all_users
 from rtron.service.store.audit import record_event
 from rtron.service.store.database import Database, sqlite_file

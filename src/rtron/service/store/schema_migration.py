@@ -91,8 +91,11 @@ def _known_revision(connection: Connection, name: str) -> str | None:
     from alembic.runtime.migration import MigrationContext  # noqa: PLC0415 - likewise
 
     revision = MigrationContext.configure(connection).get_current_revision()
-    if revision and revision not in {script.revision for script in _scripts().walk_revisions()}:
+    known = {script.revision for script in _scripts().walk_revisions()}
+    if revision and revision not in known:
         help = "start the newest RTron that has used it, or give another --database"
+        if revision < min(known):
+            help = "give another --database: from schemas before the first release there is no way"
         message = f"its schema {revision} is unknown to this RTron, which has {head_revision()}"
         raise InputError(message, path=name, help=help)
     foreign_tables = Table.metadata.tables.keys() & set(inspect(connection).get_table_names())

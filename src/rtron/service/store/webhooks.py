@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from rtron.service.domain.errors import ConflictError, NotFoundError
 from rtron.service.domain.schemas import WebhookLevel
-from rtron.service.store.accounts.passwords import new_secret
+from rtron.service.store.accounts.random_secrets import new_secret
 from rtron.service.store.tables import WebhookRow
 
 _MAX_WEBHOOKS = 20

@@ -11,7 +11,7 @@ from rtron.service.domain.principal import AccessScope, UserRole
 from rtron.service.server.database_setup import add_first_admin
 from rtron.service.store.accounts import passwords
 from rtron.service.store.accounts.logins import SessionLifetime, begin_session, find_session
-from rtron.service.store.accounts.passwords import secret_digest
+from rtron.service.store.accounts.random_secrets import secret_digest
 from rtron.service.store.accounts.tokens import TokenSpec, create_token, find_token, revoke_token
 from rtron.service.store.accounts.users import add_user, all_users, get_user, remove_user, set_roles
 from rtron.service.store.audit import record_event

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import Observations
+from rtron.guard.core.timers import DelayedCall
 from rtron.guard.lanes.exchange.board import REFRESH_PERIOD, Board, EventRecord, RateRecord
 from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.policies.mission.event_bits import EventBit, EventState
@@ -30,8 +31,7 @@ class BoardWriter:
         self.on_event_change: Callable[[], None] = lambda: None
         """Called when the records of events have changed."""
         self._states: list[EventState] = []
-        self._noticed_at = 0
-        self._is_notice_due = False
+        self._notice = DelayedCall(loop, NOTICE_PERIOD, lambda: self.on_event_change())  # noqa: PLW0108 - set later
 
     def open(self) -> None:
         """Write each number now, and again before it is stale."""
@@ -50,17 +50,7 @@ class BoardWriter:
         self._beat.at = now
         if states != self._states:
             self._states = states
-            self._schedule_notice(now)
-
-    def _schedule_notice(self, now: int) -> None:
-        """Tell the change now or soon: an event that comes often costs the other side little."""
-        if not self._is_notice_due:
-            self._is_notice_due = True
-            self._loop.call_at(max(now, self._noticed_at + NOTICE_PERIOD), self._notify)
-
-    def _notify(self) -> None:
-        self._is_notice_due, self._noticed_at = False, self._loop.now()
-        self.on_event_change()
+            self._notice.schedule()  # an event that comes often costs the other side little
 
     def close(self) -> None:
         """Write no more."""

@@ -23,10 +23,10 @@ from rtron.guard.lanes.bulk.command_nodes import CommandNodes
 from rtron.guard.lanes.bulk.remote_response import RemoteResponse
 from rtron.guard.lanes.bulk.stand_still import StandStillEnd
 from rtron.guard.middleware import Middleware, open_middleware
-from rtron.guard.runner import GraphPart, Part, raise_file_limit, run_parts
+from rtron.guard.runner import GraphPart, Part, run_parts
 from rtron.guard.settings.applier import SettingsApplier
 from rtron.guard.settings.in_force import SettingsInForce
-from rtron.guard.system.process_attributes import lower_priority
+from rtron.guard.system.process_attributes import allow_many_files, lower_priority
 from rtron.guard.system.state_folder import INCIDENTS, state_folder
 from rtron.vocabulary import BULK_NODE, Mode, OnForeign, Plan, build_streams
 
@@ -65,7 +65,7 @@ def run_bulk_process(
     `configuration` is the digest of the guard's; the supervisor ends one that has no `beat`.
     """
     lower_priority(_NICE)
-    raise_file_limit()
+    allow_many_files()
     loop = EventLoop()
     middleware = open_middleware(plan, master, loop)
     transport = middleware.transport

@@ -17,6 +17,7 @@ from rtron.guard.core.control_socket import control_path
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
 from rtron.guard.incidents.stream_notes import IncidentNotes
+from rtron.guard.intrusion_latch import intrusion_file
 from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.command.audit_watchdog import AuditWatchdog
 from rtron.guard.lanes.command.board_observations import BoardObservations
@@ -30,13 +31,13 @@ from rtron.guard.runner import (
     GraphPart,
     Part,
     open_control_socket,
-    raise_file_limit,
     run_parts,
 )
 from rtron.guard.settings.intrusion_clearing import create_request_handler
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
 from rtron.guard.supervision.output_watch import OutputWatch
-from rtron.vocabulary import Mode, Plan, build_streams
+from rtron.guard.system.process_attributes import allow_many_files
+from rtron.vocabulary import Mode, OnForeign, Plan, build_streams
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -63,7 +64,7 @@ def run_command_process(
     settings of the security service at `link` are put in force first. SourceError if the plan is
     for ROS 2, which is not installed here, or if `control` cannot be used.
     """
-    raise_file_limit()
+    allow_many_files()
     loop = EventLoop()
     middleware = open_middleware(plan, master, loop, supervisor.session, GUARD)
     transport = middleware.transport
@@ -76,6 +77,7 @@ def run_command_process(
     connection = BulkConnection(
         loop, supervisor.bulk_port, supervisor.configuration, board, coordinator
     )
+    authority, handler, leases = _create_authority(plan, coordinator, transport, handover, master)
     response = _alarm_response(plan, coordinator, transport, connection)
     RemoteAudit(connection, response, loop)
     topics = len(streams) + len(build_streams(bulk_part(plan)))
@@ -88,9 +90,8 @@ def run_command_process(
         NodeReports(connection, middleware, loop, supervisor),
         middleware.create_listener(response),
         AuditWatchdog(connection, coordinator, loop, plan, handover),
+        *authority,
     ]
-    authority, handler, leases = _create_authority(plan, coordinator, transport, handover, master)
-    parts += authority
     if link:
         from rtron.guard.lanes.command.service_reports import service_parts  # noqa: PLC0415 - most have none
 
@@ -112,13 +113,26 @@ def _create_authority(
     handover: HandoverState,
     master: str,
 ) -> tuple[list[Part], RequestHandler, LeaseController]:
-    """Return what listens to commanders and stop buttons, and what persons may ask for."""
-    stops = LatchedStops(coordinator, transport, plan)
-    stops.keep(handover, stop_file(plan, master))
+    """Return what listens to commanders and stop buttons, with the files of what they stop.
+
+    And what persons may ask for.
+    """
+    stops, file = LatchedStops(coordinator, transport, plan), stop_file(plan, master)
+    stops.keep(handover, file)
     leases = LeaseController(coordinator, transport)
     buttons = StopButtons(plan.stop_sources.buttons, stops, transport)
     handler = create_request_handler(coordinator, transport, leases, stops)
-    return [LeaseTopics(leases, transport), buttons], handler, leases
+    files = [file, *_keep_intrusions(coordinator, plan, master)]
+    return [LeaseTopics(leases, transport), buttons, *files], handler, leases
+
+
+def _keep_intrusions(coordinator: Coordinator, plan: Plan, master: str) -> list[Part]:
+    """Let intrusions outlive the supervisor, where they stop anything; return their file."""
+    if plan.audit.on_foreign is not OnForeign.STOP:
+        return []
+    file = intrusion_file(plan, master)
+    coordinator.intrusions.keep(file, {each.topic for each in build_streams(plan)})
+    return [file]
 
 
 def _set_handlers(

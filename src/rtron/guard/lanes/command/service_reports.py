@@ -8,6 +8,7 @@ from rtron.guard.authority.lease_controller import LeaseController
 from rtron.guard.authority.service_leases import ServiceLeases
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
+from rtron.guard.core.timers import DelayedCall
 from rtron.guard.lanes.assignment import command_part
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
 from rtron.guard.lanes.exchange.lane_state import lane_state, stream_figures
@@ -66,9 +67,8 @@ class ServiceReports:
         self._settings = settings
         self._unsent: deque[tuple[int, EventKind, GuardEventLevel, dict[str, Any]]] = deque()
         self._events = HostEvents(host, self.record)
-        self._events.on_change = self._schedule_state
-        self._state_sent_at = 0
-        self._is_state_due = self._is_sending_due = False
+        self._events.on_change = DelayedCall(loop, _STATE_PERIOD, self._send_state).schedule
+        self._is_sending_due = False
         self._lost_count = 0
         connection.connect_listeners.append(self._on_connect)
 
@@ -84,7 +84,7 @@ class ServiceReports:
         """Put settings in force, and answer."""
         error = self._settings.apply(settings)
         self._connection.call("settings_answer", settings.revision, error)
-        self._schedule_state()
+        self._events.on_change()
 
     def record(
         self,
@@ -134,16 +134,8 @@ class ServiceReports:
         self._is_sending_due = False
         self._send_events()
 
-    def _schedule_state(self) -> None:
-        """Tell the state soon; what flickers is told a few times a second."""
-        if not self._is_state_due:
-            self._is_state_due = True
-            due = max(self._loop.now(), self._state_sent_at + _STATE_PERIOD)
-            self._loop.call_at(due, self._send_state)
-
     def _send_state(self) -> None:
-        self._is_state_due = False
-        self._state_sent_at = now = self._loop.now()
+        now = self._loop.now()
         monitors = self._events.stream_monitors.values()
         stopped = self._settings.is_stopped
         state = lane_state(self._host, monitors, now, stopped=stopped)

@@ -29,7 +29,7 @@ from rtron.service.store.accounts.logins import (
     is_anybodys_browser,
     remember_browser,
 )
-from rtron.service.store.accounts.passwords import secret_digest
+from rtron.service.store.accounts.random_secrets import secret_digest
 from rtron.service.store.accounts.second_factors import has_second_factor
 from rtron.service.store.accounts.tokens import find_token, promote_secret, record_replaced_secret
 from rtron.service.store.accounts.users import roles_of

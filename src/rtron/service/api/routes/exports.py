@@ -17,10 +17,10 @@ from rtron.service.controller.robot_snapshot import list_robot_summaries, load_c
 from rtron.service.domain.alarms import Acknowledgement
 from rtron.service.domain.schemas import EventView, Name, RequestModel, RobotSummary, SettingsView
 from rtron.service.domain.shifts import Handover
-from rtron.service.store.acknowledgements import list_acknowledgements, list_handovers
 from rtron.service.store.event_pages import EventFilter, event_page
 from rtron.service.store.robots import RobotFilter
 from rtron.service.store.settings import list_settings, settings_view
+from rtron.service.store.shifts import list_acknowledgements, list_handovers
 from rtron.vocabulary import StringEnum
 
 

@@ -32,7 +32,8 @@ from rtron.service.domain.oidc import (
 from rtron.service.domain.principal import SessionStage
 from rtron.service.domain.schemas import Name
 from rtron.service.store.accounts.last_use import WarningThrottle
-from rtron.service.store.accounts.passwords import hash_password, new_password
+from rtron.service.store.accounts.passwords import hash_password
+from rtron.service.store.accounts.random_secrets import new_password
 from rtron.service.store.accounts.users import sign_in, withdraw_roles
 from rtron.service.store.audit import record_event
 from rtron.vocabulary import SECOND

@@ -19,8 +19,8 @@ from rtron.service.api.schemas import (
     SecondFactorView,
 )
 from rtron.service.domain.client_address import network_prefix
+from rtron.service.domain.code_throttle import CodeThrottle
 from rtron.service.domain.errors import ForbiddenError, TooManyRequestsError
-from rtron.service.domain.login_throttle import CodeThrottle
 from rtron.service.domain.one_time_codes import otpauth_uri
 from rtron.service.domain.principal import EnrolmentProof, SessionStage
 from rtron.service.store.accounts.logins import began_within, end_sessions

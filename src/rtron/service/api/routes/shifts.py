@@ -24,9 +24,9 @@ from rtron.service.domain.shifts import (
     HandoverPage,
     NewHandover,
 )
-from rtron.service.store.acknowledgements import add_handover, list_acknowledgements, list_handovers
 from rtron.service.store.fleet.labels import labels_of
 from rtron.service.store.settings import ChangeAuthor
+from rtron.service.store.shifts import add_handover, list_acknowledgements, list_handovers
 
 router = APIRouter()
 

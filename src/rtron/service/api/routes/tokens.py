@@ -20,7 +20,7 @@ from rtron.service.domain.account_changes import CreateToken
 from rtron.service.domain.errors import NotFoundError
 from rtron.service.domain.principal import AccessScope
 from rtron.service.domain.schemas import Name
-from rtron.service.store.accounts.passwords import new_secret, secret_digest
+from rtron.service.store.accounts.random_secrets import new_secret, secret_digest
 from rtron.service.store.accounts.tokens import (
     TOKEN_PREFIX,
     TokenSpec,

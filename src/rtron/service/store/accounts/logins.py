@@ -10,7 +10,7 @@ from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from rtron.service.domain.principal import SessionStage
-from rtron.service.store.accounts.passwords import new_secret, secret_digest
+from rtron.service.store.accounts.random_secrets import new_secret, secret_digest
 from rtron.service.store.tables import KnownBrowserRow, SessionRow, UserRow
 from rtron.vocabulary import SECOND
 

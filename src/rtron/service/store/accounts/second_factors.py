@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from rtron.service.domain.errors import ConflictError, ForbiddenError, NotFoundError
 from rtron.service.domain.one_time_codes import DIGITS, matching_step, new_key
-from rtron.service.store.accounts.passwords import READABLE_CHARACTERS, secret_digest
+from rtron.service.store.accounts.random_secrets import READABLE_CHARACTERS, secret_digest
 from rtron.service.store.tables import RecoveryCodeRow, SecondFactorRow, UserRow
 
 _KEY_BYTES = 20

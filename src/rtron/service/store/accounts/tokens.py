@@ -17,7 +17,7 @@ from rtron.service.domain.clock import Clock
 from rtron.service.domain.errors import ConflictError, NotFoundError
 from rtron.service.domain.principal import AccessScope, check_group_limit
 from rtron.service.store.accounts.last_use import record_use, record_uses, try_update
-from rtron.service.store.accounts.passwords import new_secret, secret_digest
+from rtron.service.store.accounts.random_secrets import new_secret, secret_digest
 from rtron.service.store.audit import record_event, record_repeatable
 from rtron.service.store.database import Database
 from rtron.service.store.notices import TokensNotice, post_notice

@@ -9,7 +9,7 @@ from rtron.service.domain.errors import ConflictError, NotFoundError
 from rtron.service.domain.oidc import ProviderUser, SignInError, SignInProblem
 from rtron.service.domain.principal import UserRole, check_group_limit
 from rtron.service.store.accounts.logins import end_sessions, forget_browsers
-from rtron.service.store.accounts.passwords import secret_digest
+from rtron.service.store.accounts.random_secrets import secret_digest
 from rtron.service.store.accounts.second_factors import remove_second_factor
 from rtron.service.store.tables import UserRow
 

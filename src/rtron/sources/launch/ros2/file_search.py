@@ -1,7 +1,6 @@
-"""The launch files of ROS 2 below folders, and the arguments that each declares by itself."""
+"""The launch files of ROS 2 below folders, with the arguments that each declares."""
 
 import ast
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
 from pathlib import Path
@@ -19,14 +18,7 @@ from rtron.sources.launch.common.launch_file import (
 )
 from rtron.sources.launch.common.packages import package_name
 from rtron.sources.launch.ros2.limits import MAX_NAMES
-from rtron.sources.launch.ros2.substitutions.template import (
-    SubstitutionCall,
-    display_text,
-    has_placeholder,
-)
-from rtron.sources.launch.ros2.xml_yaml.element import Element
 from rtron.sources.launch.ros2.xml_yaml.parser import parse_elements
-from rtron.sources.models.packages import known_packages
 from rtron.sources.static.common.worker import deep_recursion
 
 _DECLARE_ACTIONS = ("DeclareLaunchArgument", "DeclareBooleanLaunchArgument")
@@ -124,51 +116,3 @@ def _package(folder: Path, tops: Iterable[Path], known: dict[Path, str]) -> str:
         is_package = not outer and (folder / "package.xml").is_file()
         known[folder] = package_name(folder) if is_package else outer
     return known[folder]
-
-
-_IN_PACKAGE = re.compile(r"\{find-pkg-share (\w+)\}/+launch/+(\w+[._]launch)(?:\.(?:py|xml|yaml))?")
-
-
-def bundled_launch_file(path_text: str) -> str:
-    """Return the file that stands for one of a package that is not here; another as it is."""
-    match = _IN_PACKAGE.fullmatch(display_text(path_text)) if has_placeholder(path_text) else None
-    folder = _bundled_folder(match[1]) if match else None
-    found = (folder / f"{match[2]}.{form}" for form in ("xml", "py")) if match and folder else ()
-    return next((str(path) for path in found if path.is_file()), path_text)
-
-
-def has_bundled_launch_files(package: str) -> bool:
-    """Tell whether something stands for a package's launch files."""
-    folder = _bundled_folder(package)
-    return folder is not None and any(folder.glob("*launch.[xp]*"))
-
-
-def _bundled_folder(package: str) -> Path | None:
-    folder = known_packages().get(package)
-    return folder / "launch" if folder else None
-
-
-_CONTAINER = {
-    "container_name": "ros_gz_container",
-    "create_own_container": "False",
-    "use_composition": "False",
-}
-_DEFAULTS: Mapping[str, Mapping[str, str]] = {
-    "gz_server": {"world_sdf_file": "", **_CONTAINER},
-    "gz_spawn_model": dict.fromkeys(("file", "model_string", "topic", "entity_name"), ""),
-    "ros_gz_bridge": {"namespace": "", **_CONTAINER},
-}
-GAZEBO_ACTIONS = frozenset(_DEFAULTS)
-
-
-def as_include(action: Element) -> Element:
-    """Return what one of them does, as an inclusion."""
-    package = "ros_gz_bridge" if action.tag == "ros_gz_bridge" else "ros_gz_sim"
-    arguments_by_name = {**_DEFAULTS[action.tag], **action.attributes}
-    arguments = tuple(
-        Element("arg", {"name": name, "value": value})
-        for name, value in arguments_by_name.items()
-        if name not in ("if", "unless")
-    )
-    file = (SubstitutionCall("find-pkg-share", ((package,),)), f"/launch/{action.tag}.launch.py")
-    return Element("include", {"file": file}, arguments).with_location(action.line, action.file)

@@ -14,6 +14,11 @@ from pathlib import Path
 
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import MissingArgumentError
+from rtron.sources.launch.ros2.bundled_launches import (
+    GAZEBO_ACTIONS,
+    as_include,
+    bundled_launch_file,
+)
 from rtron.sources.launch.ros2.choices import (
     LaunchChoices,
     evaluate_condition,
@@ -28,7 +33,6 @@ from rtron.sources.launch.ros2.context_actions import (
 from rtron.sources.launch.ros2.context_view import ContextView
 from rtron.sources.launch.ros2.element_site import ElementSite, FileInclusion
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
-from rtron.sources.launch.ros2.file_search import GAZEBO_ACTIONS, as_include, bundled_launch_file
 from rtron.sources.launch.ros2.launch_context import LaunchContext
 from rtron.sources.launch.ros2.limits import MAX_INCLUDE_DEPTH
 from rtron.sources.launch.ros2.node_collector import LaunchCollector, LaunchNodeCollector

@@ -7,7 +7,7 @@ from pathlib import Path
 from rtron.folders import path_exists
 from rtron.sources.launch.common.commands import CatCommand
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.launch.ros2.file_search import has_bundled_launch_files
+from rtron.sources.launch.ros2.bundled_launches import has_bundled_launch_files
 from rtron.sources.launch.ros2.substitutions.command_output import CommandOutput
 from rtron.sources.launch.ros2.substitutions.functions import Function, require_arguments
 from rtron.sources.launch.ros2.substitutions.template import (

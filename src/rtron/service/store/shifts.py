@@ -1,4 +1,4 @@
-"""Alarms that somebody has seen; what the guard tells of one later ends that."""
+"""What people of one shift note for the others: which alarms they have seen, and handovers."""
 
 from collections.abc import Collection, Mapping, Sequence
 
