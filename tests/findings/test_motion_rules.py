@@ -50,7 +50,11 @@ def wiring_of(kind, value, node="/base"):
 
 def relaying(relay, *facts):
     """Return the graph of a relay before a base, with what its source says of last messages."""
-    graph = small_graph(relay + BASE, unread=("/firmware",), wiring=facts)
+    type = next((line.split()[2] for line in relay.split("\n") if "sub /channels" in line), TWIST)
+    link = f"/link link own\n    pub /channels {type}\n"
+    flow = wiring_of("message_flow", "", "/radio")
+    flow = replace(flow, evidence=flow.evidence * 2)
+    graph = small_graph(link + relay + BASE, unread=("/firmware",), wiring=(*facts, flow))
     places = {fact.subject: fact.evidence for fact in facts}
     ends = tuple(replace(e, evidence=places.get(e.node, ())) for e in graph.endpoints)
     return replace(graph, endpoints=ends)
@@ -253,12 +257,12 @@ class TestCommandTimeout:
         graph = replace(graph, endpoints=ends, wiring=(device, kept))
         finding = the_finding("command_timeout", graph)
         assert finding.cause == (
-            "its source opens hardware (CAN), and nothing in it looks at how old a command is"
+            "nothing in the source of /base looks at the age of commands on /cmd_vel"
         )
         assert (finding.severity, finding.level) == (Severity.HIGH, FindingLevel.REGULAR)
-        assert (finding.topics, finding.evidence) == (("/cmd_vel",), device.evidence[:1])
-        for other in (aged, wiring_of("last_message", "stopped")):
-            assert not found("command_timeout", replace(graph, wiring=(device, kept, other)))
+        assert (finding.topics, finding.evidence) == (("/cmd_vel",), device.evidence)
+        for facts in ((device, kept, aged), (device, wiring_of("last_message", "stopped"))):
+            assert not found("command_timeout", replace(graph, wiring=facts))
         assert not found("command_timeout", replace(graph, wiring=(device,)))
 
     @pytest.mark.parametrize(
@@ -266,12 +270,12 @@ class TestCommandTimeout:
         [
             (RADIO, "repeated", True),
             (RADIO + "    sub /stop std_msgs/msg/Bool\n", "repeated", True),
-            (RADIO + "    sub /odom nav_msgs/msg/Odometry\n", "repeated", False),
+            (RADIO + "    sub /odom nav_msgs/msg/Odometry\n", "repeated", True),
             (RADIO.replace("/channels x/msg/Channels", f"/nav_vel {TWIST}"), "repeated", True),
             (RADIO, "unnoticed", False),
             (RADIO, "checked", False),
             (RADIO.replace("x/msg/Channels", "geometry_msgs/msg/Pose"), "repeated", False),
-            (RADIO.replace("/cmd_vel", "/other_vel"), "repeated", False),
+            (RADIO.replace("/cmd_vel", "/other_vel"), "repeated", True),
             (RADIO.replace("/cmd_vel", "/arduino/pwm") + FIRMWARE, "repeated", True),
             (RADIO.replace("/cmd_vel", "/wheel_speeds") + FIRMWARE, "repeated", False),
         ],
@@ -287,9 +291,9 @@ class TestCommandTimeout:
     def test_what_is_told_of_who_repeats_it(self):
         kept = wiring_of("last_message", "repeated", "/radio")
         finding = the_finding("command_timeout", relaying(RADIO, kept))
-        assert finding.summary == "/radio sends its last command for ever when /channels ends"
+        assert finding.cause == "/radio sends its last command for ever when /channels ends"
         assert (finding.severity, finding.level) == (Severity.HIGH, FindingLevel.REGULAR)
-        assert finding.topics == ("/channels", "/cmd_vel")
+        assert finding.topics == ("/channels",)
 
     @pytest.mark.parametrize(
         ("relay", "known", "is_found"),
@@ -310,8 +314,9 @@ class TestCommandTimeout:
             replace(e, evidence=(places[e.topic],)) if e.topic in places else e
             for e in graph.endpoints
         )
-        findings = found("command_timeout", replace(graph, endpoints=ends, wiring=(fact,)))
-        assert [each.topics for each in findings] == [("/channels", "/cmd_vel")] * is_found
+        facts = (fact, replace(fact, kind=WiringFactKind.MESSAGE_FLOW))
+        findings = found("command_timeout", replace(graph, endpoints=ends, wiring=facts))
+        assert [each.topics for each in findings] == [("/channels",)] * is_found
 
     def test_only_the_velocity_that_is_repeated_is_named(self):
         kept = wiring_of("last_message", "repeated", "/radio")
@@ -322,8 +327,7 @@ class TestCommandTimeout:
             for e in graph.endpoints
         )
         finding = the_finding("command_timeout", replace(graph, endpoints=ends))
-        assert finding.summary == "/radio sends its last command for ever when /nav_vel ends"
-        assert finding.topics == ("/nav_vel", "/cmd_vel")
+        assert finding.cause == "/radio sends its last command for ever when /nav_vel ends"
 
     @pytest.mark.parametrize("type", ["std_msgs/msg/Float64", "sensor_msgs/msg/Imu"])
     def test_a_driver_that_obeys_no_velocity_may_keep_its_last_command(self, type):

@@ -82,8 +82,9 @@ class Mover:
     what their source opens. `arbiters` stand in the way of commands, the last one first. `doors`
     let others than ROS nodes in, `operators` are nodes that a person commands beside ROS, with
     what. `effect` says what a switch does that does less than its name says. `stop` says why it
-    stops or does not. `unread` are the nodes that were not read, one of which may obey what no
-    driver does; where the app is not `is_whole`, one may send what nobody does.
+    stops or does not; if not, `holder` keeps the last command. `unread` are the nodes that were not
+    read, one of which may obey what no driver does; where the app is not `is_whole`, one may send
+    what nobody does.
     """
 
     thing: Thing
@@ -98,6 +99,7 @@ class Mover:
     is_whole: bool = True
     stops: Stops = Stops.UNKNOWN
     stop: str = ""
+    holder: str = ""
     evidence: tuple[Evidence, ...] = ()
 
     @property

@@ -1538,3 +1538,18 @@ def test_a_stop_that_no_driver_obeys_is_told_so():
     assert the_mover(text, wiring=board).effect == ""
     assert the_mover(text, unread=("/monitor",)).effect == ""
     assert the_mover(TWO_DRIVERS + BASE).effect == ""
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "stops"),
+    [
+        ("/arm/commands", "std_msgs/msg/Float64MultiArray", Stops.NO),
+        ("/arm/joint_trajectory", "trajectory_msgs/msg/JointTrajectory", Stops.UNKNOWN),
+        ("/arm/servo_position", "std_msgs/msg/Float64", Stops.UNKNOWN),
+        ("/position/cmd_vel", TWIST, Stops.NO),
+    ],
+)
+def test_what_is_told_where_to_go_ends_there(topic, type, stops):
+    mover = the_mover(f"/base driver own\n    sub {topic} {type}\n", wiring=(DRIVER, KEPT))
+    assert mover.stops is stops
+    assert bool(mover.stop) is (stops is Stops.NO)

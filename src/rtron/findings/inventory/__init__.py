@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.command_topics import STOPPING
@@ -15,7 +16,7 @@ from rtron.findings.inventory.node_roles import (
     NodeRoles,
     may_drive_unread,
 )
-from rtron.findings.inventory.stopping import Stopping, stopping
+from rtron.findings.inventory.stopping import Stopping, goes_on, stopping
 from rtron.findings.inventory.things import part_of_name, vagueness
 from rtron.findings.measurement_names import moves_nothing
 from rtron.findings.motion.network_bridge import bridges
@@ -42,6 +43,7 @@ _HOLDING = SWITCHES | {Thing.HEAD, Thing.GRIPPER, Thing.HORN}
 _APART = SWITCHES | {Thing.DEVICE}
 
 
+@lru_cache(maxsize=1)
 def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
     """Return what can move the robot, in the order of `Thing`; empty where nothing is found."""
     commands = AppCommands(app, NodeRoles(app))
@@ -119,21 +121,21 @@ def _merged(
     """
     lines: dict[tuple[Thing, tuple[str, ...]], list[Command]] = defaultdict(list)
     moved = [key for key, found in groups.items() if any(c.means is Means.TOPIC for c in found)]
+    first = {key[0]: key for key in reversed(moved)}
+    apart = defaultdict[tuple[str, ...], list[tuple[Thing, tuple[str, ...]]]](list)
+    for key in moved:
+        apart[key[1]] += [key] if key[0] not in _APART and key[1] else []
+    topics = frozenset(moved)
     for (thing, receivers), found in sorted(groups.items(), key=lambda g: g[0][0] is Thing.DEVICE):
-        same = [key for key in moved if key[0] is thing]
-        beside = [
-            key for key in moved if key[1] == receivers and key[0] not in _APART and receivers
-        ]
+        beside = apart.get(receivers, [])
         if thing in NO_MOTION:
             lines[thing, ()] += found
         elif thing is Thing.DEVICE and len(beside) == 1:
             lines[beside[0]] += found
-        elif (thing, receivers) in moved:
+        elif (thing, receivers) in topics:
             lines[thing, receivers] += found
-        elif not same:
-            lines[thing, ()] += found
         else:
-            lines[same[0]] += found
+            lines[first.get(thing, (thing, ()))] += found
     if len(lines) > MOST_MOVERS:
         wide = defaultdict[tuple[Thing, tuple[str, ...]], list[Command]](list)
         for (thing, _), found in lines.items():
@@ -156,7 +158,7 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
 
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
     topics = [each for each in last if each.means is Means.TOPIC]
-    streamed = [each for each in topics if each.type not in SIGNALS]
+    streamed = [each for each in topics if each.type not in SIGNALS and goes_on(each)]
     behind = list(commands.forwarding.behind(topics))
     goals = commands.forwarding.goals(each for each in last if each.means is Means.ACTION)
     requests = [each for each in last if each.means is not Means.TOPIC and thing not in NO_MOTION]
@@ -164,7 +166,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     everything = _distinct([*last, *upstream])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
-    end = stopping(app, drivers, topics, behind) if streamed and thing not in _HOLDING else None
+    end = stopping(app, drivers, streamed, behind) if streamed and thing not in _HOLDING else None
     unread = () if drivers else _unread_parts(app)
     is_seen = bool(unread) and unread[0] in app.nodes
     senders = _nodes(each.senders for each in everything)
@@ -184,6 +186,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         is_whole=not set(app.unread_nodes).difference(bridges(app)),
         stops=end.stops if end else Stops.UNKNOWN,
         stop=_why_it_stops(end, is_seen=is_seen) if end else "",
+        holder=end.holder if end else "",
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),
     )
 

@@ -1,19 +1,14 @@
 """Whether what drivers move stops by itself when commands end, as far as it can be told."""
 
-from collections.abc import Collection, Iterator
+import re
+from collections.abc import Collection, Iterable, Iterator
+from math import inf
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.command_timeout import (
-    STREAMS,
-    TIMEOUT_NAMES,
-    UNCHECKED,
-    is_off,
-    other_stop,
-    repeated_topics,
-)
 from rtron.vocabulary import Endpoint, LastMessageFate, WiringFact, WiringFactKind
 from rtron.vocabulary.inventory import Command, Stops
+from rtron.vocabulary.names import snake_case
 from rtron.wording import conjugate, join_names
 
 _KNOWN = {
@@ -32,16 +27,50 @@ _KNOWN = {
     "mavros": (Stops.UNKNOWN, "the settings of the autopilot's failsafe decide"),
 }
 """What is documented of drivers: control.ros.org, wiki.ros.org, or their own source."""
+TIMEOUT_NAMES = (
+    "cmd_vel_timeout",
+    "cmd_timeout",
+    "command_timeout",
+    "reference_timeout",
+    "timeout_cmd",
+)
+"""Parameters that say how long a command counts."""
+_CLEVER_DEVICES = {
+    "moteus": ", by default after 0.1 s",
+    "VESC": ", by default after 1 s",
+    "Roboteq": ", by default after 1 s",
+    **dict.fromkeys(("vehicle link", "vendor SDK", "TCP link"), ""),
+}
+"""Devices that mostly stop by themselves, and when: an autopilot, a base with its own controller.
+
+Documented are servo.default_timeout_s (mjbots' reference of moteus), APPCONF_TIMEOUT_MSEC (VESC's
+firmware) and RWD (Roboteq's user manual).
+"""
+_STREAMS = re.compile(
+    r"geometry_msgs/Twist|ackermann_msgs/|sensor_msgs/Joy|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)"
+)
+"""Types of commands that come again and again, by their names."""
+_UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
+"""What becomes of a last message where nothing looks at its age."""
+_ENDING = re.compile(r"trajectory|position|angle|pose(?![a-z])|goal")
+"""Words in names and types of what tells where to go: the motion ends there."""
 
 
 class Stopping(NamedTuple):
-    """Whether it stops, and why."""
+    """Whether it stops, and why; `holder` is the node that keeps the last command."""
 
     stops: Stops
     why: str
+    holder: str = ""
 
 
 _ABSENT = Stopping(Stops.UNKNOWN, "what obeys is not in this launch")
+
+
+def goes_on(command: Command) -> bool:
+    """Return whether what a command moves goes on without more of them: it tells no place."""
+    words = snake_case(f"{command.name.rpartition('/')[2]} {command.type}")
+    return bool(_STREAMS.search(command.type)) or not _ENDING.search(words)
 
 
 def stopping(
@@ -62,7 +91,7 @@ def stopping(
     found += (
         stop
         for node, command in behind
-        if command.type in types or STREAMS.search(command.type)
+        if command.type in types or _STREAMS.search(command.type)
         for stop in _of_forwarder(app, node, command.name, led)
     )
     return _worst(found)
@@ -75,14 +104,19 @@ def _worst(found: list[Stopping]) -> Stopping:
 
 def _of_forwarder(app: AppFacts, node: str, topic: str, led: Collection[str]) -> Iterator[Stopping]:
     """Yield that a node sends its last command on for ever, where its source shows it."""
-    if not repeated_topics(app, node, topic).isdisjoint(led):
-        yield Stopping(Stops.NO, f"{node} sends its last command for ever when {topic} ends")
+    if _repeated_topics(app, node, topic).isdisjoint(led):
+        return
+    if age := next(_facts(app, node, WiringFactKind.COMMAND_AGE), None):
+        yield Stopping(Stops.UNKNOWN, f"{node} may look at the age of commands{_place(age)}")
+    else:
+        yield Stopping(Stops.NO, f"{node} sends its last command for ever when {topic} ends", node)
 
 
 def _of_driver(
     app: AppFacts, node: str, controllers: Collection[str], topics: Collection[str]
 ) -> Stopping:
-    read = _by_source(app, node, sorted(t for t in topics if node in app.readers(t)))
+    subscribed = {end.topic for end in app.graph.subscribed_by(node)}.intersection(topics)
+    read = _by_source(app, node, sorted(t for t in subscribed if node in app.readers(t)))
     if read and read.stops is Stops.NO:
         return read
     return _by_parameter(app, node, controllers) or read or _documented(app, node, topics)
@@ -94,7 +128,9 @@ def _documented(app: AppFacts, node: str, topics: Collection[str]) -> Stopping:
     subscribed = [end for end in app.graph.subscribed_by(node) if end.topic in topics]
     packages = [each for end in subscribed for each in _library_packages(end) or (own,)] or [own]
     silent = Stopping(Stops.UNKNOWN, f"{node} does not tell")
-    return _worst([Stopping(*_KNOWN[each]) if each in _KNOWN else silent for each in packages])
+    return _worst(
+        [Stopping(*_KNOWN[each], node) if each in _KNOWN else silent for each in packages]
+    )
 
 
 def _library_packages(end: Endpoint) -> list[str]:
@@ -108,14 +144,15 @@ def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Sto
     kinds = {each.kind for each in app.graph.wiring if each.subject == node}
     if WiringFactKind.DEVICE in kinds and WiringFactKind.COMMAND_AGE not in kinds:
         return None
-    nodes, found = {node, *controllers}, []
+    found: list[Stopping] = []
     for parameter in app.graph.parameters:
         is_timeout = parameter.name.rpartition(".")[2] in TIMEOUT_NAMES
         is_number = isinstance(parameter.value, (int, float))
-        if parameter.node in nodes and is_timeout and is_number:
+        is_own = parameter.node == node or parameter.node in controllers
+        if is_own and is_timeout and is_number:
             stops = Stops.NO if is_off(parameter.value) else Stops.YES
             why = f"{parameter.node}: {parameter.name} is {parameter.value}"
-            found.append(Stopping(stops, why))
+            found.append(Stopping(stops, why, node))
     return _worst(found) if found else None
 
 
@@ -126,7 +163,7 @@ def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | 
     age = next(_facts(app, node, WiringFactKind.COMMAND_AGE), None)
     is_read = bool(fates) and all(fates.values())
     if age is None or (is_read and _is_of_others(app, node, age)):
-        unchecked = [topic for topic in topics if not UNCHECKED.isdisjoint(fates[topic])]
+        unchecked = [topic for topic in topics if not _UNCHECKED.isdisjoint(fates[topic])]
         if found := _of_unchecked(app, node, unchecked):
             return found
     if is_read and all({*each} == {LastMessageFate.STOPPED} for each in fates.values()):
@@ -152,16 +189,16 @@ def _stopped(node: str, stop: WiringFact) -> Stopping:
 def _of_unchecked(app: AppFacts, node: str, topics: list[str]) -> Stopping | None:
     """Return what becomes of the commands of a driver in whose source nothing tells of an age."""
     devices = {fact.value for fact in _facts(app, node, WiringFactKind.DEVICE)}
-    if topics and (other := other_stop(app, node, topics)):
+    if topics and (other := _other_stop(app, node, topics)):
         return Stopping(Stops.UNKNOWN, other)
     if topics and devices:
         why = "nothing in the source of"
         where = join_names(topics)
-        return Stopping(Stops.NO, f"{why} {node} looks at the age of commands on {where}")
+        return Stopping(Stops.NO, f"{why} {node} looks at the age of commands on {where}", node)
     repeated = [t for t in topics if LastMessageFate.REPEATED in app.last_messages(node, {t})]
     condition = f"{join_names(repeated)} {conjugate(repeated, 'end')}"
     why = f"{node} sends its last command for ever when {condition}"
-    return Stopping(Stops.NO, why) if repeated else None
+    return Stopping(Stops.NO, why, node) if repeated else None
 
 
 def _is_of_others(app: AppFacts, node: str, age: WiringFact) -> bool:
@@ -177,3 +214,46 @@ def _place(fact: WiringFact) -> str:
 
 def _facts(app: AppFacts, node: str, kind: WiringFactKind) -> Iterator[WiringFact]:
     return (each for each in app.graph.wiring if each.kind is kind and each.subject == node)
+
+
+def _other_stop(app: AppFacts, node: str, topics: Iterable[str]) -> str:
+    """Return what may stop a driver in whose source nothing looks at the age of its commands.
+
+    Another node that hears them, looks at their age, and sends such itself; or its device.
+    """
+    watchers = {
+        other
+        for topic in topics
+        for other in app.publishers(topic)
+        if other != node and not _UNCHECKED.issuperset(app.last_messages(other, {topic}))
+    }
+    if watchers:
+        return f"{node} does not by itself; {min(watchers)} may stop it"
+    opened = {fact.value for fact in app.graph.wiring if fact.subject == node}
+    clever = next((each for each in _CLEVER_DEVICES if each in opened), "")
+    may = f"its device may{_CLEVER_DEVICES[clever]}" if clever else ""
+    return may and f"{node} looks at no age of commands; {may}"
+
+
+def _repeated_topics(app: AppFacts, node: str, topic: str) -> set[str]:
+    """Return where a node sends what it kept of a topic again and again.
+
+    If its source does not tell the publisher, that is known of a node with one topic alone.
+    """
+    fact = app.last_messages(node, {topic}).get(LastMessageFate.REPEATED)
+    if fact is None:
+        return set()
+    published = [end for end in app.graph.published_by(node) if not end.implicit]
+    if places := set(fact.evidence[1:]):
+        return {end.topic for end in published if places.intersection(end.evidence)}
+    topics = {end.topic for end in published}
+    return topics if len(topics) == 1 else set()
+
+
+def is_off(value: object) -> bool:
+    """Return whether the value of such a parameter turns the timeout off."""
+    return (
+        isinstance(value, (int, float))
+        and not isinstance(value, bool)
+        and (value <= 0 or value == inf)
+    )
