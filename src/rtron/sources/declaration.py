@@ -242,8 +242,8 @@ class LastMessageUse:
 class MessageFlow:
     """Where a subscription is made, and where the publishers are that it leads to.
 
-    `requests` are the services and actions, `output` is a function outside of the program that it
-    leads to. Where it leads to nothing, what it gets is not used.
+    `requests` are the services and actions, `output` is a library's object or module that it
+    is given to. Where it leads to nothing, what it gets is not used.
     """
 
     evidence: tuple[Evidence, ...]

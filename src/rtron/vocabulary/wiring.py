@@ -91,8 +91,8 @@ class WiringFactKind(StringEnum):
     are those of the publishers, if they are known."""
     MESSAGE_FLOW = "message_flow"
     """A node with a subscription at the first place, whose messages lead to the publishers at the
-    further places, to others, its services and actions, and to a function of a library, the value;
-    without all three they are not used."""
+    further places, to others, its services and actions, and to a `device` or another
+    `library`, the value; without all three they are not used."""
 
 
 class LastMessageFate(StringEnum):

@@ -167,18 +167,17 @@ class CommandTopics:
 
     @cached_property
     def _written(self) -> set[str]:
-        """What nodes write to hardware, whatever it is called; or give to an unknown library."""
+        """What nodes write to devices, whatever it is called; or, as it is called, to libraries."""
         inputs = (e for e in self.app.graph.endpoints if e.direction is Direction.SUBSCRIBE)
-        written = filter(self.is_unnamed, inputs)
-        return {
-            e.topic
-            for e in written
-            if (e.node, e.topic) in self.flows.outputs and self._is_given_to_hardware(e)
-        }
+        return {end.topic for end in filter(self.is_unnamed, inputs) if self._is_output(end)}
 
-    def _is_given_to_hardware(self, end: Endpoint) -> bool:
+    def _is_output(self, end: Endpoint) -> bool:
+        given = self.flows.outputs.get((end.node, end.topic))
         is_named = self._things[end.topic] not in {None, Thing.DEVICE, Thing.MODE}
-        return self.roles.moves_hardware(end.node) or (is_named and self.roles.obeys(end.node))
+        moves = self.roles.moves_hardware(end.node) and not self.roles.is_called_sensor(end.node)
+        return (given == "device" and moves) or (
+            given is not None and is_named and self.roles.obeys(end.node)
+        )
 
     @cached_property
     def _pressed(self) -> set[str]:

@@ -61,11 +61,11 @@ class MessageFlows:
         return found
 
     @cached_property
-    def outputs(self) -> frozenset[tuple[str, str]]:
-        """The nodes and topics whose messages lead to functions of libraries."""
+    def outputs(self) -> dict[tuple[str, str], str]:
+        """What the messages of nodes' topics are given to: a `device`, or another `library`."""
         flows = (f for f in self.app.graph.wiring if f.kind is WiringFactKind.MESSAGE_FLOW)
-        led = (at for fact in flows if fact.value for at in fact.evidence[:1])
-        return frozenset(chain.from_iterable(self._inputs[at] for at in led))
+        places = ((at, fact.value) for fact in flows if fact.value for at in fact.evidence[:1])
+        return {side: value for at, value in places for side in self._inputs[at]}
 
     @cached_property
     def _inputs(self) -> dict[Evidence, list[tuple[str, str]]]:

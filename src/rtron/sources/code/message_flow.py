@@ -11,6 +11,7 @@ from functools import cached_property
 from itertools import chain, islice
 
 from rtron.sources.code import ir
+from rtron.sources.code.external_libraries import ExternalLibraries
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.exceptions import is_logging_call
 from rtron.sources.code.ir.references import cache_by_identity, called_names, callee_names, ir_nodes
@@ -33,13 +34,14 @@ _MAX_ALIKE = 3
 
 
 _ADDING = frozenset(["append", "insert", "push", "push_back", "emplace_back", "put"])
-_INSIDE = re.compile(
-    r"publish\w*|send(?:Transform|_goal\w*|_request)|call(?:_async)?|(?:un)?lock|acquire|release"
-    r"|wait\w*|notify\w*|sleep\w*|spin\w*|shutdown|exit|start|join|cancel|reset|clear|update|remove"
-    r"|pop\w*|erase|resize|reserve|extend|add|copy|assign|fill|mem\w+|strn?cpy|s?n?printf|super"
-    r"|__init__|imshow|waitKey|get\w*|set_(?:succeeded|aborted|parameters?)|str|split"
+_COMMON = frozenset(
+    [
+        *("at", "begin", "clear", "copy", "count", "data", "empty", "end", "find", "front", "get"),
+        *("items", "keys", "length", "load", "name", "now", "ok", "read", "reset", "size", "str"),
+        *("time", "update", "value", "values", "x", "y", "z"),
+    ]
 )
-"""Names of library functions whose effect stays inside the program, or is a message's."""
+"""Names of functions that libraries have, too."""
 _LOGGING = re.compile(
     r"(?:log)?_?(?:debug|info|warn|warning|error|fatal|critical)(?:_\w+)?|[gG]et_?[lL]ogger"
 )
@@ -75,7 +77,7 @@ class _Steps:
         own |= {node.name for node in nodes if isinstance(node, ir.Declare)}
         outer = {name for node in nodes if isinstance(node, ir.Global) for name in node.names}
         self.calls = [node for node in nodes if isinstance(node, ir.Call)]
-        self.evaluated = {id(node.value) for node in nodes if isinstance(node, ir.Evaluate)}
+        self.targets = [t for node in nodes if isinstance(node, ir.Assign) for t in node.targets]
         self.returned = [node.value for node in nodes if isinstance(node, ir.Return) and node.value]
         self.assigned: list[tuple[str, ir.Expr]] = []
         self.members = set[str]()
@@ -206,15 +208,10 @@ class _Program:
             near = [each for each in alike if _scope(each) == scope]
             yield from near or (alike if len(alike) <= _MAX_ALIKE else ())
 
-    def is_external_effect(self, code: _Steps, call: ir.Call) -> bool:
-        """Return whether a call is made for its effect, by what is neither of ROS nor in here."""
-        name = _last_name(call.function)
-        is_known = name in _ADDING or _INSIDE.fullmatch(name) or _only_logs(call)
-        return bool(
-            id(call) in code.evaluated
-            and not is_known
-            and not self.machine.runtime.functions_named(name)
-        )
+    @cached_property
+    def libraries(self) -> ExternalLibraries:
+        """What the program holds of libraries."""
+        return ExternalLibraries(self.machine)
 
     def do_nothing(self, callbacks: Collection[ir.Function]) -> bool:
         """Return whether callbacks call nothing but logs, and set nothing but own variables."""
@@ -237,7 +234,7 @@ class _Program:
 class _Flow:
     """Follows a message: `_led` is what sends because of it, `_members` keep it, by scope.
 
-    `_results` are the functions that return it, `output` is one outside that gets it.
+    `_results` are the functions that return it, `output` is the library that gets it.
     """
 
     program: _Program
@@ -271,6 +268,7 @@ class _Flow:
                 self._members[scope] |= code.members
                 for call in code.calls:
                     self._use(code, call)
+                self._write(code.targets)
                 pending += self.program.called(called_names(function), scope)
 
     def _follow(self, code: _Steps, names: set[str]) -> None:
@@ -283,19 +281,25 @@ class _Flow:
         self._members[scope] |= made & code.members
         if any(_mentioned(value) & made for value in code.returned):
             name = code.function.name.rpartition("::")[2]
-            is_only = len(self.program.machine.runtime.functions_named(name)) == 1
+            alike = self.program.machine.runtime.functions_named(name)
+            is_only = len(alike) == 1 and name not in _COMMON
             (self._results if is_only else self._members[scope]).add(name)
         for call in code.calls:
             if id(call) in ids or _mentioned((call.args, call.keywords)) & made:
                 self._use(code, call)
                 self._run(self.program.called({_last_name(call.function)}, scope))
 
+    def _write(self, targets: Iterable[ir.Expr]) -> None:
+        """Keep the library to whose objects something is written."""
+        written = filter(None, map(self.program.libraries.owner, targets))
+        self.output = self.output or next(written, "")
+
     def _use(self, code: _Steps, call: ir.Call) -> None:
-        """Keep what a call sends by, or that its effect is outside of the program."""
+        """Keep what a call sends by, or the library that it acts on."""
         sent = dict.fromkeys(self.program.sent(call, _scope(code.function)))
         self._led |= sent
-        if not (sent or self.output) and self.program.is_external_effect(code, call):
-            self.output = _last_name(call.function)
+        if not (sent or self.output):
+            self.output = self.program.libraries.called(call)
 
 
 def _scope(function: ir.Function) -> str:

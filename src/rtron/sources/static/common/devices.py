@@ -141,10 +141,19 @@ def message_flows(part: NodePart) -> Iterator[WiringFact]:
         yield WiringFact(
             kind=WiringFactKind.MESSAGE_FLOW,
             subject=part.owner,
-            value=flow.output,
+            value=_device(flow.output),
             others=flow.requests,
             evidence=flow.evidence,
         )
+
+
+def _device(library: str) -> str:
+    """Return whether what a program calls or writes to is of a device, or of another library."""
+    if library in {"open()", "socket()"}:
+        return "device"
+    patterns = _PATTERNS[WiringFactKind.DEVICE].values()
+    is_device = any(pattern.search(f"import {library}".encode()) for pattern in patterns)
+    return "device" if is_device else library and "library"
 
 
 def _places_of(node: Node, workspace: Workspace, files: dict[Path, _Places]) -> _Places:

@@ -1,6 +1,6 @@
 """C++'s names and calls."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from rtron.sources.code import ir
@@ -48,6 +48,10 @@ class CppRuntime(CppObjects):
         CppObjects.__post_init__(self)
         self._unqualified_functions = unqualified_names(self.library_functions)
         self._candidate_cache = self.symbols.new_cache()
+
+    def module_variables(self) -> Iterator[Mapping[str, av.Value]]:
+        """Yield the variables of namespaces that were used."""
+        yield self._globals
 
     def special_method(self, owner: av.Value, name: str) -> av.Value | None:
         """C++ has none of Python's."""

@@ -1,6 +1,6 @@
 """What differs between the languages, as the machine uses it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Protocol, cast
 
 from rtron.sources.code import ir
@@ -82,6 +82,9 @@ class LanguageRuntime(Protocol):
 
     def program_functions(self) -> Iterator[tuple[str, ir.Function]]:
         """Yield the functions of the program's own files, each with what it is called by."""
+
+    def module_variables(self) -> Iterator[Mapping[str, av.Value]]:
+        """Yield the variables of each module of the program, or those of namespaces."""
 
 
 def python_runtime(machine: "AbstractMachine") -> "PythonRuntime":

@@ -98,6 +98,10 @@ class PythonModules:
         for name, functions in self._functions_by_name.items():
             yield from ((name, function) for function in functions)
 
+    def module_variables(self) -> Iterator[Mapping[str, Value]]:
+        """Yield the variables of each module that was loaded."""
+        yield from (module.fields for module in self._modules.values())
+
     def functions_named(self, name: str) -> tuple[Function, ...]:
         """Return the functions with a name, in the modules that were loaded."""
         return tuple(self._functions_by_name.get(name, ()))
