@@ -162,8 +162,18 @@ class CommandTopics:
         found |= set(filter(self.unheard.leaves, self._things))
         for node in filter(self.roles.obeys, filter(self.roles.is_called_driver, self.app.nodes)):
             found |= {e.topic for e in self.app.graph.subscribed_by(node) if self._may_command(e)}
-        found |= set(filter(self._switches, self._things)) | self._pressed
+        found |= set(filter(self._switches, self._things)) | self._pressed | self._written
         return frozenset(found | self.releases)
+
+    @cached_property
+    def _written(self) -> set[str]:
+        """What goes to hardware, whatever it is called: who reads it opens some, alone."""
+        return {
+            end.topic
+            for node in filter(self.roles.is_actuating, self.app.nodes)
+            for end in self.app.graph.subscribed_by(node)
+            if self.is_unnamed(end) and self.flows.only_acts(node, end.topic)
+        }
 
     @cached_property
     def _pressed(self) -> set[str]:
