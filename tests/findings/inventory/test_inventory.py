@@ -1540,11 +1540,18 @@ def flow(node, topic, *others):
         ("/cable", "x/msg/Cable", (KEPT,), False),
         ("/cable", "x/msg/Cable", (DRIVER, KEPT, fact("message_flow", "/base", "")), False),
         ("/rtcm", "rtcm_msgs/msg/Message", (DRIVER, KEPT), False),
+        ("/cable", "std_msgs/msg/Int32", (DRIVER, KEPT), False),
     ],
 )
 def test_what_goes_from_a_topic_to_hardware_alone_is_a_command(topic, type, wiring, is_listed):
     listed = inventory(f"/base driver own\n    sub {topic} {type}\n", wiring=wiring)
     assert [names(mover.commands) for mover in listed] == [[topic]] * is_listed
+
+
+def test_who_serves_a_network_may_keep_what_it_hears_to_show_it():
+    text = "/base driver own\n    sub /cable x/msg/Cable\n"
+    served = (DRIVER, KEPT, fact("socket", "/base", "web server"))
+    assert [mover.commands for mover in inventory(text, wiring=served)] == [()]
 
 
 @pytest.mark.parametrize("called", ["/bus", "/other"])
@@ -1588,7 +1595,7 @@ def test_who_commands_though_nobody_tells_it_to(more, changes, unprompted):
     (mover, *_) = (each for each in inventory(text, **changes) if each.thing is Thing.BASE)
     assert mover.unprompted == unprompted
     rows = [row.text for row in mover_rows(mover)]
-    told = "/walk sends without being told: it may move when the app starts"
+    told = "nothing in the source tells /walk to send: it may begin when the app starts"
     assert (told in rows) is bool(unprompted)
 
 

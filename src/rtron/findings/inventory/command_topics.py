@@ -9,6 +9,7 @@ from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.derived_commands import DerivedCommands
+from rtron.findings.inventory.doors import has_door
 from rtron.findings.inventory.message_flows import MessageFlows
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import (
@@ -40,6 +41,7 @@ _OF_BASE = re.compile(
 """Words in the classes of controllers that move a base: beside an arm, others move that."""
 TWIST = "geometry_msgs/Twist"
 _JOY = "sensor_msgs/Joy"
+_NUMBER = re.compile(r"std_msgs/(?:msg/)?(?:U?Int|Float)\d+")
 _HANDS = frozenset({"visualization_msgs/InteractiveMarkerFeedback"})
 """What a person does: with a joystick, and with a marker in a viewer."""
 
@@ -167,13 +169,17 @@ class CommandTopics:
 
     @cached_property
     def _written(self) -> set[str]:
-        """What goes to hardware, whatever it is called: who reads it opens some, alone."""
-        return {
-            end.topic
+        """What goes to hardware, whatever it is called: who reads it opens some, alone.
+
+        Numbers without a name may be readings, and so may all be that who serves a network keeps.
+        """
+        ends = chain.from_iterable(
+            self.app.graph.subscribed_by(node)
             for node in filter(self.roles.is_actuating, self.app.nodes)
-            for end in self.app.graph.subscribed_by(node)
-            if self.is_unnamed(end) and self.flows.only_acts(node, end.topic)
-        }
+            if not has_door(self.app, node)
+        )
+        unnamed = (end for end in ends if self.is_unnamed(end) and not _NUMBER.match(end.type))
+        return {end.topic for end in unnamed if self.flows.only_acts(end.node, end.topic)}
 
     @cached_property
     def _pressed(self) -> set[str]:

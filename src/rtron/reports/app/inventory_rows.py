@@ -64,10 +64,8 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
 def _source_rows(mover: Mover) -> Iterator[MoverRow]:
     """Yield what else is known of those that command and obey."""
     if mover.unprompted:
-        verb = conjugate(mover.unprompted, "send")
-        text = (
-            f"{_all(mover.unprompted)} {verb} without being told: it may move when the app starts"
-        )
+        who = _all(mover.unprompted)
+        text = f"nothing in the source tells {who} to send: it may begin when the app starts"
         yield MoverRow(text, Tone.WARNING)
     if mover.firmware:
         read = "what a sketch in the source obeys; another may be flashed"
