@@ -173,12 +173,12 @@ class CommandTopics:
 
         Numbers without a name may be readings, and so may all be that who serves a network keeps.
         """
-        ends = chain.from_iterable(
+        endpoints = chain.from_iterable(
             self.app.graph.subscribed_by(node)
             for node in filter(self.roles.is_actuating, self.app.nodes)
             if not has_door(self.app, node)
         )
-        unnamed = (end for end in ends if self.is_unnamed(end) and not _NUMBER.match(end.type))
+        unnamed = (end for end in endpoints if self.is_unnamed(end) and not _NUMBER.match(end.type))
         return {end.topic for end in unnamed if self.flows.only_acts(end.node, end.topic)}
 
     @cached_property
