@@ -156,7 +156,7 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
 
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
     topics = [each for each in last if each.means is Means.TOPIC]
-    streamed = [each for each in topics if each.type not in SIGNALS and goes_on(each)]
+    streamed = [each for each in topics if each.type not in SIGNALS and goes_on(thing, each)]
     behind = list(commands.forwarding.behind(topics))
     goals = commands.forwarding.goals(each for each in last if each.means is Means.ACTION)
     requests = [each for each in last if each.means is not Means.TOPIC and thing not in NO_MOTION]

@@ -6,8 +6,9 @@ from math import inf
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.things import COMMAND_NAMES
 from rtron.vocabulary import Endpoint, LastMessageFate, WiringFact, WiringFactKind
-from rtron.vocabulary.inventory import Command, Stops
+from rtron.vocabulary.inventory import Command, Stops, Thing
 from rtron.vocabulary.names import snake_case
 from rtron.wording import conjugate, join_names
 
@@ -67,10 +68,14 @@ class Stopping(NamedTuple):
 _ABSENT = Stopping(Stops.UNKNOWN, "what obeys is not in this launch")
 
 
-def goes_on(command: Command) -> bool:
-    """Return whether what a command moves goes on without more of them: it tells no place."""
+def goes_on(thing: Thing, command: Command) -> bool:
+    """Return whether what a command moves goes on without more of them: it tells no place.
+
+    What hangs on hardware that is not known may be told once.
+    """
     words = snake_case(f"{command.name.rpartition('/')[2]} {command.type}")
-    return bool(_STREAMS.search(command.type)) or not _ENDING.search(words)
+    is_known = thing is not Thing.DEVICE or bool(COMMAND_NAMES.search(command.name))
+    return bool(_STREAMS.search(command.type)) or (is_known and not _ENDING.search(words))
 
 
 def stopping(
