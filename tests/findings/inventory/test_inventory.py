@@ -1517,6 +1517,7 @@ def test_a_stop_that_no_driver_obeys_is_told_so():
         ("/arm/joint_trajectory", "trajectory_msgs/msg/JointTrajectory", Stops.UNKNOWN),
         ("/arm/servo_position", "std_msgs/msg/Float64", Stops.UNKNOWN),
         ("/position/cmd_vel", TWIST, Stops.NO),
+        ("/arm/joint_speed", "trajectory_msgs/msg/JointTrajectory", Stops.NO),
         ("/radio/send", "x/msg/Frame", Stops.UNKNOWN),
         ("/radio/command", "x/msg/Frame", Stops.NO),
     ],

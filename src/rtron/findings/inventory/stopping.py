@@ -55,6 +55,8 @@ _UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
 """What becomes of a last message where nothing looks at its age."""
 _ENDING = re.compile(r"trajectory|position|angle|pose(?![a-z])|goal")
 """Words in names and types of what tells where to go: the motion ends there."""
+_RATES = re.compile(r"speed|vel(?![a-z])|velocit|effort|torque|thrust")
+"""Words in names of what tells how fast or how hard to go."""
 
 
 class Stopping(NamedTuple):
@@ -73,9 +75,10 @@ def goes_on(thing: Thing, command: Command) -> bool:
 
     What hangs on hardware that is not known may be told once.
     """
-    words = snake_case(f"{command.name.rpartition('/')[2]} {command.type}")
+    name = snake_case(command.name.rpartition("/")[2])
+    is_place = _ENDING.search(f"{name} {snake_case(command.type)}") and not _RATES.search(name)
     is_known = thing is not Thing.DEVICE or bool(COMMAND_NAMES.search(command.name))
-    return bool(_STREAMS.search(command.type)) or (is_known and not _ENDING.search(words))
+    return bool(_STREAMS.search(command.type)) or (is_known and not is_place)
 
 
 def stopping(
