@@ -5,11 +5,13 @@ from dataclasses import replace
 import pytest
 from plans import grcn, plan_of
 
-from rtron.planning.plan_doubts import order_doubts, void_value_warnings
+from rtron.planning.plan_doubts import order_doubts, silence_doubts, void_value_warnings
 from rtron.vocabulary import (
     MSRCN,
     RSRCN,
     SECOND,
+    Direction,
+    Endpoint,
     Flow,
     FunctionType,
     GuardedTopic,
@@ -17,10 +19,13 @@ from rtron.vocabulary import (
     MessageDefinition,
     Mode,
     Node,
+    NodeParameter,
     Plan,
     PolicyName,
     StreamKind,
     Trust,
+    WiringFact,
+    WiringFactKind,
 )
 
 
@@ -186,3 +191,41 @@ def test_a_single_flow_has_no_order():
     flow = Flow(name="flow1", publisher="/a", priority=1)
     graph = InteractionGraph(app="x", nodes=(Node(name="/a"),))
     assert not list(order_doubts(replace(plan, grcn=(replace(node, flows=(flow,)),)), graph))
+
+
+@pytest.mark.parametrize(
+    ("ros", "rate", "package", "fate", "is_doubted"),
+    [
+        (1, None, "joy", "", True),
+        (1, 20, "joy", "", False),
+        (1, 0.0, "joy", "", True),
+        (2, None, "joy", "", False),
+        (2, 0, "joy_linux", "", True),
+        (1, None, "radio", "", False),
+        (1, None, "joy", "repeated", False),
+    ],
+)
+def test_a_joystick_that_sends_on_change_alone_is_silent_while_it_is_held(
+    ros, rate, package, fate, is_doubted
+):
+    ends = [("/pad", "/joy", Direction.PUBLISH), ("/teleop", "/joy", Direction.SUBSCRIBE)]
+    parameter = NodeParameter(node="/pad", name="autorepeat_rate", value=rate)
+    graph = InteractionGraph(
+        app="app",
+        ros=ros,
+        nodes=(Node(name="/pad", package=package), Node(name="/teleop")),
+        endpoints=tuple(
+            Endpoint(node=node, topic=topic, type="sensor_msgs/Joy", direction=direction)
+            for node, topic, direction in ends
+        ),
+        parameters=() if rate is None else (parameter,),
+        wiring=(WiringFact(kind=WiringFactKind.LAST_MESSAGE, subject="/teleop", value=fate),),
+    )
+    found = [
+        str(each) for each in silence_doubts(plan_of(grcn("/cmd_vel", ["/teleop"], [])), graph)
+    ]
+    told = (
+        "/pad sends on change alone: a stick that is held is silent, and stops /teleop after 0.5 s"
+    )
+    help = "set its autorepeat_rate to 10 or more"
+    assert found == [f"warning: GRCN grcn_cmd_vel: {told}; {help}"] * is_doubted

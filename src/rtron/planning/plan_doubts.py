@@ -1,6 +1,6 @@
 """What in a valid plan has no effect, stops late or is a guess, and where it leaves a way past."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rtron.coherence.duration_bounds import duration_doubts
 from rtron.planning.app_topics import action_servers, is_large
@@ -11,8 +11,10 @@ from rtron.planning.queue_sizes import queue_doubts
 from rtron.vocabulary import (
     GRCN,
     SECOND,
+    Direction,
     Flow,
     InteractionGraph,
+    LastMessageFate,
     Mode,
     Plan,
     PolicyName,
@@ -25,6 +27,7 @@ from rtron.vocabulary import (
 from rtron.wording import conjugate, join_names
 
 _AMONG_COMMANDS = "pictures and point clouds are carried beside commands, which wait for them"
+_JOYSTICKS = frozenset({"joy", "joy_linux"})
 _BY_PRIORITY = (PolicyName.PREEMPTION, PolicyName.PRIORITY_QUEUE)
 _USUAL_SPEED = 1.0
 """What is taken (m/s, and rad/s for turning) where the plan sets no limit."""
@@ -153,6 +156,47 @@ def open_way_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem
             unclosed = _unclosed_outputs(stream, unread - known, agents)
             ways = (*unclosed, *_self_deliveries(stream))
             yield from (_warning(where, way) for way in ways)
+
+
+def silence_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
+    """Yield a warning for each joystick whose stick says nothing while it is held, as if let go."""
+    senders = {
+        end.topic: end.node
+        for end in graph.endpoints
+        if end.direction is Direction.PUBLISH and _sends_on_change(end.node, graph)
+    }
+    for grcn in plan.grcn if senders else ():
+        for flow in grcn.flows if grcn.kind is StreamKind.COMMAND else ():
+            for joystick in sorted(_joysticks(flow, senders, graph)):
+                message = (
+                    f"{joystick} sends on change alone: a stick that is held is silent, and stops "
+                    f"{flow.publisher} after {_seconds(flow.silent_after)}; set its "
+                    "autorepeat_rate to 10 or more"
+                )
+                yield _warning(f"GRCN {grcn.id}", message)
+
+
+def _joysticks(flow: Flow, senders: Mapping[str, str], graph: InteractionGraph) -> set[str]:
+    """Return which joysticks a flow's publisher hears, and does not repeat itself."""
+    repeating = {f.subject for f in graph.wiring if f.value == LastMessageFate.REPEATED}
+    inputs = (
+        end.topic
+        for end in graph.endpoints
+        if end.direction is Direction.SUBSCRIBE and matches_node(flow.publisher, end.node)
+        if end.node not in repeating
+    )
+    return {senders[topic] for topic in inputs if topic in senders}
+
+
+def _sends_on_change(node: str, graph: InteractionGraph) -> bool:
+    """Return whether a node is a joystick's driver that does not repeat (ROS wiki: joy).
+
+    In ROS 2 it repeats by default.
+    """
+    packages = {each.package for each in graph.nodes if each.name == node}
+    rates = [p.value for p in graph.parameters if (p.node, p.name) == (node, "autorepeat_rate")]
+    rate = rates[-1] if rates else int(graph.ros > 1)
+    return not packages.isdisjoint(_JOYSTICKS) and rate == 0
 
 
 def _unclosed_outputs(

@@ -78,10 +78,11 @@ class Stops(StringEnum):
 class Mover:
     """A thing that can be moved.
 
-    `drivers` are the nodes next to the hardware, none if they are not in the app. `hardware` says
-    what their source opens. `arbiters` stand in the way of commands, the last one first. `doors`
-    let others than ROS nodes in, `operators` are nodes that a person commands beside ROS, with
-    what. `effect` says what a switch does that does less than its name says. `stop` says why it
+    `drivers` are the nodes next to the hardware, none if they are not in the app; of those in
+    `firmware` a sketch was read. `hardware` says what their source opens. `arbiters` stand in the
+    way of commands, the last one first. `doors` let others than ROS nodes in, `operators` are nodes
+    that a person commands beside ROS, with what; `unprompted` send commands though nobody tells
+    them to. `effect` says what a switch does that does less than its name says. `stop` says why it
     stops or does not; if not, `holder` keeps the last command. `unread` are the nodes that were not
     read, one of which may obey what no driver does; where the app is not `is_whole`, one may send
     what nobody does.
@@ -94,6 +95,8 @@ class Mover:
     arbiters: tuple[str, ...] = ()
     doors: tuple[str, ...] = ()
     operators: tuple[str, ...] = ()
+    unprompted: tuple[str, ...] = ()
+    firmware: tuple[str, ...] = ()
     effect: str = ""
     unread: tuple[str, ...] = ()
     is_whole: bool = True

@@ -4,7 +4,12 @@ from collections.abc import Iterator
 
 from rtron.errors import InputError
 from rtron.planning.app_check import check_plan
-from rtron.planning.plan_doubts import open_way_doubts, order_doubts, void_value_warnings
+from rtron.planning.plan_doubts import (
+    open_way_doubts,
+    order_doubts,
+    silence_doubts,
+    void_value_warnings,
+)
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import InteractionGraph, Plan
 
@@ -29,4 +34,5 @@ def plan_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
     """Yield what in a plan is a guess for this app, leaves a way past it, or has no effect."""
     yield from order_doubts(plan, graph) if graph.nodes else ()
     yield from open_way_doubts(plan, graph)
+    yield from silence_doubts(plan, graph)
     yield from void_value_warnings(plan)

@@ -9,6 +9,7 @@ from cpu_time import growth
 from rtron.findings import app_facts, take_inventory
 from rtron.findings.inventory.stopping import stopping
 from rtron.findings.motion import command_timeout
+from rtron.reports.app.inventory_rows import mover_rows
 from rtron.vocabulary import (
     Action,
     ActionRole,
@@ -1547,9 +1548,121 @@ def test_a_stop_that_no_driver_obeys_is_told_so():
         ("/arm/joint_trajectory", "trajectory_msgs/msg/JointTrajectory", Stops.UNKNOWN),
         ("/arm/servo_position", "std_msgs/msg/Float64", Stops.UNKNOWN),
         ("/position/cmd_vel", TWIST, Stops.NO),
+        ("/arm/joint_speed", "trajectory_msgs/msg/JointTrajectory", Stops.NO),
+        ("/radio/send", "x/msg/Frame", Stops.UNKNOWN),
+        ("/radio/command", "x/msg/Frame", Stops.NO),
     ],
 )
 def test_what_is_told_where_to_go_ends_there(topic, type, stops):
     mover = the_mover(f"/base driver own\n    sub {topic} {type}\n", wiring=(DRIVER, KEPT))
     assert mover.stops is stops
     assert bool(mover.stop) is (stops is Stops.NO)
+
+
+def flow(node, topic, *others):
+    """Return that a node's source hands on what it gets on a topic, or asks others for it."""
+    places = (Evidence(file=node, line=len(topic)),)
+    return replace(fact("message_flow", node, ""), evidence=places, others=others)
+
+
+@pytest.mark.parametrize(
+    ("topic", "type", "wiring", "is_listed"),
+    [
+        ("/joy", "sensor_msgs/msg/Joy", (DRIVER, KEPT), True),
+        ("/cable", "x/msg/Cable", (DRIVER, KEPT), True),
+        ("/cable", "x/msg/Cable", (DRIVER,), False),
+        ("/cable", "x/msg/Cable", (KEPT,), False),
+        ("/cable", "x/msg/Cable", (DRIVER, KEPT, fact("message_flow", "/base", "")), False),
+        ("/rtcm", "rtcm_msgs/msg/Message", (DRIVER, KEPT), False),
+        ("/cable", "std_msgs/msg/Int32", (DRIVER, KEPT), False),
+    ],
+)
+def test_what_goes_from_a_topic_to_hardware_alone_is_a_command(topic, type, wiring, is_listed):
+    listed = inventory(f"/base driver own\n    sub {topic} {type}\n", wiring=wiring)
+    assert [names(mover.commands) for mover in listed] == [[topic]] * is_listed
+
+
+def test_who_serves_a_network_may_keep_what_it_hears_to_show_it():
+    text = "/base driver own\n    sub /cable x/msg/Cable\n"
+    served = (DRIVER, KEPT, fact("socket", "/base", "web server"))
+    assert [mover.commands for mover in inventory(text, wiring=served)] == [()]
+
+
+@pytest.mark.parametrize("called", ["/bus", "/other"])
+def test_hardware_that_is_called_because_of_a_command_is_listed_with_its_service(called):
+    text = f"/wheels driver own\n    sub /cmd_vel {TWIST}\n/board board own\n"
+    services = (Service(node="/board", name="/bus", type="x/srv/Frame"),)
+    wiring = (fact("device", "/board", "I2C"), replace(flow("/wheels", "", called), evidence=PLACE))
+    listed = inventory(text, services=services, wiring=wiring)
+    assert [names(m.commands) for m in listed] == [["/cmd_vel"], ["/bus"]][: 1 + (called == "/bus")]
+
+
+@pytest.mark.parametrize(
+    ("beside", "is_listed"),
+    [
+        ((), False),
+        ((fact("operator", "/base", "keyboard"),), True),
+        ((fact("socket", "/base", "web server"),), True),
+        ((fact("device", "/base", "PWM output"),), True),
+    ],
+)
+def test_hardware_without_commands_that_a_person_or_a_network_reaches_or_that_only_moves(
+    beside, is_listed
+):
+    assert bool(inventory("/base driver own\n", wiring=(DRIVER, *beside))) is is_listed
+
+
+@pytest.mark.parametrize(
+    ("more", "changes", "unprompted"),
+    [
+        ("", {}, ("/walk",)),
+        ("    sub /bumper sensor_msgs/msg/Range\n", {}, ("/walk",)),
+        (f"    sub /goal_vel {TWIST}\n", {}, ()),
+        ("", {"wiring": (fact("operator", "/walk", "keyboard"),)}, ()),
+        ("", {"wiring": (fact("device", "/walk", "serial port"),)}, ()),
+        ("", {"services": (Service(node="/walk", name="/start", type="x/srv/Go"),)}, ()),
+        ("", {"unread": ("/walk",)}, ()),
+    ],
+)
+def test_who_commands_though_nobody_tells_it_to(more, changes, unprompted):
+    text = f"/walk walk own\n    pub /cmd_vel {TWIST}\n{more}{BASE}"
+    (mover, *_) = (each for each in inventory(text, **changes) if each.thing is Thing.BASE)
+    assert mover.unprompted == unprompted
+    rows = [row.text for row in mover_rows(mover)]
+    told = "nothing in the source tells /walk to send: it may begin when the app starts"
+    assert (told in rows) is bool(unprompted)
+
+
+@pytest.mark.parametrize(
+    ("topic", "wiring", "is_listed"),
+    [
+        ("/distances", (fact("device", "/base", "GPIO"),), False),
+        ("/distances", (), True),
+        ("/drive_vel", (fact("device", "/base", "GPIO"),), True),
+    ],
+)
+def test_a_velocity_of_hardware_that_nobody_hears_needs_a_name_to_be_a_command(
+    topic, wiring, is_listed
+):
+    assert bool(inventory(f"/base base own\n    pub {topic} {TWIST}\n", wiring=wiring)) is is_listed
+
+
+@pytest.mark.parametrize(
+    ("unread", "more", "drivers"),
+    [
+        (("/serial_node",), "", ()),
+        (("/serial_node",), "    pub /pulses x/msg/Pulses\n", ("/monitor",)),
+        ((), "", ("/monitor",)),
+    ],
+)
+def test_who_hears_a_command_beside_firmware_and_sends_nothing_only_listens(unread, more, drivers):
+    text = f"/monitor monitor own\n    sub /cmd_vel {TWIST}\n{more}"
+    listed = inventory(text + "/serial_node rosserial_python third_party\n", ros=1, unread=unread)
+    assert [m.drivers for m in listed if m.thing is Thing.BASE] == [drivers]
+
+
+@pytest.mark.parametrize(("unread", "is_told"), [((), True), (("/serial_node",), False)])
+def test_another_sketch_than_the_one_that_was_read_may_be_flashed(unread, is_told):
+    text = f"/serial_node rosserial_python third_party\n    sub /cmd_vel {TWIST}\n"
+    mover = next(m for m in inventory(text, 1, unread=unread) if m.thing is Thing.BASE)
+    assert any("another may be flashed" in row.text for row in mover_rows(mover)) is is_told

@@ -8,7 +8,7 @@ from functools import lru_cache
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.command_topics import STOPPING
 from rtron.findings.inventory.commands import AppCommands
-from rtron.findings.inventory.doors import doors, operators
+from rtron.findings.inventory.doors import doors, has_door, operators
 from rtron.findings.inventory.limits import limits
 from rtron.findings.inventory.node_roles import (
     FIRMWARE_PACKAGES,
@@ -89,26 +89,24 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
 
 
 def _uncommanded_hardware(app: AppFacts, roles: NodeRoles, movers: list[Mover]) -> Iterator[Mover]:
-    """Yield the nodes with hardware that can only move, which obey nothing of the app that moves.
+    """Yield the nodes with hardware that obey nothing of the app that moves.
 
-    They may decide themselves, or obey a joystick or a link of their own.
+    It can only move, or they have a person or a link of their own that commands it.
     """
     moving = (mover for mover in movers if mover.thing not in NO_MOTION)
     listed = {node for mover in moving for node in mover.drivers}
-    for node in filter(roles.moves_hardware, sorted(app.nodes)):
+    for node in filter(roles.is_actuating, sorted(app.nodes)):
         hardware = tuple(dict.fromkeys(fact.value for fact in roles.devices((node,))))
-        if node not in listed and not (
-            MOVING_HARDWARE.isdisjoint(hardware) or roles.is_called_sensor(node)
-        ):
-            thing = Thing.VEHICLE if roles.is_autopilot(node) else Thing.DEVICE
-            links = doors(app, (node,))
+        persons = operators(app, {node})
+        is_moving = persons or has_door(app, node) or not MOVING_HARDWARE.isdisjoint(hardware)
+        if node not in listed and is_moving:
             yield Mover(
-                thing=thing,
+                thing=Thing.VEHICLE if roles.is_autopilot(node) else Thing.DEVICE,
                 commands=(),
                 drivers=(node,),
                 hardware=hardware,
-                doors=links,
-                operators=operators(app, {node}),
+                doors=doors(app, (node,)),
+                operators=persons,
             )
 
 
@@ -158,7 +156,7 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
 
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
     topics = [each for each in last if each.means is Means.TOPIC]
-    streamed = [each for each in topics if each.type not in SIGNALS and goes_on(each)]
+    streamed = [each for each in topics if each.type not in SIGNALS and goes_on(thing, each)]
     behind = list(commands.forwarding.behind(topics))
     goals = commands.forwarding.goals(each for each in last if each.means is Means.ACTION)
     requests = [each for each in last if each.means is not Means.TOPIC and thing not in NO_MOTION]
@@ -181,6 +179,8 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         ),
         doors=doors(app, drivers, senders),
         operators=operators(app, {*drivers, *senders}),
+        unprompted=() if thing in NO_MOTION else commands.forwarding.unprompted(topics),
+        firmware=tuple(filter(commands.roles.is_sketch, drivers)),
         effect=_stop_effect(commands, drivers) if thing is Thing.STOP and topics else "",
         unread=unread,
         is_whole=not set(app.unread_nodes).difference(bridges(app)),

@@ -174,10 +174,9 @@ class CommandTopics:
     def _is_output(self, end: Endpoint) -> bool:
         given = self.flows.outputs.get((end.node, end.topic))
         is_named = self._things[end.topic] not in {None, Thing.DEVICE, Thing.MODE}
-        moves = self.roles.moves_hardware(end.node) and not self.roles.is_called_sensor(end.node)
-        return (given == "device" and moves) or (
-            given is not None and is_named and self.roles.obeys(end.node)
-        )
+        if given == "device" and self.roles.is_actuating(end.node):
+            return True
+        return given is not None and is_named and self.roles.obeys(end.node)
 
     @cached_property
     def _pressed(self) -> set[str]:

@@ -49,7 +49,8 @@ class AppCommands:
             thing, command = self.topics.thing_of(topic), self.topics.command(topic)
             receivers = command.receivers
             is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
-            is_sent = command.senders and (thing not in SWITCHES or _is_of_autopilot(topic))
+            is_sent = bool(command.senders) and (thing not in SWITCHES or _is_of_autopilot(topic))
+            is_sent |= bool(self.roles.firmware and self.app.readers(topic))
             is_report = self._is_reading(command) or self._is_echo(command)
             is_feedback = self.forwarding.is_feedback(topic) and not self.topics.unheard.is_order(
                 topic
@@ -103,7 +104,9 @@ class AppCommands:
     def _is_reading(self, command: Command) -> bool:
         """Return whether what nobody here obeys is a reading: its senders measure their motion."""
         is_open = not command.receivers and not COMMAND_NAMES.search(command.name)
-        return is_open and bool(command.senders) and all(map(self._is_measured, command.senders))
+        is_named = thing_of(command.name, "", Means.TOPIC) is not None
+        reads = self._is_measured if is_named else self._is_measured_or_driven
+        return is_open and bool(command.senders) and all(map(reads, command.senders))
 
     def _is_echo(self, command: Command) -> bool:
         """Return whether nobody obeys a setpoint whose senders send others that are obeyed.
@@ -121,6 +124,10 @@ class AppCommands:
         commands = map(self.topics.command, self._command_topics)
         return frozenset(chain.from_iterable(c.senders for c in commands if c.receivers))
 
+    def _is_measured_or_driven(self, node: str) -> bool:
+        """Return whether a node measures its motion or makes it: it needs nobody to obey it."""
+        return self.roles.is_actuating(node) or self._is_measured(node)
+
     def _is_measured(self, node: str) -> bool:
         is_driver = self.roles.drives(node) or node in self._drivers
         return self.roles.measures_motion(node, is_driver=is_driver)
@@ -129,6 +136,7 @@ class AppCommands:
         graph = self.app.graph
         devices = {node for node in self.roles.beside_hardware if not self.roles.is_sensor(node)}
         drivers = self._drivers.union(filter(self.roles.is_controller, self.app.nodes))
+        drivers |= self._called_hardware
         viewers = self.app.facts.viewers
         for thing, command in chain(
             services(graph, drivers | self._commanders, devices, viewers),
@@ -137,6 +145,15 @@ class AppCommands:
             is_dead = bool(command.receivers) and all(map(self._leads_nowhere, command.receivers))
             if not (is_dead or self._is_idle_service(thing, command)):
                 yield self._as_driven(thing, command)
+
+    @cached_property
+    def _called_hardware(self) -> frozenset[str]:
+        """The nodes with hardware that others call because they get a command of motion."""
+        topics = self.topics.named_topics
+        sides = ((node, topic) for topic in topics for node in self.app.readers(topic))
+        names = set(chain.from_iterable(self.topics.flows.led(*side) for side in sides))
+        servers = (each.node for each in self.app.graph.services if each.name in names)
+        return frozenset(filter(self.roles.is_actuating, servers))
 
     def _is_idle_service(self, thing: Thing, command: Command) -> bool:
         """Return whether a service moves nothing, whatever its name says, by who offers it.

@@ -20,6 +20,13 @@ def doors(
     return tuple(dict.fromkeys([*open_to_all, *own]))
 
 
+def has_door(app: AppFacts, node: str) -> bool:
+    """Return whether a node has a way in of its own, from a network."""
+    return any(
+        each.kind is WiringFactKind.SOCKET and each.subject == node for each in app.graph.wiring
+    )
+
+
 def _own_doors(app: AppFacts, drivers: frozenset[str], senders: frozenset[str]) -> Iterator[str]:
     for fact in app.graph.wiring:
         nodes = drivers if fact.value == "MAVLink link" else drivers | senders

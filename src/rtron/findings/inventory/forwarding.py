@@ -7,8 +7,9 @@ from functools import cached_property
 from itertools import chain, filterfalse
 
 from rtron.findings.inventory.command_topics import CommandTopics
+from rtron.findings.inventory.doors import operators
 from rtron.findings.inventory.things import COMMAND_NAMES, is_order, thing_of
-from rtron.vocabulary import Endpoint, normalise_type
+from rtron.vocabulary import ActionRole, Endpoint, Trust, WiringFactKind, normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Command, Means
 
 _MOST_HOPS = 6
@@ -68,6 +69,32 @@ class Forwarding:
                     yield replace(each, hops=1)
                 elif each.name in leading:
                     yield replace(each, hops=_MOST_HOPS)
+
+    def unprompted(self, commands: Iterable[Command]) -> tuple[str, ...]:
+        """Return the app's own nodes that send commands, and that nothing reaches which tells them.
+
+        What they measure may decide when they begin.
+        """
+        commands = tuple(commands)
+        led = {command.name for command in commands}
+        senders = dict.fromkeys(node for each in commands for node in each.senders)
+        return tuple(node for node in senders if self._is_unprompted(node, led))
+
+    def _is_unprompted(self, node: str, led: Collection[str]) -> bool:
+        app, has_input = self.topics.app, bool(self.topics.inputs.get(node))
+        is_own = node in app.nodes and app.nodes[node].trust is Trust.OWN
+        if has_input or not is_own or node in self._reached or node in app.unread_nodes:
+            return False
+        return not (any(self.topics.flows.leading(node, led)) or operators(app, {node}))
+
+    @cached_property
+    def _reached(self) -> frozenset[str]:
+        """The nodes that requests, hardware or a network may tell something."""
+        graph = self.topics.app.graph
+        links = (WiringFactKind.DEVICE, WiringFactKind.SOCKET)
+        found = {each.node for each in graph.services if not each.implicit}
+        found |= {each.node for each in graph.actions if each.role is ActionRole.SERVER}
+        return frozenset(found.union(f.subject for f in graph.wiring if f.kind in links))
 
     def decides(self, node: str) -> bool:
         """Return whether a node decides between commands: an arbiter, or one that takes several."""

@@ -26,6 +26,10 @@ class MessageFlows:
         """Return whether a node does nothing with what it gets on a topic."""
         return self._flows.get(node, {}).get(topic) == frozenset()
 
+    def led(self, node: str, topic: str) -> frozenset[str]:
+        """Return what a node sends or calls because of a topic."""
+        return self._flows.get(node, {}).get(topic, frozenset())
+
     def leading(self, node: str, names: Collection[str]) -> Iterator[str]:
         """Yield what makes a node send topics or call services, and is not only measured.
 

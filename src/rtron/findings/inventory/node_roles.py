@@ -36,7 +36,9 @@ _LISTENERS = re.compile(
     rf"|{_SHOWING}|gui|log(?:s|ger|ging)?|debug|collector|status|web(?:site|page|app)?|reports?"
 )
 """Words in the names of nodes that hear commands and obey none."""
-MOVING_HARDWARE = frozenset({"motor controller", "vehicle link", "servo bus", "EtherCAT"})
+MOVING_HARDWARE = frozenset(
+    {"motor controller", "vehicle link", "servo bus", "EtherCAT", "servo driver", "PWM output"}
+)
 """What a node opens to move something, and seldom only to read."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
 _SHOWN = frozenset({"sensor_msgs/JointState", "tf2_msgs/TFMessage", "tf/tfMessage"})
@@ -114,11 +116,24 @@ class NodeRoles:
         nodes = (node for node in self.app.unread_nodes if self.package(node) in FIRMWARE_PACKAGES)
         return frozenset(node for node in nodes if not self.is_called_sensor(node))
 
+    def is_sketch(self, node: str) -> bool:
+        """Return whether a node speaks for firmware, of which a sketch in the source was read."""
+        return self.package(node) in FIRMWARE_PACKAGES and node not in self.app.unread_nodes
+
     def _only_shows(self, node: str) -> bool:
-        """Return whether a node only tells how joints would stand that firmware moves."""
+        """Return whether a node beside firmware sends nothing, or only how joints would stand."""
         types = {normalise_type(end.type) for end in self._sent(node)}
         is_beside = bool(self.firmware) and not (self.drives(node) or node in self.app.unread_nodes)
-        return is_beside and "sensor_msgs/JointState" in types and types <= _SHOWN
+        is_shown = "sensor_msgs/JointState" in types and types <= _SHOWN
+        is_last = not (types or node in self._clients or self.is_called_driver(node))
+        return is_beside and (is_shown or is_last)
+
+    @cached_property
+    def _clients(self) -> frozenset[str]:
+        """The nodes that call services or send goals."""
+        graph = self.app.graph
+        clients = (each.node for each in graph.clients)
+        return frozenset(each.node for each in graph.actions).union(clients)
 
     def _sent(self, node: str) -> tuple[Endpoint, ...]:
         return tuple(end for end in self.app.graph.published_by(node) if not end.implicit)
@@ -159,6 +174,10 @@ class NodeRoles:
         """Return whether a node opens hardware and measures nothing with it."""
         is_other = self.is_sensor(node) or self.measures_motion(node, is_driver=False)
         return node in self.with_device and self.obeys(node) and not is_other
+
+    def is_actuating(self, node: str) -> bool:
+        """Return whether a node opens hardware, and is no sensor by what it sends or its name."""
+        return self.moves_hardware(node) and not self.is_called_sensor(node)
 
     def is_controller(self, node: str) -> bool:
         """Return whether a node is a controller of ros2_control, whose program is a plugin."""

@@ -6,8 +6,9 @@ from math import inf
 from typing import NamedTuple
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.inventory.things import COMMAND_NAMES
 from rtron.vocabulary import Endpoint, LastMessageFate, WiringFact, WiringFactKind
-from rtron.vocabulary.inventory import Command, Stops
+from rtron.vocabulary.inventory import Command, Stops, Thing
 from rtron.vocabulary.names import snake_case
 from rtron.wording import conjugate, join_names
 
@@ -54,6 +55,8 @@ _UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
 """What becomes of a last message where nothing looks at its age."""
 _ENDING = re.compile(r"trajectory|position|angle|pose(?![a-z])|goal")
 """Words in names and types of what tells where to go: the motion ends there."""
+_RATES = re.compile(r"speed|vel(?![a-z])|velocit|effort|torque|thrust")
+"""Words in names of what tells how fast or how hard to go."""
 
 
 class Stopping(NamedTuple):
@@ -67,10 +70,15 @@ class Stopping(NamedTuple):
 _ABSENT = Stopping(Stops.UNKNOWN, "what obeys is not in this launch")
 
 
-def goes_on(command: Command) -> bool:
-    """Return whether what a command moves goes on without more of them: it tells no place."""
-    words = snake_case(f"{command.name.rpartition('/')[2]} {command.type}")
-    return bool(_STREAMS.search(command.type)) or not _ENDING.search(words)
+def goes_on(thing: Thing, command: Command) -> bool:
+    """Return whether what a command moves goes on without more of them: it tells no place.
+
+    What hangs on hardware that is not known may be told once.
+    """
+    name = snake_case(command.name.rpartition("/")[2])
+    is_place = _ENDING.search(f"{name} {snake_case(command.type)}") and not _RATES.search(name)
+    is_known = thing is not Thing.DEVICE or bool(COMMAND_NAMES.search(command.name))
+    return bool(_STREAMS.search(command.type)) or (is_known and not is_place)
 
 
 def stopping(

@@ -52,16 +52,28 @@ def mover_rows(mover: Mover) -> Iterator[MoverRow]:
             nobody = "nobody in this launch" if mover.is_whole else "nobody that was read"
             text = f"open: {nobody} {verb} {_names(spare)}; any node can"
             yield MoverRow(text, Tone.WARNING)
-    if mover.effect:
-        yield MoverRow(mover.effect, Tone.UNCERTAIN)
-    if mover.operators:
-        yield MoverRow(f"a person commands it by {_all(mover.operators)}")
+    yield from _source_rows(mover)
     if mover.doors:
         yield MoverRow(f"reached from a network through {join_names(mover.doors)}", Tone.WARNING)
     if mover.stop:
         yield MoverRow(
             f"stops when commands end: {mover.stops}; {mover.stop}", _STOP_TONE[mover.stops]
         )
+
+
+def _source_rows(mover: Mover) -> Iterator[MoverRow]:
+    """Yield what else is known of those that command and obey."""
+    if mover.unprompted:
+        who = _all(mover.unprompted)
+        text = f"nothing in the source tells {who} to send: it may begin when the app starts"
+        yield MoverRow(text, Tone.WARNING)
+    if mover.firmware:
+        read = "what a sketch in the source obeys; another may be flashed"
+        yield MoverRow(f"of the firmware of {_all(mover.firmware)}: {read}", Tone.UNCERTAIN)
+    if mover.effect:
+        yield MoverRow(mover.effect, Tone.UNCERTAIN)
+    if mover.operators:
+        yield MoverRow(f"a person commands it by {_all(mover.operators)}")
 
 
 def _behind(mover: Mover) -> list[Command]:

@@ -44,7 +44,9 @@ def cpp(text):
         ("import serial", "serial port"),
         ("from serial import Serial", "serial port"),
         ("import smbus2 as smbus", "I2C"),
-        ("from adafruit_servokit import ServoKit", "I2C"),
+        ("from adafruit_servokit import ServoKit", "servo driver"),
+        ("import adafruit_bno055", "I2C"),
+        ("    pwm = GPIO.PWM(18, 50)", "PWM output"),
         ("import spidev", "SPI"),
         ("    import RPi.GPIO as GPIO", "GPIO"),
         ("import can", "CAN"),
@@ -143,11 +145,18 @@ def test_sockets(facts, line, how):
         ("from inputs import get_gamepad", "joystick"),
         ("pad = open('/dev/input/js0', 'rb')", "joystick"),
         ("termios.tcsetattr(sys.stdin, termios.TCSADRAIN, old)", "keyboard"),
-        ("from PyQt6.QtWidgets import QWidget", "window"),
+        ("app = QApplication(sys.argv)", "window"),
+        ("root = tk.Tk()", "window"),
+        ("key = input('w, a, s, d: ')", "keyboard"),
     ],
 )
 def test_what_a_person_commands_by(facts, line, how):
     assert facts(python(line)) == {("operator", how): ("scripts/driver.py", 2)}
+
+
+@pytest.mark.parametrize("line", ["from PyQt6 import QtCore", "from tkinter import messagebox"])
+def test_parts_of_a_window_without_an_application_are_no_person(facts, line):
+    assert facts(python(line)) == {}
 
 
 def test_the_settings_of_a_serial_port_are_no_keyboard(facts):

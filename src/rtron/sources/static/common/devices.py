@@ -17,8 +17,13 @@ from rtron.vocabulary import Evidence, InteractionGraph, Node, WiringFact, Wirin
 
 _LIBRARIES = {
     "serial port": r"\bserial\b|cfset[io]?speed|LibSerial|SerialPort|serial_port|serial_driver",
-    "I2C": r"\bsmbus|linux/i2c|wiringPiI2C|\bbusio\b|\badafruit_|Adafruit_|\bqwiic",
+    "I2C": r"\bsmbus|linux/i2c|wiringPiI2C|\bbusio\b|\bqwiic"
+    r"|\b[aA]dafruit_(?!(?i:servo|motor|pca9685))",
     "SPI": r"\bspidev|linux/spi",
+    "PWM output": r"\.PWM\(|set_servo_pulsewidth|set_PWM_dutycycle|hardware_PWM|[pP]wmWrite\("
+    r"|softServoWrite|tx_(?:pwm|servo)\("
+    r"|gpiozero import[^\n]*\b(?:Motor|Robot|Servo|AngularServo)\b",
+    "servo driver": r"(?i:pca9685|servokit|adafruit_motor\b|motorkit)",
     "GPIO": r"RPi\.GPIO|Jetson\.GPIO|gpiozero|pigpio|wiringPi\.h|\blgpio|\bgpiod",
     "CAN": r"(?<=import )can\b|(?<=from )can\b|linux/can|socketcan|canlib|PCANBasic|can_msgs",
     "EtherCAT": r"ethercat\.h|\becrt\.h|\bsoem",
@@ -58,8 +63,10 @@ _OPERATORS = {
     "joystick": r"pygame\.joystick|from pygame import joystick|\binputs import get_gamepad"
     r"|\bevdev\b|/dev/input/|linux/joystick\.h|SDL_Joystick|SDL_GameController|\bhidapi\b",
     "keyboard": r"\bpynput\b|\btty\.set(?:raw|cbreak)|\bcurses\.|ncurses\.h"
-    r"|tcsetattr\(\s*(?:0\b|STDIN|kfd|sys\.stdin)|pygame\.K_\w|^import keyboard\b",
-    "window": r"\btkinter\b|\bTkinter\b|\bPy(?:Qt|Side)\d\b|python_qt_binding|\bQApplication\b",
+    r"|tcsetattr\(\s*(?:0\b|STDIN|kfd|sys\.stdin)|pygame\.K_\w|^import keyboard\b"
+    r"|(?<![\w.])(?:raw_)?input\(|\bcin\s*>>|getline\(\s*(?:std::)?cin\b",
+    "window": r"\bQ(?:Gui)?Application\b(?!\s*[,;])|\b(?:tk(?:inter)?\.|Tkinter\.)Tk\(|=\s*Tk\(\)"
+    r"|\bCTk\(|\bwx\.App\(|\bGtk\.(?:main|Application)\(|\brqt_gui_(?:py|cpp)\b",
 }
 """Where a person commands a node beside ROS."""
 _COMMAND = r"(?<![a-z])(?:cmd_?vel|cmd|command|vel|velocity|twist|joy|setpoint|teleop|drive)"
@@ -99,7 +106,8 @@ _KINDS = {
     WiringFactKind.COMMAND_AGE: {"age of a command": f"(?i:{_AGE})"},
 }
 _IMPORTS = re.compile(
-    rb"[ \t]*(?:(?:#[ \t]*include|import|from)\b|cfset[io]?speed)|[^\n]{0,80}connect(?:ion)?\("
+    rb"[ \t]*(?:(?:#[ \t]*include|import|from)\b|cfset[io]?speed)|[^\n]{0,80}(?:connect(?:ion)?|PWM"
+    rb"|servo_pulsewidth|PWM_dutycycle|[pP]wmWrite|ServoWrite|tx_pwm|tx_servo)\("
 )
 _Places: TypeAlias = dict[tuple[WiringFactKind, str], Evidence]
 """Where each word of each kind stands first."""
