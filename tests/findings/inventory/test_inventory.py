@@ -62,6 +62,7 @@ def last(fate, *seconds):
     return replace(fact("last_message", "/base", fate), others=seconds)
 
 
+WRITTEN = fact("message_flow", "/base", "device")
 DRIVER, KEPT = fact("device", "/base", "CAN"), last("unnoticed")
 AGED = fact("command_age", "/base", "age")
 
@@ -1430,29 +1431,7 @@ def test_what_makes_a_node_call_a_service_is_behind_it():
     assert names(mover.commands) == ["/set_blade"]
 
 
-@pytest.mark.parametrize(
-    ("type", "value", "device", "count"),
-    [
-        ("sensor_msgs/msg/Joy", "write", "CAN", 1),
-        ("std_msgs/msg/String", "write", "serial port", 1),
-        ("std_msgs/msg/String", "", "serial port", 0),
-        ("std_msgs/msg/String", "write", "", 0),
-        ("sensor_msgs/msg/Imu", "write", "serial port", 0),
-    ],
-)
-def test_what_a_node_writes_to_hardware_moves_it_whatever_it_is_called(type, value, device, count):
-    graph = small_graph(f"/truck truck own\n    sub /remote {type}\n")
-    ends = tuple(replace(each, evidence=PLACE) for each in graph.endpoints)
-    facts = [fact("message_flow", "/truck", value)] + [fact("device", "/truck", device)] * bool(
-        device
-    )
-    movers = take_inventory(app_facts(replace(graph, endpoints=ends, wiring=tuple(facts))))
-    assert [(m.thing, m.drivers, names(m.commands)) for m in movers] == [
-        (Thing.DEVICE, ("/truck",), ["/remote"])
-    ] * count
-
-
-@pytest.mark.parametrize(("value", "count"), [("pan", 1), ("", 0)])
+@pytest.mark.parametrize(("value", "count"), [("library", 1), ("", 0)])
 def test_what_an_unknown_library_gets_moves_what_its_name_says(value, count):
     graph = small_graph("/mount mount own\n    sub /pan_tilt/values geometry_msgs/msg/Point\n")
     ends = tuple(replace(each, evidence=PLACE) for each in graph.endpoints)
@@ -1554,7 +1533,7 @@ def test_a_stop_that_no_driver_obeys_is_told_so():
     ],
 )
 def test_what_is_told_where_to_go_ends_there(topic, type, stops):
-    mover = the_mover(f"/base driver own\n    sub {topic} {type}\n", wiring=(DRIVER, KEPT))
+    mover = the_mover(f"/base driver own\n    sub {topic} {type}\n", wiring=(DRIVER, KEPT, WRITTEN))
     assert mover.stops is stops
     assert bool(mover.stop) is (stops is Stops.NO)
 
@@ -1568,24 +1547,19 @@ def flow(node, topic, *others):
 @pytest.mark.parametrize(
     ("topic", "type", "wiring", "is_listed"),
     [
-        ("/joy", "sensor_msgs/msg/Joy", (DRIVER, KEPT), True),
-        ("/cable", "x/msg/Cable", (DRIVER, KEPT), True),
+        ("/joy", "sensor_msgs/msg/Joy", (DRIVER, WRITTEN), True),
+        ("/cable", "x/msg/Cable", (DRIVER, WRITTEN), True),
+        ("/cable", "std_msgs/msg/Int32", (DRIVER, WRITTEN), True),
         ("/cable", "x/msg/Cable", (DRIVER,), False),
-        ("/cable", "x/msg/Cable", (KEPT,), False),
-        ("/cable", "x/msg/Cable", (DRIVER, KEPT, fact("message_flow", "/base", "")), False),
-        ("/rtcm", "rtcm_msgs/msg/Message", (DRIVER, KEPT), False),
-        ("/cable", "std_msgs/msg/Int32", (DRIVER, KEPT), False),
+        ("/cable", "x/msg/Cable", (WRITTEN,), False),
+        ("/cable", "x/msg/Cable", (DRIVER, fact("message_flow", "/base", "")), False),
+        ("/cable", "x/msg/Cable", (DRIVER, fact("message_flow", "/base", "library")), False),
+        ("/rtcm", "rtcm_msgs/msg/Message", (DRIVER, WRITTEN), False),
     ],
 )
 def test_what_goes_from_a_topic_to_hardware_alone_is_a_command(topic, type, wiring, is_listed):
     listed = inventory(f"/base driver own\n    sub {topic} {type}\n", wiring=wiring)
     assert [names(mover.commands) for mover in listed] == [[topic]] * is_listed
-
-
-def test_who_serves_a_network_may_keep_what_it_hears_to_show_it():
-    text = "/base driver own\n    sub /cable x/msg/Cable\n"
-    served = (DRIVER, KEPT, fact("socket", "/base", "web server"))
-    assert [mover.commands for mover in inventory(text, wiring=served)] == [()]
 
 
 @pytest.mark.parametrize("called", ["/bus", "/other"])

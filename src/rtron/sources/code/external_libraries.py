@@ -102,4 +102,4 @@ class ExternalLibraries:
         first = re.split(r"[.:(<]", name, maxsplit=1)[0]
         is_named = "::" in name or "." in name or isinstance(value, av.ExternalSymbol)
         is_other = first in _OTHERS or _MESSAGES.search(first)
-        return name if is_named and first and not is_other else ""
+        return name.removesuffix("()") if is_named and first and not is_other else ""
