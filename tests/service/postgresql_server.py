@@ -75,10 +75,13 @@ class PostgreSQL:
     def new_database(self):
         """Return the URL of a new database that has its tables: a copy takes less than they do."""
         if not self._migrated:
-            url = self.empty_database()
-            Database(url).close()
-            self._migrated = url.rpartition("/")[2]
-        return self._create(self._migrated)
+            self._migrated = self.empty_database()
+            Database(self._migrated).close()
+        return self.copy_database(self._migrated)
+
+    def copy_database(self, url):
+        """Return the URL of a copy of a database, to which nobody is connected."""
+        return self._create(url.rpartition("/")[2])
 
     def _create(self, template):
         name = f"rtron{next(self._numbers)}"

@@ -2,7 +2,7 @@
 
 import pytest
 from controller_setup import END_USER, caller
-from rollout_setup import ANN, NODES, RolloutSetup
+from rollout_setup import ANN, NODES
 from sqlalchemy import select
 
 from rtron.errors import InputError
@@ -13,7 +13,6 @@ from rtron.service.domain.rollouts.schemas import Problem, RobotSelection
 from rtron.service.domain.schemas import SettingsChange
 from rtron.service.store.accounts.users import get_user, set_groups
 from rtron.service.store.chain_check import all_chains, check_database, snapshot
-from rtron.service.store.database import Database
 from rtron.service.store.settings import list_settings, settings_view
 from rtron.service.store.tables import AuditRow
 from rtron.vocabulary import Alarm, AlarmKind, EventKind, GuardState, PolicyName
@@ -22,12 +21,8 @@ BAD = GuardState(at=0, revision=0, alarms=(Alarm(kind=AlarmKind.DRIFT, reason="w
 
 
 @pytest.fixture
-def site(database_file):
-    database = Database(database_file)
-    made = RolloutSetup(database).meet()
-    yield made
-    made.close()
-    database.close()
+def site(sqlite_cars):
+    return sqlite_cars
 
 
 def policy(cars, robot):

@@ -2,8 +2,10 @@
 
 import os
 import socket
+import ssl
 from contextlib import closing
 from pathlib import Path
+from threading import Thread
 
 import pytest
 from sqlalchemy import make_url, text
@@ -39,6 +41,31 @@ def test_a_server_that_does_not_answer_leaves_no_socket_open(database):
         with pytest.raises((DBAPIError, OSError)), database.own_connection(0.1):
             pass
         assert open_sockets() == before
+
+
+def test_what_is_said_to_a_server_with_tls_is_encrypted(database, certificate):
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(*certificate)
+    heard = []
+
+    def serve(listening):
+        plain, _ = listening.accept()
+        plain.recv(8)
+        plain.sendall(b"S")
+        with context.wrap_socket(plain, server_side=True) as encrypted:
+            heard.append(encrypted.recv(1000))
+
+    with closing(socket.create_server(("127.0.0.1", 0))) as server:
+        port = server.getsockname()[1]
+        database.url = make_url(f"postgresql+pg8000://ann:secret@127.0.0.1:{port}/b")
+        thread = Thread(target=serve, args=[server])
+        before = open_sockets()
+        thread.start()
+        with pytest.raises(DBAPIError), database.own_connection(60):
+            pass
+        thread.join()
+        assert open_sockets() == before
+    assert b"user\0ann\0" in heard[0]
 
 
 def test_a_server_that_is_not_there_is_an_error_of_the_database(database):
