@@ -1,4 +1,4 @@
-"""A ROS 2 domain, and ports, that no other demo on this machine uses meanwhile."""
+"""Keeps a demo apart from what else runs here: domain, ports, environment and packages."""
 
 import os
 import socket

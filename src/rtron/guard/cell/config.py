@@ -1,10 +1,10 @@
 """What a cell is made of: handed to its processes in memory, as the guard's configuration is."""
 
-import os
 import pickle
 from dataclasses import dataclass
 
 from rtron.guard.cell.isolation import Gap, Outside
+from rtron.guard.system.sealed_memory import read_memory_file, write_memory_file
 from rtron.vocabulary import CellManifest, Plan
 
 READY, REFUSED = b"ready", b"refused"
@@ -37,14 +37,10 @@ class CellConfig:
 
     def write_to_memory(self) -> int:
         """Return the descriptor of a file in memory with the configuration."""
-        descriptor = os.memfd_create("rtron-cell", os.MFD_CLOEXEC)
-        with os.fdopen(os.dup(descriptor), "wb") as file:
-            file.write(pickle.dumps(self))
-        return descriptor
+        return write_memory_file(pickle.dumps(self))
 
 
 def read_cell_config(descriptor: int) -> CellConfig:
     """Return the configuration that the gateway wrote."""
-    data = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
-    config: CellConfig = pickle.loads(data)  # noqa: S301 - the gateway is our parent
+    config: CellConfig = pickle.loads(read_memory_file(descriptor))  # noqa: S301 - the gateway is our parent
     return config

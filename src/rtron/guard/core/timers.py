@@ -1,4 +1,4 @@
-"""Timers for what changes by time alone, and for what waits a moment."""
+"""Timers: one for a deadline that moves, one for calls that follow each other too fast."""
 
 from collections.abc import Callable
 from functools import partial

@@ -1,4 +1,4 @@
-"""Requests of a person at the control socket: overrides, and the end of an intrusion's stop."""
+"""What a person may request at the control socket, as to clear an intrusion."""
 
 import logging
 from collections.abc import Mapping

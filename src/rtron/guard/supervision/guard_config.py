@@ -5,12 +5,12 @@ that is gone, does not keep a guard from coming back.
 """
 
 import hashlib
-import os
 import pickle
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from rtron.guard.system.sealed_memory import read_memory_file, write_memory_file
 from rtron.vocabulary import Mode, Plan, Stream, StreamKind, build_streams
 
 
@@ -33,17 +33,9 @@ class GuardConfig:
         return write_memory_file(pickle.dumps(self))
 
 
-def write_memory_file(config: bytes) -> int:
-    """Return the descriptor of a file in memory with a configuration that is written already."""
-    descriptor = os.memfd_create("rtron-config", os.MFD_CLOEXEC)
-    with os.fdopen(os.dup(descriptor), "wb") as file:
-        file.write(config)
-    return descriptor
-
-
 def read_config(descriptor: int) -> GuardConfig:
     """Return the configuration that a process of ours wrote before it became this one."""
-    data = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
+    data = read_memory_file(descriptor)
     config: GuardConfig = pickle.loads(data)  # noqa: S301 - nobody else can have written it
     return config
 

@@ -9,7 +9,7 @@ import struct
 from enum import Enum
 
 from rtron.guard.supervision.fork_server import START_FAILED
-from rtron.guard.supervision.guard_config import write_memory_file
+from rtron.guard.system.sealed_memory import write_memory_file
 from rtron.vocabulary import SECOND
 
 PLAN_TRIAL = 5 * SECOND

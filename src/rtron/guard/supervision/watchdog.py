@@ -1,4 +1,4 @@
-"""How long another process has given no sign of life, and how late this machine is; sans-I/O."""
+"""Watches processes by their beats, as late as this machine is; sans-I/O."""
 
 from rtron.vocabulary import SECOND
 

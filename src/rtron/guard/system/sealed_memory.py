@@ -33,6 +33,19 @@ class SharedBeat:
         self._words[0] = now
 
 
+def write_memory_file(data: bytes) -> int:
+    """Return the descriptor of a file in memory, which a program that is started inherits."""
+    descriptor = os.memfd_create("rtron-config", os.MFD_CLOEXEC)
+    with os.fdopen(os.dup(descriptor), "wb") as file:
+        file.write(data)
+    return descriptor
+
+
+def read_memory_file(descriptor: int) -> bytes:
+    """Return what is in such a file."""
+    return os.pread(descriptor, os.fstat(descriptor).st_size, 0)
+
+
 _SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
 
 

@@ -1,4 +1,4 @@
-"""Where the guard of an app keeps what must outlive it, and under which names."""
+"""The files in which the guard of an app keeps what must outlive it."""
 
 import ipaddress
 import os

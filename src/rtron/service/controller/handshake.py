@@ -1,4 +1,4 @@
-"""What is stored when a guard says hello, and which settings it is to put in force."""
+"""The hello of a guard: what is stored of it, and the settings that answer it."""
 
 from collections import deque
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""A launch file: which ROS it is of, and which arguments it has.
+"""Launch files below a folder: the ROS of each, and the arguments that it declares.
 
 docs.ros.org: launch file formats; REP 149: build types.
 """

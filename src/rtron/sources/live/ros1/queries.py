@@ -1,4 +1,4 @@
-"""The type of a ROS 1 service, asked with a probe (ROS wiki: TCPROS)."""
+"""What a running ROS 1 node answers about its program and services (ROS wiki: TCPROS)."""
 
 import os
 import re

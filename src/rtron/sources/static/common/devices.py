@@ -1,4 +1,4 @@
-"""What the source of a node opens, devices and sockets, and names that tell of a command's age.
+"""What the text of a node's source shows of devices, sockets and the age of its commands.
 
 Its text is searched: what stands in a comment does not count, what a function would do at run time
 is not followed.

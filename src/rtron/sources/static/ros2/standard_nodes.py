@@ -1,4 +1,4 @@
-"""Nodes of ROS 2 that are known without their source: containers, and the bridge to Gazebo."""
+"""Nodes of ROS 2 that are known without their source, as component containers and ros_gz_bridge."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""A command as it is carried out, and where."""
+"""One call of a CMake command, with its arguments expanded in the scope of its variables."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping

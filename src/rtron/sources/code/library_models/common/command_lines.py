@@ -1,4 +1,4 @@
-"""Command lines: what a node starts by one, and a program's words without those for ROS."""
+"""Command lines as lists of words: those that a node starts, and a program's own."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Methods of lists and of the sequences of C++; the order in which Python sorts."""
+"""Methods of Python's lists and of C++'s sequences, which interpret alike."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace

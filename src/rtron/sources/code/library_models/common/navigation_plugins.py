@@ -1,4 +1,4 @@
-"""Plugins, and those of the navigation stacks: what starts them, and what their bases have.
+"""The plugins of the navigation stacks, started with what their base classes subscribe and publish.
 
 Sources: navigation (costmap_2d, nav_core), move_base_flex (mbf_costmap_core) and navigation2
 (nav2_costmap_2d, nav2_core). What these have of their own source counts before.

@@ -1,4 +1,4 @@
-"""Python's enumerations: members are objects of their class, with a name and a value."""
+"""Python's enumerations, data classes and named tuples, made from their fields."""
 
 from collections.abc import Mapping
 

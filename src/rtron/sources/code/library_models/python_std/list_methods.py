@@ -1,4 +1,4 @@
-"""Python's built-in functions that go through items, and the methods of what holds them."""
+"""Methods of Python's lists and iterators, and the built-in functions that go through them."""
 
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -1,4 +1,4 @@
-"""What a Python program starts: processes, and launch files by roslaunch's API (ROS wiki)."""
+"""The processes and launch files that a Python program starts (ROS wiki: roslaunch API)."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
