@@ -29,6 +29,9 @@ class WiringFactKind(StringEnum):
     """A file that others, nodes, are given, with values and none below `ros__parameters`."""
     UNTYPED_CONTROLLER = "untyped_controller"
     """A controller that the value, a spawner, asks for, and that has no type; others have one."""
+    MISSING_PLUGIN = "missing_plugin"
+    """The id of a plugin that is asked for and that the value, a server, does not have; the subject
+    is the id below the field of the request, others are the ids that it has."""
     LEAKED_ARGUMENT = "leaked_argument"
     """An argument with the value; others are the file that declares it, the file before, whose
     value it is, and its own default."""
