@@ -57,9 +57,9 @@ def _difference(finding: Finding) -> _Difference | None:
         for name in (finding.subject, finding.meant)
     ]
     same = len(list(takewhile(_are_equal, zip(*map(reversed, names), strict=False))))
-    ends = [name[: len(name) - same] for name in names]
-    begin = len(list(takewhile(_are_equal, zip(*ends, strict=False))))
-    parts = frozenset(tuple(name[begin:]) for name in ends)
+    heads = [name[: len(name) - same] for name in names]
+    begin = len(list(takewhile(_are_equal, zip(*heads, strict=False))))
+    parts = frozenset(tuple(name[begin:]) for name in heads)
     is_one_name = same > 0 or (begin > 0 and not are_namespaces)
     return (finding.level, are_namespaces, parts) if is_one_name else None
 

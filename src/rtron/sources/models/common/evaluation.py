@@ -207,7 +207,7 @@ class _ModelWalk:
             self._add_frame(entry, entry.broadcast, scope, use)
         elif frame := entry.look_up or entry.stamp:
             self._add_frame_use(entry, frame, scope, use)
-        elif id_template := entry.offer or entry.ask:
+        elif id_template := entry.offer or entry.request:
             self._add_plugin_id(entry, id_template, scope, use)
         elif entry.unresolved is not None:
             expressions = ModelExpressions(scope)
@@ -245,7 +245,7 @@ class _ModelWalk:
         name = scope.resolve(ModelExpressions(scope).text(id_template))
         is_known = not (use.uncertain or has_placeholder(name))
         for place in _evidence_of(entry, use)[-1:] if entry.offer or is_known else ():
-            found = PluginId(name=name, evidence=place, is_request=entry.ask is not None)
+            found = PluginId(name=name, evidence=place, is_request=entry.request is not None)
             self.plugin_ids[found] = None
 
     def _used_model(

@@ -15,7 +15,7 @@ from rtron.vocabulary import Durability, QoS, Reliability, StringEnum
 ENTRY_VERBS = (
     *(kind.value for kind in DeclarationKind),
     *("uses", "unresolved", "declares", "broadcast", "look_up", "stamp"),
-    *("offer", "ask"),
+    *("offer", "request"),
 )
 MODEL_KINDS = (
     "node",
@@ -70,7 +70,7 @@ class ModelEntry(BaseModel):
     look_up: Text | None = None
     stamp: Text | None = None
     offer: Text | None = None
-    ask: Text | None = None
+    request: Text | None = None
     parent: Text = ""
     fixed: bool = False
     type: Text = ""

@@ -22,10 +22,10 @@ def missing_plugins(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
             else:
                 field, _, plugin = each.name.rpartition("/")
                 servers[field][plugin] = part
-    for name, asking in sorted(requests.items()):
+    for name, requesting in sorted(requests.items()):
         field, _, plugin = name.rpartition("/")
         if _is_missing(plugin, servers.get(field, {})):
-            yield _fact(name, asking, servers[field])
+            yield _fact(name, requesting, servers[field])
 
 
 def _is_missing(plugin: str, offered: Mapping[str, NodePart]) -> bool:
@@ -33,12 +33,12 @@ def _is_missing(plugin: str, offered: Mapping[str, NodePart]) -> bool:
     return is_known and plugin not in offered and not any("{" in each for each in offered)
 
 
-def _fact(name: str, asking: list[NodePart], offered: Mapping[str, NodePart]) -> WiringFact:
+def _fact(name: str, requesting: list[NodePart], offered: Mapping[str, NodePart]) -> WiringFact:
     server = next(iter(offered.values()))
     return WiringFact(
         kind=WiringFactKind.MISSING_PLUGIN,
         subject=name,
         value=node_name(server),
         others=tuple(sorted(offered)),
-        evidence=tuple(part.node.evidence for part in (*asking, server)),
+        evidence=tuple(part.node.evidence for part in (*requesting, server)),
     )
