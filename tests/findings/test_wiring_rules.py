@@ -861,6 +861,10 @@ def test_a_deadline_that_a_timer_does_not_hold():
 
 
 def test_an_argument_that_a_file_does_not_know():
+    missing = with_fact("missing_argument", "ns", "/l/state.launch.py")
+    finding = the_finding("undeclared_argument", missing)
+    assert finding.summary == "state.launch.py uses the argument ns, which nobody gives"
+    assert finding.level is FindingLevel.REGULAR
     graph = with_fact("undeclared_argument", "file", "map_file", "/l/map.xml")
     finding = the_finding("undeclared_argument", graph)
     assert (finding.subject, finding.level) == ("map.xml:file", FindingLevel.REGULAR)

@@ -39,6 +39,8 @@ class WiringFactKind(StringEnum):
     """The same, where it may be meant: a switch, or what another file was given."""
     UNDECLARED_ARGUMENT = "undeclared_argument"
     """An argument that others, a file, are given and do not know; the value is a near one."""
+    MISSING_ARGUMENT = "missing_argument"
+    """An argument that the value, a launch file, uses and that nobody gives or has a default of."""
     BRIDGE_MISMATCH = "bridge_mismatch"
     """A topic of Gazebo that others, bridges, carry where they should carry the value, or in the
     wrong direction if it is the same."""
