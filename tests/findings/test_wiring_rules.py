@@ -755,6 +755,14 @@ class TestMissingManagedNode:
         assert not found("missing_managed_node", small_graph(text, clients=calls))
 
 
+class TestOverriddenParameter:
+    def test_tells_both_values(self):
+        graph = with_fact("overridden_parameter", "/use_sim_time", "False", "True")
+        finding = the_finding("overridden_parameter", graph)
+        expected = "/use_sim_time is False, although the launch sets it to True"
+        assert (finding.summary, finding.level) == (expected, FindingLevel.REGULAR)
+
+
 class TestMissingPlugin:
     def test_tells_what_the_server_has(self):
         graph = with_fact("missing_plugin", "/r/planner_id/Grid", "/r/planner", "Smac", "Straight")

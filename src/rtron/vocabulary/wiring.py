@@ -27,6 +27,8 @@ class WiringFactKind(StringEnum):
     """A name with parameters that no node has; others have near names and no parameters."""
     MALFORMED_PARAMETER_FILE = "malformed_parameter_file"
     """A file that others, nodes, are given, with values and none below `ros__parameters`."""
+    OVERRIDDEN_PARAMETER = "overridden_parameter"
+    """A parameter that a launch file sets to others, and one within it later to the value."""
     UNTYPED_CONTROLLER = "untyped_controller"
     """A controller that the value, a spawner, asks for, and that has no type; others have one."""
     MISSING_PLUGIN = "missing_plugin"
