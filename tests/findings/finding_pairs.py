@@ -181,10 +181,6 @@ PAIRS = {
         with_fact("double_frame", "base_link", "odom", "/ekf", "/base"),
         small_graph(SCAN),
     ),
-    "overridden_parameter": (
-        with_fact("overridden_parameter", "/use_sim_time", "False", "True"),
-        small_graph(SCAN),
-    ),
     "missing_plugin": (
         with_fact("missing_plugin", "/planner_id/Grid", "/planner_server", "Straight"),
         small_graph(SCAN),

@@ -758,7 +758,7 @@ class TestMissingManagedNode:
 class TestOverriddenParameter:
     def test_tells_both_values(self):
         graph = with_fact("overridden_parameter", "/use_sim_time", "False", "True")
-        finding = the_finding("overridden_parameter", graph)
+        finding = the_finding("unread_parameter", graph)
         expected = "/use_sim_time is False, although the launch sets it to True"
         assert (finding.summary, finding.level) == (expected, FindingLevel.REGULAR)
 
