@@ -5,8 +5,8 @@
 A launch, or its YAML file, sets parameters that their node does not declare (ROS 2) or read (ROS
 1). ROS ignores them without a warning: a limit that was lowered in the file stays as high as it
 was. A section for a name that no node has counts, too, where it is likely meant for a node, and so
-does a ROS 2 file without `ros__parameters`, and in ROS 1 a value that a file which is included later
-sets again: the last one counts for the whole launch.
+does a ROS 2 file without `ros__parameters`. In ROS 1 the last value of a parameter counts for the
+whole launch: one that a file within the launch sets back later is lost.
 
 For example, `params.yaml` sets `max_velocity` of `/base`, and `/base` declares `max_vel`.
 
