@@ -19,8 +19,13 @@ STAMPED = "frame_id"
 _CHILD_FRAME = "child_frame_id"
 """The field of an odometry that names the frame of its velocity (nav_msgs/Odometry)."""
 
-_PLUGIN_IDS = ("planner_id", "controller_id", "smoother_id", "goal_checker_id")
-_PLUGIN_IDS += ("progress_checker_id", "path_handler_id")
+_PLUGIN_IDS = frozenset(
+    f"{kind}_id"
+    for kind in (
+        *("planner", "controller", "smoother"),
+        *("goal_checker", "progress_checker", "path_handler"),
+    )
+)
 """The fields of goals that name a plugin of the server (nav2_msgs)."""
 
 
