@@ -181,6 +181,10 @@ PAIRS = {
         with_fact("double_frame", "base_link", "odom", "/ekf", "/base"),
         small_graph(SCAN),
     ),
+    "missing_plugin": (
+        with_fact("missing_plugin", "/planner_id/Grid", "/planner_server", "Straight"),
+        small_graph(SCAN),
+    ),
     "leaked_argument": (
         with_fact("leaked_argument", "topic", "front/scan", "rear.xml", "front.xml", "rear/scan"),
         small_graph(SCAN),

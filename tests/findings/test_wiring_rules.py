@@ -143,6 +143,22 @@ class TestUnmatchedTopic:
         both = recorder + "    sub /odometry/filtered \n"
         assert not found("unmatched_topic", small_graph(only_recorded.replace(recorder, both)))
 
+    @pytest.mark.parametrize(
+        ("reader", "level"),
+        [
+            ("/r/costmap/costmap", FindingLevel.REGULAR),
+            ("/r/costmap/other", FindingLevel.PEDANTIC),
+        ],
+    )
+    def test_a_relative_name_of_a_node_in_a_namespace_of_its_own_name(self, reader, level):
+        scan = "sensor_msgs/msg/LaserScan"
+        text = f"/r/laser driver own\n    pub /r/scan {scan}\n/r/amcl nav2_amcl third_party\n"
+        text += (
+            f"    sub /r/scan {scan}\n{reader} nav2 third_party\n    sub /r/costmap/scan {scan}\n"
+        )
+        finding = the_finding("unmatched_topic", small_graph(text))
+        assert (finding.meant, finding.level) == ("/r/scan", level)
+
     def test_with_a_node_that_was_not_read_it_is_only_possible(self):
         graph = small_graph(self.MISSPELT + FIRMWARE, unread=("/firmware",))
         finding = the_finding("unmatched_topic", graph)
@@ -365,6 +381,25 @@ class TestNoServer:
         other = replace(server, name="/planner_server/change_state")
         call = replace(call, name="/smoother_server/change_state")
         assert not found("no_server", small_graph(SCAN, clients=(call,), services=(other,)))
+
+    @pytest.mark.parametrize(
+        ("node", "type", "is_told"),
+        [
+            ("/laser", "a/srv/Save", True),
+            ("/other", "lifecycle_msgs/srv/GetState", True),
+            ("/other", "a/srv/Save", False),
+            ("/nobody", "lifecycle_msgs/srv/GetState", False),
+        ],
+    )
+    def test_a_service_below_a_node_that_does_not_offer_it(self, node, type, is_told):
+        text = "/laser driver own\n/slam slam own\n/other other third_party\n"
+        call = ServiceClient(node="/slam", name=f"{node}/go", type=type)
+        graph = small_graph(text, clients=(call,))
+        told = [finding.cause for finding in found("no_server", graph)]
+        assert told == [f"{node} is here and does not offer it"] * is_told
+        assert bool(found("incomplete_launch", graph)) is not is_told
+        unread = small_graph(text, clients=(call,), unread=(node,))
+        assert not found("no_server", unread)
 
     def test_with_something_unread_it_is_possible_only(self):
         server = Service(node="/laser", name="/map/saved")
@@ -720,6 +755,23 @@ class TestMissingManagedNode:
         assert not found("missing_managed_node", small_graph(text, clients=calls))
 
 
+class TestOverriddenParameter:
+    def test_tells_both_values(self):
+        graph = with_fact("overridden_parameter", "/use_sim_time", "False", "True")
+        finding = the_finding("unread_parameter", graph)
+        expected = "/use_sim_time is False, although the launch sets it to True"
+        assert (finding.summary, finding.level) == (expected, FindingLevel.REGULAR)
+
+
+class TestMissingPlugin:
+    def test_tells_what_the_server_has(self):
+        graph = with_fact("missing_plugin", "/r/planner_id/Grid", "/r/planner", "Smac", "Straight")
+        finding = the_finding("missing_plugin", graph)
+        assert finding.summary == "planner_id Grid is asked for, which /r/planner does not have"
+        assert finding.cause == "of this kind it has Smac and Straight alone"
+        assert finding.level is FindingLevel.REGULAR
+
+
 class TestBypassedNode:
     def test_tells_who_reads_past_whom(self):
         finding = the_finding("bypassed_node", small_graph(FILTERED.format("/scan")))
@@ -817,6 +869,10 @@ def test_a_deadline_that_a_timer_does_not_hold():
 
 
 def test_an_argument_that_a_file_does_not_know():
+    missing = with_fact("missing_argument", "ns", "/l/state.launch.py")
+    finding = the_finding("undeclared_argument", missing)
+    assert finding.summary == "state.launch.py uses the argument ns, which nobody gives"
+    assert finding.level is FindingLevel.REGULAR
     graph = with_fact("undeclared_argument", "file", "map_file", "/l/map.xml")
     finding = the_finding("undeclared_argument", graph)
     assert (finding.subject, finding.level) == ("map.xml:file", FindingLevel.REGULAR)

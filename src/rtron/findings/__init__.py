@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.folding import fold
 from rtron.findings.inventory import take_inventory
 from rtron.findings.motion import (
     arbiter,
@@ -28,6 +29,7 @@ from rtron.findings.wiring import (
     leaked_argument,
     missed_state,
     missing_managed_node,
+    missing_plugin,
     missing_program,
     mistyped_parameter,
     mixed_odometry,
@@ -72,6 +74,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     no_server.RULE,
     incomplete_launch.RULE,
     missing_managed_node.RULE,
+    missing_plugin.RULE,
     missing_program.RULE,
     duplicate_node.RULE,
     idle_remap.RULE,
@@ -102,11 +105,14 @@ def app_facts(graph: InteractionGraph, lists: RiskLists | None = None) -> AppFac
 
 
 def find_findings(app: AppFacts) -> tuple[Finding, ...]:
-    """Return the findings of an app, the worst first; those of one rule in order of subject."""
+    """Return the findings of an app, the worst first; those of one rule in order of subject.
+
+    Those of one cause are one.
+    """
     found = [
         finding
         for rule in FINDING_RULES
         for finding in sorted(rule.check(app), key=lambda each: each.subject)
     ]
     worst_last = list(Severity)
-    return tuple(sorted(found, key=lambda each: -worst_last.index(each.severity)))
+    return fold(sorted(found, key=lambda each: -worst_last.index(each.severity)))

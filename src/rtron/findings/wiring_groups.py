@@ -50,6 +50,7 @@ def fact_finding(  # noqa: PLR0913 - a finding has so many parts, all by keyword
     remedy: str,
     subject: str = "",
     certainty: Certainty = Certainty.LIKELY,
+    meant: str = "",
     nodes: Iterable[str] = (),
     topics: Iterable[str] = (),
 ) -> Finding:
@@ -62,6 +63,7 @@ def fact_finding(  # noqa: PLR0913 - a finding has so many parts, all by keyword
         remedy=remedy,
         consequence=Consequence.FAILURE,
         certainty=certainty,
+        meant=meant,
         nodes=nodes,
         topics=topics,
         evidence=fact.evidence,

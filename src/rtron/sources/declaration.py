@@ -226,6 +226,19 @@ class FrameUse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PluginId:
+    """The id of a plugin that a server has, or that a request asks for, and where.
+
+    The name is the field of the request in the node's namespace, and the id below it:
+    `/robot/planner_id/GridBased`.
+    """
+
+    name: str
+    evidence: Evidence
+    is_request: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LastMessageUse:
     """What becomes of a subscription's last message, after so many seconds if they are known.
 
@@ -297,6 +310,7 @@ class NodeInterface:
     parameters: tuple[NodeParameter, ...] = ()
     frames: tuple[FrameBroadcast, ...] = ()
     frame_uses: tuple[FrameUse, ...] = ()
+    plugin_ids: tuple[PluginId, ...] = ()
     plugins: tuple[LoadedPlugin, ...] = ()
     mistyped: tuple[MistypedParameter, ...] = ()
     last_messages: tuple[LastMessageUse, ...] = ()

@@ -47,7 +47,8 @@ class FindingLevel(StringEnum):
 class Finding:
     """One cause and what it leads to, for a person.
 
-    `subject` is the topic, service or node that it is about. `summary` says what can happen,
+    `subject` is the topic, service or node that it is about, `meant` the name that is likely meant
+    instead, if one is near. `summary` says what can happen,
     `cause` which nodes make it so and why RTron believes it, `remedy` what to do.
     """
 
@@ -60,6 +61,7 @@ class Finding:
     certainty: Certainty
     severity: Severity
     level: FindingLevel
+    meant: str = ""
     nodes: tuple[str, ...] = ()
     topics: tuple[str, ...] = ()
     evidence: tuple[Evidence, ...] = ()

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from rtron.vocabulary.evidence import Evidence
 from rtron.vocabulary.graph import UnresolvedItem
 from rtron.vocabulary.parameters import ParameterTree
+from rtron.vocabulary.wiring import WiringFact
 
 
 def resolve_name(name: str, node: str) -> str:
@@ -132,6 +133,7 @@ class LaunchTree:
     declared: frozenset[str] = frozenset()
     parameters: ParameterTree = field(default_factory=ParameterTree)
     remaps_behind_all: tuple[LaunchRemap, ...] = ()
+    wiring: tuple[WiringFact, ...] = ()
 
     def nodes(self) -> tuple[LaunchNode, ...]:
         """Return every node that the launch starts."""

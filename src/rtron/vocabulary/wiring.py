@@ -27,8 +27,13 @@ class WiringFactKind(StringEnum):
     """A name with parameters that no node has; others have near names and no parameters."""
     MALFORMED_PARAMETER_FILE = "malformed_parameter_file"
     """A file that others, nodes, are given, with values and none below `ros__parameters`."""
+    OVERRIDDEN_PARAMETER = "overridden_parameter"
+    """A parameter that a launch file sets to others, and one within it later to the value."""
     UNTYPED_CONTROLLER = "untyped_controller"
     """A controller that the value, a spawner, asks for, and that has no type; others have one."""
+    MISSING_PLUGIN = "missing_plugin"
+    """The id of a plugin that is asked for and that the value, a server, does not have; the subject
+    is the id below the field of the request, others are the ids that it has."""
     LEAKED_ARGUMENT = "leaked_argument"
     """An argument with the value; others are the file that declares it, the file before, whose
     value it is, and its own default."""
@@ -36,6 +41,8 @@ class WiringFactKind(StringEnum):
     """The same, where it may be meant: a switch, or what another file was given."""
     UNDECLARED_ARGUMENT = "undeclared_argument"
     """An argument that others, a file, are given and do not know; the value is a near one."""
+    MISSING_ARGUMENT = "missing_argument"
+    """An argument that the value, a launch file, uses and that nobody gives or has a default of."""
     BRIDGE_MISMATCH = "bridge_mismatch"
     """A topic of Gazebo that others, bridges, carry where they should carry the value, or in the
     wrong direction if it is the same."""

@@ -52,6 +52,7 @@ def _finding(app: AppFacts, topic: str, obeyed: str) -> Finding:
         consequence=Consequence.FAILURE,
         certainty=Certainty.POSSIBLE if maybe_read else Certainty.LIKELY,
         level=FindingLevel.PEDANTIC if maybe_read else FindingLevel.REGULAR,
+        meant=obeyed,
         nodes=(*publishers, *readers),
         topics=(topic, obeyed),
         evidence=app.evidence((*app.graph.publishers(topic), *app.graph.subscribers(obeyed))),

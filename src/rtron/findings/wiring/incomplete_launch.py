@@ -31,7 +31,8 @@ def check(app: AppFacts) -> Iterator[Finding]:
     """Yield one finding with all that nodes need and nobody of the launch publishes or offers."""
     topics = [topic for topic, near in unmatched_topics(app).items() if not near]
     needed = [topic for topic in topics if not (is_option(app, topic) or app.is_motion(topic))]
-    called = {name: each.nodes for name, each in unserved_names(app).items() if not each.near}
+    unserved = unserved_names(app).items()
+    called = {name: each.nodes for name, each in unserved if not (each.near or each.owner)}
     if needed or called:
         yield _finding(app, needed, called)
 

@@ -3,8 +3,9 @@
 ## What it finds
 
 A client of a service or an action without a server, while one with a near name and the same type
-has a server. Of an action it may have any name: the only one of its type that nobody calls. The
-client waits in vain.
+has a server. Of an action it may have any name: the only one of its type that nobody calls. Or a
+client of a service below the name of a node that does not offer it: your own, or of a lifecycle
+that the node does not have. The client waits in vain.
 
 For example, `/mission` sends goals to `/navigate_to_pos`, and `/bt_navigator` serves
 `/navigate_to_pose`; or MoveIt calls `/arm_controller/follow_joint_trajectory`, and the spawner
@@ -39,10 +40,14 @@ from rtron.vocabulary import (
     FindingLevel,
     Service,
     ServiceClient,
+    Trust,
     fits_open_name,
 )
 from rtron.vocabulary.inventory import Thing
 from rtron.wording import conjugate, join_names
+
+_LIFECYCLE = "lifecycle_msgs/"
+"""The types of services that a node has all of or none, as a model of it says."""
 
 
 class _RequestSide(NamedTuple):
@@ -56,17 +61,21 @@ class _RequestSide(NamedTuple):
 
 
 class UnservedName(NamedTuple):
-    """What nodes call and nobody offers, and those that are offered and may be meant."""
+    """What nodes call and nobody offers, those that are offered and may be meant, and the node.
+
+    The node is the one below whose name it is called, if that certainly does not offer it.
+    """
 
     what: str
     nodes: list[str]
     near: list[str]
+    owner: str
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each name with a client and no server, while another may be meant."""
     for name, unserved in unserved_names(app).items():
-        if unserved.near:
+        if unserved.near or unserved.owner:
             yield _finding(app, name, unserved)
 
 
@@ -90,8 +99,17 @@ def unserved_names(app: AppFacts) -> Mapping[str, UnservedName]:
         near = _near_servers(calls_of_it, offers) or _only_server(name, missing, spare)
         what = " and ".join(sorted({call.what for call in calls_of_it}))
         nodes = sorted({call.node for call in calls_of_it})
-        found[name] = UnservedName(what, nodes, [e for e in near if not are_twins(name, e)])
+        near = [each for each in near if not are_twins(name, each)]
+        found[name] = UnservedName(what, nodes, near, _owner(app, calls_of_it[0]))
     return found
+
+
+def _owner(app: AppFacts, call: _RequestSide) -> str:
+    """Return the node that a service belongs to by its name, if what it offers is known."""
+    name = call.name.rpartition("/")[0]
+    node = app.nodes.get(name) if call.what == "service" else None
+    is_known = node and (node.trust is Trust.OWN or call.type.startswith(_LIFECYCLE))
+    return name if node and is_known and not node.unread else ""
 
 
 def _only_server(name: str, missing: list[_RequestSide], spare: list[_RequestSide]) -> list[str]:
@@ -146,18 +164,21 @@ def _fits(offer: _RequestSide, what: str, type: str) -> bool:
 
 
 def _finding(app: AppFacts, name: str, unserved: UnservedName) -> Finding:
-    what, nodes, near = unserved
+    what, nodes, near, owner = unserved
     is_read = app.is_whole and not fits_open_name(name, (offer.name for offer in _offers(app)))
     return make_finding(
         RULE.name,
         name,
         summary=f"{join_names(nodes)} {conjugate(nodes, 'call')} the {what} {name}, "
         "which nobody offers",
-        cause=f"no node of this launch offers it{app.unread_hint}",
-        remedy=f"did you mean {near[0]}?",
+        cause=f"{owner} is here and does not offer it"
+        if owner
+        else f"no node of this launch offers it{app.unread_hint}",
+        remedy=f"did you mean {near[0]}?" if near else f"call what {owner} offers, or add it there",
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if is_read else Certainty.POSSIBLE,
         level=FindingLevel.REGULAR if is_read else FindingLevel.PEDANTIC,
+        meant="".join(near[:1]),
         nodes=nodes,
         topics=(name,),
         evidence=app.node_evidence([*nodes, *(o.node for o in _offers(app) if o.name in near[:1])]),

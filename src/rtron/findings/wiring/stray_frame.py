@@ -84,6 +84,7 @@ def _finding(group: WiringGroup, *, is_transformed: bool) -> Finding:
         cause=f"the transforms of this launch have {near}",
         remedy=f"did you mean {near}? Give the messages and the transform one name",
         certainty=Certainty.LIKELY if is_transformed else Certainty.POSSIBLE,
+        meant=near,
         nodes=group.others,
     )
 
@@ -103,6 +104,7 @@ def _missing(app: AppFacts, group: WiringGroup, certainty: Certainty) -> Finding
         if near
         else f"start what broadcasts {group.subject}",
         certainty=certainty,
+        meant=near,
         nodes=nodes,
     )
 

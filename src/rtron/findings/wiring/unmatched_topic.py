@@ -14,8 +14,9 @@ one to the other; never a command or a stop, which may be meant for another robo
 
 ## When it is silent
 
-For inputs that are options, such as a pose to start from. It is `pedantic` where others subscribe
-the near name or something was not read. See also `lost_command` and `incomplete_launch`.
+For inputs that are options, such as a pose to start from. It is `pedantic` where something was not
+read, or others subscribe the near name and the reader is not in a namespace of its own name, as a
+costmap is. See also `lost_command` and `incomplete_launch`.
 """
 
 from collections.abc import Iterator, Mapping
@@ -118,7 +119,9 @@ def _has_other_end(app: AppFacts, topic: str) -> bool:
 
 def _finding(app: AppFacts, topic: str, near: list[str], readers: tuple[str, ...]) -> Finding:
     maybe_elsewhere = app.may_have_other_end(topic, Direction.PUBLISH)
-    unread_near = [other for other in near if not app.readers(other)]
+    unread_near = [
+        other for other in near if not app.readers(other) or _is_meant(other, topic, readers)
+    ]
     is_likely = bool(unread_near) and not maybe_elsewhere
     publishers = app.publishers(near[0])
     is_doubtful = app.is_motion(topic) or app.is_stop(topic) or _is_other_word(topic, near[0])
@@ -136,9 +139,23 @@ def _finding(app: AppFacts, topic: str, near: list[str], readers: tuple[str, ...
         consequence=Consequence.FAILURE,
         certainty=Certainty.LIKELY if is_likely else Certainty.POSSIBLE,
         level=FindingLevel.REGULAR if is_likely else FindingLevel.PEDANTIC,
+        meant=near[0],
         nodes=readers,
         topics=(topic, near[0]),
         evidence=app.evidence(app.graph.subscribers(topic)),
+    )
+
+
+def _is_meant(other: str, topic: str, readers: tuple[str, ...]) -> bool:
+    """Return whether readers in namespaces of their own names likely mean the topic above it.
+
+    A costmap of Nav2 is `/local_costmap/local_costmap`: its relative names lie below that.
+    """
+    above, _, name = other.rpartition("/")
+    own = [reader.rpartition("/") for reader in readers]
+    return bool(own) and all(
+        namespace == f"{above}/{node}" and topic == f"{namespace}/{name}"
+        for namespace, _, node in own
     )
 
 

@@ -5,13 +5,14 @@
 A launch, or its YAML file, sets parameters that their node does not declare (ROS 2) or read (ROS
 1). ROS ignores them without a warning: a limit that was lowered in the file stays as high as it
 was. A section for a name that no node has counts, too, where it is likely meant for a node, and so
-does a ROS 2 file without `ros__parameters`.
+does a ROS 2 file without `ros__parameters`. In ROS 1 the last value of a parameter counts for the
+whole launch: one that a file within the launch sets back later is lost.
 
 For example, `params.yaml` sets `max_velocity` of `/base`, and `/base` declares `max_vel`.
 
 ## What to do
 
-Write the names that the node declares, or remove the parameters.
+Write the names that the node declares, or remove the parameters. Set a value behind the inclusion.
 
 ## When it is silent
 
@@ -38,6 +39,8 @@ def check(app: AppFacts) -> Iterator[Finding]:
     yield from map(_without_node, sections)
     malformed = wiring_groups(app.graph, WiringFactKind.MALFORMED_PARAMETER_FILE)
     yield from map(_malformed, malformed)
+    overridden = wiring_groups(app.graph, WiringFactKind.OVERRIDDEN_PARAMETER)
+    yield from map(_overridden, overridden)
     without_node = {group.subject for group in sections}
     for group in wiring_groups(app.graph, WiringFactKind.MISSPELT_PARAMETER):
         if group.subject not in without_node:
@@ -55,6 +58,17 @@ def _without_node(group: WiringGroup) -> Finding:
         cause=f"no node here has this name, and {near} has no parameters of its own there",
         remedy=f"did you mean {near}?",
         nodes=group.others,
+    )
+
+
+def _overridden(group: WiringGroup) -> Finding:
+    name, value = group.subject, group.values[-1]
+    return fact_finding(
+        RULE.name,
+        group,
+        summary=f"{name} is {value}, although the launch sets it to {join_names(group.others)}",
+        cause="a file that it includes later sets it, too, and the last value counts for all nodes",
+        remedy=f"set {name} behind the inclusion, or give it to the included file as an argument",
     )
 
 

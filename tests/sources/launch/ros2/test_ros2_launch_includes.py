@@ -340,3 +340,33 @@ def test_of_many_arguments_few_are_compared(included):
     near = NEAR.replace("map_file", "files")
     assert included(f"<front>{given}</front>", front=declared + near) == []
     assert len(included(f"<front>{given}</front>", front=near)) == 5
+
+
+GIVEN_NOWHERE = '<let name="a" value="$(var topic)"/>'
+
+
+def test_an_argument_that_nobody_gives(included):
+    for front in (GIVEN_NOWHERE, '<arg name="topic"/>', GIVEN_NOWHERE * 2):
+        ((kind, name, file),) = included("<front/>", front=front)
+        assert (kind, name, file.rpartition("/")[2]) == ("missing_argument", "topic", "front.xml")
+
+
+@pytest.mark.parametrize(
+    ("text", "front"),
+    [
+        ('<front><arg name="topic" value="x"/></front>', GIVEN_NOWHERE),
+        ('<let name="topic" value="x"/><front/>', GIVEN_NOWHERE),
+        ("<front/>", GIVEN_NOWHERE.replace("topic", "topic x")),
+        ('<front if="$(env UNKNOWN)"/>', GIVEN_NOWHERE),
+        ('<include file="/gone.xml"/><front/>', GIVEN_NOWHERE),
+        ("<front/>", f"{GIVEN_NOWHERE}<unknown_action/>"),
+    ],
+)
+def test_an_argument_that_may_be_given_or_not_be_used(included, text, front):
+    assert included(text, front=front) == []
+
+
+def test_an_argument_that_a_person_gives_is_not_missing(read):
+    text = f"<launch>{GIVEN_NOWHERE}</launch>"
+    assert [fact.subject for fact in read(text, "xml").wiring] == ["topic"]
+    assert read(text, "xml", topic="x").wiring == ()

@@ -58,7 +58,7 @@ def stray_frames(tmp_path):
         else:
             graph = scan_ros2_app([tmp_path], [(launch, {})], {}, options)
         facts = [fact for fact in graph.wiring if fact.kind == kind]
-        assert all(fact.others == ("/laser",) for fact in facts)
+        assert {fact.others for fact in facts} <= {("/laser",), ("/r/base",)}
         return [(fact.subject, fact.value, len(fact.evidence)) for fact in facts]
 
     return scan
@@ -182,3 +182,25 @@ def test_no_frame_is_missing_where_not_all_transforms_are_known(missing_frames, 
 
 def test_no_frame_is_missing_where_nobody_broadcasts_any(missing_frames):
     assert missing_frames("pico_1", transforms=()) == []
+
+
+DRIVE = """<node pkg="controller_manager" exec="ros2_control_node" namespace="r">
+<param name="base.type" value="diff_drive_controller/DiffDriveController"/></node>
+<node pkg="controller_manager" exec="spawner" namespace="r" args="base -c /r/controller_manager
+-p {}"/>"""
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ("", ["r/base_link", "r/odom"]),
+        ("tf_frame_prefix: s", ["s/base_link", "s/odom"]),
+        ("tf_frame_prefix_enable: false", []),
+    ],
+)
+def test_the_messages_of_a_controller_have_its_prefix(stray_frames, tmp_path, given, expected):
+    parameters = f"{{enable_odom_tf: false, {given}}}"
+    (tmp_path / "base.yaml").write_text(f"/r/base: {{ros__parameters: {parameters}}}\n")
+    more = DRIVE.format(tmp_path / "base.yaml")
+    found = stray_frames("", "odom", more=more)
+    assert [(frame, near) for frame, near, _ in found] == [(e, e[2:]) for e in expected]

@@ -38,7 +38,12 @@ class LaunchFileReader:
 
     def read(self, context: LoaderContext) -> None:
         """Read the whole file; what was read before an error stays in the result."""
-        self._read_children(self.document.launch, context)
+        parameters, outer = self.state.parameters, self.state.parameters.files
+        parameters.files = (*self.including_files, self.document.path)
+        try:
+            self._read_children(self.document.launch, context)
+        finally:
+            parameters.files = outer
 
     def result(self) -> LaunchFile:
         """Return what was read."""

@@ -28,6 +28,8 @@ from rtron.vocabulary import (
     ParameterTree,
     ParameterValue,
     UnknownValue,
+    WiringFact,
+    WiringFactKind,
 )
 from rtron.vocabulary.launch import canonical_name, resolve_name
 
@@ -35,6 +37,8 @@ _Tree: TypeAlias = dict[str, Any]
 
 MAX_PARAMETERS = 500_000
 
+_PLAIN = (bool, int, float, str)
+_SHOWN = 80
 _SETTING_NODE = "/roslaunch"
 _UNCERTAIN_VALUE = UnknownValue("whether it is set hangs on a condition that is not known")
 
@@ -86,13 +90,20 @@ class ParameterServer:
 
 @dataclass(slots=True)
 class LaunchParameters:
-    """What one launch deletes, clears and sets, at most MAX_SET times."""
+    """What one launch deletes, clears and sets, at most MAX_SET times.
 
+    `files` are the launch files that are being read, each included by the one before; `overridden`
+    are the facts about what one of them sets and one within it sets again.
+    """
+
+    files: tuple[str, ...] = ()
+    overridden: dict[str, WiringFact] = field(default_factory=dict)
     deleted: list[str] = field(default_factory=list)
     cleared: list[str] = field(default_factory=list)
     _set_by_nodes: list[tuple[str, Parameter]] = field(default_factory=list)
     _count: int = 0
     _set: dict[str, Parameter] = field(default_factory=dict)
+    _setters: dict[str, str] = field(default_factory=dict)
     _unknown: dict[str, Parameter] = field(default_factory=dict)
 
     def set(
@@ -115,6 +126,23 @@ class LaunchParameters:
         if uncertainty is Uncertainty.OWN or (uncertainty is Uncertainty.INHERITED and contradicts):
             value = _UNCERTAIN_VALUE
         self._set[key] = Parameter(value=value, evidence=evidence)
+        setter, self._setters[key] = self._setters.get(key, ""), "".join(self.files[-1:])
+        self.overridden.pop(key, None)
+        if earlier is not None and setter in self.files[:-1]:
+            self._note_overridden(key, earlier, self._set[key])
+
+    def _note_overridden(self, name: str, earlier: Parameter, later: Parameter) -> None:
+        """Note what a file sets to one plain value, and one that it includes later to another."""
+        values = earlier.value, later.value
+        if values[0] != values[1] and all(isinstance(each, _PLAIN) for each in values):
+            one, other = map(str, values)
+            self.overridden[name] = WiringFact(
+                kind=WiringFactKind.OVERRIDDEN_PARAMETER,
+                subject=name,
+                value=other[:_SHOWN],
+                others=(one[:_SHOWN],),
+                evidence=(earlier.evidence, later.evidence),
+            )
 
     def set_by_node(self, name: str, parameter: Parameter) -> None:
         """Set a parameter when all others are set, as a node does; raise as `set` does."""

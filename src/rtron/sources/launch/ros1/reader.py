@@ -82,6 +82,7 @@ def _read(path: Path, args: Mapping[str, str], state: LoadState) -> LaunchTree:
         unresolved=tuple(state.unresolved.unresolved),
         declared=frozenset(state.declared_arguments),
         remaps_behind_all=tuple(state.remaps_behind_all),
+        wiring=tuple(state.parameters.overridden.values()),
     )
     return replace(tree, unresolved=tree.unresolved + _duplicate_names(tree))
 

@@ -13,6 +13,7 @@ from rtron.sources.launch.ros2.reader import LaunchReader, absolute_path
 from rtron.sources.launch.ros2.result import AppLaunch
 from rtron.sources.launch.ros2.start_collector import StartCollector
 from rtron.vocabulary import Evidence, UnresolvedItem
+from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
 
 def read_app_launch(
@@ -40,6 +41,7 @@ def read_app_launch(
         evaluator.unresolved.append(_unresolved_file(path, str(error), error.path, error.line))
     except RecursionError:
         evaluator.unresolved.append(_unresolved_file(path, "nested too deep"))
+    missing = () if UNKNOWN_NAME in choices.declared else evaluator.missing_arguments()
     return AppLaunch(
         file=absolute_path(path),
         starts=tuple(collector.starts),
@@ -47,7 +49,7 @@ def read_app_launch(
         has_includes=evaluator.limits.files > 1,
         declared=frozenset(choices.declared),
         unresolved=tuple(evaluator.unresolved),
-        wiring=tuple(dict.fromkeys(evaluator.wiring)),
+        wiring=tuple(dict.fromkeys((*evaluator.wiring, *missing))),
         generated_files=evaluator.files.generated_files,
     )
 

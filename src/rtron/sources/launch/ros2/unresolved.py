@@ -19,10 +19,16 @@ from rtron.sources.launch.ros2.substitutions.template import (
     display_text,
     first_placeholder,
 )
-from rtron.vocabulary import UnresolvedCause, UnresolvedItem
+from rtron.vocabulary import UnresolvedCause, UnresolvedItem, WiringFact, WiringFactKind
 from rtron.vocabulary.enums import HiddenPart
 
 _STARTING_TAGS = ("include", "composable_node")
+_HARMLESS = (
+    UnresolvedCause.ARGUMENT,
+    UnresolvedCause.MISSING_SOURCE,
+    UnresolvedCause.UNSET_VARIABLE,
+)
+"""Why values are not known in a launch of which all actions are."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -32,7 +38,7 @@ class UnresolvedNotes:
     symbolic: bool = False
     unresolved: list[UnresolvedItem] = field(default_factory=list)
     _noted: set[UnresolvedItem] = field(default_factory=set)
-    _missing_arguments: set[str] = field(default_factory=set)
+    _missing_arguments: dict[str, WiringFact | None] = field(default_factory=dict)
 
     def note(
         self,
@@ -41,6 +47,7 @@ class UnresolvedNotes:
         missing: str = "",
         hides: HiddenPart | None = None,
         package: str = "",
+        cause: UnresolvedCause | None = None,
     ) -> None:
         """Note what cannot be read of an element, and the file that it names and is not there."""
         keys = ("file", "cmd", "name") if self.symbolic else ("file", "cmd")
@@ -53,7 +60,7 @@ class UnresolvedNotes:
             missing=missing,
             package=package or package_of(missing),
             hides=HiddenPart.NODES if site.tag in _STARTING_TAGS else hides,
-            cause=UnresolvedCause.MISSING_SOURCE if package else None,
+            cause=UnresolvedCause.MISSING_SOURCE if package else cause,
             evidence=(site.location,),
         )
         if not self.symbolic or entry not in self._noted:
@@ -86,10 +93,20 @@ class UnresolvedNotes:
             self.note(site, f"launch would refuse it: {error}")
 
     def note_missing(self, site: ElementSite, name: str) -> None:
-        """Note that an argument is not given, once."""
+        """Note that an argument is not given, once; launch ends where it certainly counts."""
         if name not in self._missing_arguments:
-            self.note(site, f"argument '{name}' is not given")
-        self._missing_arguments.add(name)
+            why = f"argument '{name}' is not given"
+            self.note(site, why, cause=UnresolvedCause.ARGUMENT)
+            self._missing_arguments[name] = None
+        if not (self._missing_arguments[name] or site.context.is_uncertain):
+            kind, places = WiringFactKind.MISSING_ARGUMENT, (site.location,)
+            fact = WiringFact(kind=kind, subject=name, value=site.file.path, evidence=places)
+            self._missing_arguments[name] = fact
+
+    def missing_arguments(self) -> Iterator[WiringFact]:
+        """Yield the facts about arguments; none where what was not read may set or not use them."""
+        if all(note.cause in _HARMLESS for note in self.unresolved):
+            yield from filter(None, self._missing_arguments.values())
 
     def note_error(self, site: ElementSite, error: Exception) -> None:
         """Note why a call has no value, unless that is noted already, or with its include."""

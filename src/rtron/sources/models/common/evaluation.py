@@ -13,6 +13,7 @@ from rtron.sources.declaration import (
     LoadedPlugin,
     NodeInterface,
     NodeSite,
+    PluginId,
 )
 from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.models.common.expressions import ModelExpressions
@@ -87,7 +88,8 @@ def _evaluate_in(model: Model, scope: ModelScope, models: ModelCatalog) -> NodeI
         declarations=declarations,
         unresolved=tuple(dict.fromkeys(walk.unresolved)),
         frames=tuple(walk.frames),
-        frame_uses=tuple(walk.look_ups),
+        frame_uses=tuple(walk.frame_uses),
+        plugin_ids=tuple(walk.plugin_ids),
         plugins=tuple(walk.plugins),
     )
 
@@ -123,7 +125,8 @@ class _ModelWalk:
     unresolved: list[UnresolvedItem] = field(default_factory=list)
     nodes: dict[str, None] = field(default_factory=dict)
     frames: dict[FrameBroadcast, None] = field(default_factory=dict)
-    look_ups: dict[FrameUse, None] = field(default_factory=dict)
+    frame_uses: dict[FrameUse, None] = field(default_factory=dict)
+    plugin_ids: dict[PluginId, None] = field(default_factory=dict)
     plugins: dict[LoadedPlugin, None] = field(default_factory=dict)
 
     def walk_model(
@@ -185,7 +188,7 @@ class _ModelWalk:
             holds = _condition_holds(expressions, entry.condition)
             if expressions.has_unknown:
                 use = replace(use, uncertain=True)
-                if entry.broadcast is None and entry.look_up is None:
+                if entry.kind or entry.uses or entry.unresolved or entry.declares:
                     self._note_unresolved(entry.condition, "not known", _evidence_of(entry, use))
             elif not holds:
                 return
@@ -202,8 +205,10 @@ class _ModelWalk:
             yield from self._used_model(entry, entry.uses, scope, use)
         elif entry.broadcast is not None:
             self._add_frame(entry, entry.broadcast, scope, use)
-        elif entry.look_up is not None:
-            self._add_look_up(entry, entry.look_up, scope, use)
+        elif frame := entry.look_up or entry.stamp:
+            self._add_frame_use(entry, frame, scope, use)
+        elif id_template := entry.offer or entry.request:
+            self._add_plugin_id(entry, id_template, scope, use)
         elif entry.unresolved is not None:
             expressions = ModelExpressions(scope)
             what, why = expressions.text(entry.unresolved), expressions.text(entry.why)
@@ -224,13 +229,24 @@ class _ModelWalk:
         )
         self.frames[frame] = None
 
-    def _add_look_up(
+    def _add_frame_use(
         self, entry: ModelEntry, frame: str, scope: ModelScope, use: _UseContext
     ) -> None:
-        """Record a frame that is certainly looked up."""
+        """Record a frame that is certainly looked up, or written into messages."""
         known = "" if use.uncertain else _known_text(frame, scope)
         for place in _evidence_of(entry, use)[-1:] if known else ():
-            self.look_ups[FrameUse(frame=known, evidence=place, is_look_up=True)] = None
+            found = FrameUse(frame=known, evidence=place, is_look_up=entry.look_up is not None)
+            self.frame_uses[found] = None
+
+    def _add_plugin_id(
+        self, entry: ModelEntry, id_template: str, scope: ModelScope, use: _UseContext
+    ) -> None:
+        """Record the id of a plugin; one that is asked for counts if that is certain."""
+        name = scope.resolve(ModelExpressions(scope).text(id_template))
+        is_known = not (use.uncertain or has_placeholder(name))
+        for place in _evidence_of(entry, use)[-1:] if entry.offer or is_known else ():
+            found = PluginId(name=name, evidence=place, is_request=entry.request is not None)
+            self.plugin_ids[found] = None
 
     def _used_model(
         self, entry: ModelEntry, name_template: str, scope: ModelScope, use: _UseContext

@@ -14,7 +14,8 @@ from rtron.vocabulary import Durability, QoS, Reliability, StringEnum
 
 ENTRY_VERBS = (
     *(kind.value for kind in DeclarationKind),
-    *("uses", "unresolved", "declares", "broadcast", "look_up"),
+    *("uses", "unresolved", "declares", "broadcast", "look_up", "stamp"),
+    *("offer", "request"),
 )
 MODEL_KINDS = (
     "node",
@@ -67,6 +68,9 @@ class ModelEntry(BaseModel):
     declares: tuple["ModelEntry", ...] | None = None
     broadcast: Text | None = None
     look_up: Text | None = None
+    stamp: Text | None = None
+    offer: Text | None = None
+    request: Text | None = None
     parent: Text = ""
     fixed: bool = False
     type: Text = ""

@@ -70,6 +70,7 @@ def with_plugin(part: NodePart, task: InterpretationTask, result: TaskResult) ->
         parameters=(*before.parameters, *its.parameters),
         frames=(*before.frames, *its.frames),
         frame_uses=(*before.frame_uses, *its.frame_uses),
+        plugin_ids=(*before.plugin_ids, *its.plugin_ids),
         mistyped=(*before.mistyped, *its.mistyped),
         last_messages=(*before.last_messages, *its.last_messages),
         message_flows=(*before.message_flows, *its.message_flows),

@@ -95,6 +95,7 @@ class Assembly(GraphBuilder):
         for tree in trees:
             for remap in tree.remaps_behind_all:
                 self.remap_uses.add_behind_all(remap)
+            self.add_wiring(*tree.wiring)
         self.add_wiring(*self.remap_uses.idle(self.endpoints.values(), parameters.leaves))
         self.add_wiring(*self.remap_uses.unread())
         self.add_wiring(*self.program_outputs.second_sources())

@@ -25,6 +25,7 @@ from rtron.sources.static.ros2.controllers import ControllerParts
 from rtron.sources.static.ros2.gazebo_plugins import GazeboPluginNodes
 from rtron.sources.static.ros2.gazebo_server import GazeboServers
 from rtron.sources.static.ros2.hardware import HardwareParts
+from rtron.sources.static.ros2.missing_plugins import missing_plugins
 from rtron.sources.static.ros2.standard_nodes import add_standard_interface
 from rtron.sources.static.ros2.unread_parameters import (
     malformed_files,
@@ -83,6 +84,7 @@ def scan_ros2_app(
         for part in (*parts, *(part for part in loaded if not part.task), *resolved):
             assembly.add_part(add_standard_interface(part, files, generated_files))
         assembly.add_wiring(*unread_parameters([*parts, *resolved]))
+        assembly.add_wiring(*missing_plugins(parts))
         assembly.add_wiring(*mistyped_parameters([*parts, *resolved]))
         assembly.add_wiring(*malformed_files(starts))
         assembly.add_wiring(*sections_without_node(parts, set(assembly.nodes), models.own_names))

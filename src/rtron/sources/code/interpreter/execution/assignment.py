@@ -11,13 +11,22 @@ from rtron.sources.code.interpreter.cpp.iterators import write_through
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame, StorageSlot
-from rtron.sources.declaration import FrameUse
+from rtron.sources.declaration import FrameUse, PluginId
 from rtron.vocabulary import Evidence
 
 STAMPED = "frame_id"
 """The field of a message's header that names its frame (std_msgs/Header)."""
 _CHILD_FRAME = "child_frame_id"
 """The field of an odometry that names the frame of its velocity (nav_msgs/Odometry)."""
+
+_PLUGIN_IDS = frozenset(
+    f"{kind}_id"
+    for kind in (
+        *("planner", "controller", "smoother"),
+        *("goal_checker", "progress_checker", "path_handler"),
+    )
+)
+"""The fields of goals that name a plugin of the server (nav2_msgs)."""
 
 
 def assign(machine: AbstractMachine, target: ir.Expr, value: av.Value, frame: StackFrame) -> None:
@@ -85,10 +94,28 @@ def _assign_member(
         _note_stamp(machine, owners, value, at.evidence)
     elif target.name == _CHILD_FRAME and any(map(_is_odometry, owners)):
         _note_stamp(machine, (), value, at.evidence)
+    elif target.name in _PLUGIN_IDS and any(map(_is_goal, owners)):
+        _note_plugin_id(machine, target.name, value, at.evidence)
     for owner in owners:
         before = owner.fields.get(target.name) if isinstance(owner, _OBJECTS) else None
         new = value if len(owners) == 1 or before is None else av.join([before, value])
         assign_member(machine, owner, target.name, new, at)
+
+
+def _is_goal(message: av.Value) -> bool:
+    """Return whether a value is an action's goal, whose class is not here."""
+    if not isinstance(message, av.Unknown):
+        return False
+    made_by = message.type.name if message.type else message.label.removesuffix("()")
+    return made_by.endswith("Goal")
+
+
+def _note_plugin_id(machine: AbstractMachine, field: str, value: av.Value, place: Evidence) -> None:
+    """Note the plugin that a goal asks its server for, if it is known."""
+    if isinstance(value, av.Scalar) and value.value:
+        namespace = machine.recorder.site.name.rpartition("/")[0]
+        name = f"{namespace}/{field}/{value.value}"
+        machine.recorder.add_plugin_id(PluginId(name=name, evidence=place, is_request=True))
 
 
 def _is_odometry(message: av.Value) -> bool:

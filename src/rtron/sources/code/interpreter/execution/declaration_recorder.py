@@ -16,6 +16,7 @@ from rtron.sources.declaration import (
     MistypedParameter,
     NodeInterface,
     NodeSite,
+    PluginId,
     RuntimeStart,
 )
 from rtron.vocabulary import (
@@ -57,6 +58,7 @@ class DeclarationRecorder:
     _parameters: dict[tuple[str, str], NodeParameter] = field(default_factory=dict)
     _frames: dict[FrameBroadcast, None] = field(default_factory=dict)
     _frame_uses: dict[FrameUse, None] = field(default_factory=dict)
+    _plugin_ids: dict[PluginId, None] = field(default_factory=dict)
     _mistyped: dict[MistypedParameter, None] = field(default_factory=dict)
     _undecided_parameters: int = 0
     _undecided_conditions: int = 0
@@ -166,6 +168,12 @@ class DeclarationRecorder:
         if is_certain and len(self._frame_uses) < MAX_DECLARATIONS:
             self._frame_uses[use] = None
 
+    def add_plugin_id(self, plugin_id: PluginId) -> None:
+        """Record the id of a plugin that a request asks for."""
+        is_certain = not (self.muted or self._undecided_parameters)
+        if is_certain and len(self._plugin_ids) < MAX_DECLARATIONS:
+            self._plugin_ids[plugin_id] = None
+
     def add_node(self, made: CreatedNode) -> None:
         """Record a node that the process makes."""
         if not self.muted and len(self._nodes) < MAX_DECLARATIONS:
@@ -241,6 +249,7 @@ class DeclarationRecorder:
             parameters=tuple(self._parameters.values()),
             frames=tuple(self._frames),
             frame_uses=tuple(self._frame_uses),
+            plugin_ids=tuple(self._plugin_ids),
             mistyped=tuple(self._mistyped),
         )
 

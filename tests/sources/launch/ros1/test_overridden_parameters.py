@@ -1,0 +1,55 @@
+"""Parameters that a launch file sets and that one within it sets again."""
+
+import pytest
+
+from rtron.sources.launch.ros1.reader import read_launch
+
+OUTER = """<launch><arg name="sim" default="true"/>
+{}<include file="{}/inner.launch"/>{}
+</launch>"""
+SET = '<param name="/use_sim_time" value="{}"/>'
+ON, OFF = SET.format("true"), SET.format("false")
+
+
+@pytest.fixture
+def overridden(tmp_path):
+    """Return the parameters that a launch file sets in vain, with both values and the lines."""
+
+    def read(before="", inner=OFF, behind=""):
+        (tmp_path / "inner.launch").write_text(f"<launch>{inner}</launch>")
+        launch = tmp_path / "outer.launch"
+        launch.write_text(OUTER.format(before, tmp_path, behind))
+        wiring = read_launch(launch, {}, {}, {}).wiring
+        return [(f.subject, *f.others, f.value, *[e.line for e in f.evidence]) for f in wiring]
+
+    return read
+
+
+def test_an_included_file_sets_it_back(overridden):
+    expected = [("/use_sim_time", "True", "False", 2, 1)]
+    assert overridden(SET.format("$(arg sim)")) == expected
+    assert overridden(f'<group ns="a">{SET.format(1.5)}</group>')[0][1] == "1.5"
+
+
+def test_a_file_of_parameters_sets_it_back(overridden, tmp_path):
+    (tmp_path / "a.yaml").write_text("speed: 2\n")
+    load = f'<rosparam command="load" file="{tmp_path}/a.yaml"/>'
+    assert overridden('<param name="speed" value="1"/>', load) == [("/speed", "1", "2", 2, 1)]
+    assert overridden(load, '<param name="speed" value="3"/>') == [("/speed", "2", "3", 1, 1)]
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {},
+        {"before": OFF},
+        {"behind": ON},
+        {"before": ON, "behind": ON},
+        {"before": ON, "inner": f'<group ns="a">{OFF.replace("/use", "use")}</group>'},
+        {"before": ON, "inner": OFF.replace("/>", ' if="$(env X)"/>')},
+        {"before": SET.format("$(env X)")},
+        {"before": ON, "inner": OFF.replace("/use", "/other")},
+    ],
+)
+def test_what_is_set_to_one_value_or_may_be_is_not_found(overridden, parts):
+    assert overridden(**parts) == []
