@@ -186,10 +186,10 @@ def _is_zero(value: Value) -> bool:
 def _arithmetic(name: str, left: Value, right: Value) -> Value:
     left, right = number_of(left), number_of(right)
     tainted = taint(left) | taint(right)
-    if (name in {"*", "/"} and _is_zero(left)) or (name == "*" and _is_zero(right)):
-        return Scalar(0.0, tainted)
     if isinstance(left, Scalar) and isinstance(right, Scalar) and name in _ARITHMETIC:
         return _compute(name, left, right, tainted)
+    if (name in {"*", "/"} and _is_zero(left)) or (name == "*" and _is_zero(right)):
+        return Scalar(0.0, tainted)
     return Unknown(_hole_name(left, right), tainted)
 
 
