@@ -205,34 +205,6 @@ def main():
     rclpy.shutdown()
 """,
     ),
-    "a pulse for each command, and neutral later": (
-        "stops",
-        0.5,
-        "py",
-        2,
-        """
-import rclpy, time
-from rclpy.node import Node
-from geometry_msgs.msg import Twist
-from adafruit_pca9685 import PCA9685
-class Rover(Node):
-    def __init__(self):
-        super().__init__('rover')
-        self.pwm, self.throttle, self.at = PCA9685(), 0.0, time.time()
-        self.create_subscription(Twist, 'cmd_vel', self.on_command, 10)
-        self.create_timer(0.02, self.loop)
-    def on_command(self, message):
-        self.throttle = max(-1.0, min(1.0, message.linear.x))
-        self.at = time.time()
-    def loop(self):
-        if time.time() - self.at > 0.5:
-            self.throttle = 0.0
-        self.pwm.channels[0].duty_cycle = int(1500 + 400 * self.throttle)
-def main():
-    rclpy.init()
-    rclpy.spin(Rover())
-""",
-    ),
     "a main loop of roscpp": (
         "stops",
         0.5,
@@ -266,33 +238,6 @@ private:
   serial::Serial serial_;
 };
 int main(int argc, char** argv) { ros::init(argc, argv, "base"); Base base; base.run(); }
-""",
-    ),
-    "a thread of C++": (
-        "keeps",
-        None,
-        "cpp",
-        2,
-        """
-#include <rclcpp/rclcpp.hpp>
-#include <thread>
-class Base : public rclcpp::Node {
-public:
-  Base() : Node("base") {
-    sub_ = create_subscription<geometry_msgs::msg::Twist>("cmd_vel", 1,
-      std::bind(&Base::onCommand, this, std::placeholders::_1));
-    thread_ = std::thread(&Base::loop, this);
-  }
-  void onCommand(const geometry_msgs::msg::Twist::SharedPtr message) { speed_ = message->linear.x; }
-  void loop() { while (rclcpp::ok()) { bus_.send(speed_); std::this_thread::sleep_for(20ms); } }
-private:
-  rclcpp::Subscription<geometry_msgs::msg::Twist>::SharedPtr sub_; std::thread thread_;
-  double speed_ = 0; CanBus bus_;
-};
-int main(int argc, char** argv) {
-  rclcpp::init(argc, argv);
-  rclcpp::spin(std::make_shared<Base>());
-}
 """,
     ),
 }

@@ -17,7 +17,7 @@ from rtron.sources.code.ir.references import ir_nodes, written_names
 from rtron.sources.code.reachability import reachable_functions, unknown_bases
 from rtron.sources.code.silence import SMALL, Loop, Silence
 from rtron.sources.code.silent_evaluation import SilentEvaluation
-from rtron.sources.code.silent_outputs import Expiry, Output
+from rtron.sources.code.silent_outputs import DECIDED, DOUBT, EITHER, Expiry, Output
 from rtron.sources.declaration import Declaration, DeclarationKind, LastMessageUse
 from rtron.vocabulary import Evidence, LastMessageFate
 from rtron.vocabulary.names import snake_case
@@ -178,7 +178,7 @@ def _fate(run: Silence, sent: list[Output], repeated: list[Output]) -> LastMessa
     outputs = run.seen.outputs
     first = outputs.index(sent[0]) if sent else 0
     stops = [each for each in outputs[first:] if _is_stop(each)]
-    if any(each.is_doubtful for each in stops) or any(map(_may_be_zero, repeated)):
+    if any(each.reason & DOUBT for each in stops) or any(map(_may_be_zero, repeated)):
         return _CHECKED
     if repeated:
         return _fate_of_repeated(sent, repeated)
@@ -238,15 +238,15 @@ def _is_state(publisher: Declaration) -> bool:
 
 def _is_made_of_message(output: Output) -> bool:
     """Return whether a message decides what is sent, or that something is sent."""
-    is_caused = output.is_because and bool(output.leaves) and not _is_stop(output)
-    return is_caused or any(map(_is_of_message, output.leaves))
+    is_caused = output.reason & DECIDED and output.leaves and not _is_stop(output)
+    return bool(is_caused) or any(map(_is_of_message, output.leaves))
 
 
 def _is_stop(output: Output) -> bool:
     """Return whether what is sent stops something: by its name, or zero and nothing else."""
     is_made = any(map(_is_of_message, output.leaves))
     is_zeros = any(map(_is_zero, output.leaves)) and not is_made
-    return (_is_called_stop(output) or is_zeros) and not output.is_either
+    return (_is_called_stop(output) or is_zeros) and not output.reason & EITHER
 
 
 def _is_of_message(value: av.Value) -> bool:

@@ -21,7 +21,7 @@ from rtron.sources.code.interpreter.execution.calls import dispatch
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.interpreter.execution.undo_log import Write
 from rtron.sources.code.silent_evaluation import LATE_ROUND, STEP_GROWTH, SilentEvaluation
-from rtron.sources.code.silent_outputs import MESSAGE, WaitsError
+from rtron.sources.code.silent_outputs import DECIDED, DOUBT, MESSAGE, WaitsError
 
 SMALL = 0.02
 """What counts as zero of a number that decays."""
@@ -96,12 +96,12 @@ class Silence:
         self._tasks += [_Task(None, loops=[loop])] if loop else []
         self._tasks += (_Task(*task) for task in self.machine.tasks if task[1] != _ONCE)
         known = len(self.machine.tasks)
-        self.seen.because += 1
+        self.seen.reasons.append(DECIDED)
         for callback in callbacks:
             task = _Task(callback)
             self._step(task, _GIVEN)
             self._tasks += [task] if task.loops else []
-        self.seen.because -= 1
+        self.seen.reasons.pop()
         self.seen.late_tasks += self.machine.tasks[known:]
 
     def _run_rounds(self) -> bool:
@@ -127,10 +127,10 @@ class Silence:
     def _run_round(self) -> None:
         if self.seen.round == LATE_ROUND:
             self._tasks += (_Task(*task) for task in self.seen.late_tasks)
-            self.seen.doubts += 1
+            self.seen.reasons.append(DOUBT)
             for function in self.seen.handed[:_MAX_HANDED]:
                 self._step(_Task(function))
-            self.seen.doubts -= 1
+            self.seen.reasons.pop()
         for task in self._tasks:
             self._step(task)
 

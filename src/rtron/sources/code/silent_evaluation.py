@@ -45,7 +45,7 @@ from rtron.sources.code.silent_library import (
     scaled,
     topic_of,
 )
-from rtron.sources.code.silent_outputs import SilentState, WaitsError
+from rtron.sources.code.silent_outputs import SilentState, WaitsError, reason_of
 from rtron.sources.declaration import DeclarationKind
 from rtron.vocabulary import Evidence
 
@@ -312,11 +312,14 @@ class SilentEvaluation(SilentState):
 
     def _if(self, machine: AbstractMachine, node: ir.If, frame: StackFrame) -> Outcome:
         test = machine.evaluate(node.test, frame)
-        decided, flags = self.truth(test), av.taint(test)
-        with self.branch(is_decided=decided is not None, flags=flags):
+        decided = self.truth(test)
+        self.reasons.append(reason_of(av.taint(test), is_decided=decided is not None))
+        try:
             if decided is None:
                 return statements.run_both_sides(machine, node, frame)
             return machine.execute(node.body if decided else node.orelse, frame)
+        finally:
+            self.reasons.pop()
 
     def _while(self, machine: AbstractMachine, node: ir.While, frame: StackFrame) -> Outcome:
         """Run a loop while its test is decided.

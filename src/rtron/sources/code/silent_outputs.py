@@ -1,8 +1,9 @@
 """What leaves a program as it runs in silence, and what of the message decided that."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import or_
+from typing import TypeAlias
 
 from rtron.sources.code import ir
 from rtron.sources.code.interpreter import abstract_values as av
@@ -13,16 +14,19 @@ from rtron.sources.code.silent_library import leaves
 from rtron.vocabulary import Evidence
 
 MESSAGE = av.Unknown("message", av.MESSAGE)
+DECIDED, EITHER, OUTSIDE, DOUBT = 1, 2, 4, 8
+"""Why something runs: the message decided it, perhaps another would not; what others write, or
+what is not known, decides it."""
 _MAX_SECONDS = 1e6
+Values: TypeAlias = tuple[av.Value, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Output:
-    """What left a program: how it was sent, in which round, and what.
+    """What left a program: how it was sent, in which round, and why.
 
-    `target` is the object or, of a function alone, its own name; `publisher` the topic.
-    `is_because` says that the message decided that it is sent, `is_either` that another message
-    would not, `is_doubtful` that something which is not known decides.
+    `target` is the object or, of a function alone, its own name; `publisher` the topic. `leaves`
+    is what was sent, taken apart; of a choice one of them.
     """
 
     round: int
@@ -30,11 +34,9 @@ class Output:
     function: str
     leaves: tuple[av.Value, ...]
     place: Evidence
-    publisher: str = ""
-    is_because: bool = False
-    is_either: bool = False
-    is_doubtful: bool = False
-    is_choice: bool = False
+    publisher: str
+    reason: int
+    is_choice: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,9 +62,9 @@ class SilentState:
 
     `round` is 0 while the message is handled, `clock` in seconds. `is_starting` says that a thread
     has not come to its loop, `is_timed` that a time was compared, `is_used` that something of the
-    message was read later; `handed` are functions that the outside got and may call,
-    `late_tasks` those that were started since the message came. `because`
-    counts the branches around what runs that the message decides.
+    message was read later; `handed` are functions that the outside got and may call, `late_tasks`
+    those that were started since the message came. `reasons` are those of the branches around what
+    runs.
     """
 
     machine: AbstractMachine
@@ -76,10 +78,7 @@ class SilentState:
     is_starting: bool = False
     is_timed: bool = False
     is_used: bool = False
-    because: int = 0
-    doubts: int = 0
-    _either: int = 0
-    _others: int = 0
+    reasons: list[int] = field(default_factory=list)
     _answers: dict[tuple[int, str], tuple[bool, float, float | None]] = field(default_factory=dict)
 
     def truth(self, value: av.Value) -> bool | None:
@@ -88,52 +87,21 @@ class SilentState:
         return True if is_whole else truth_of(self.machine, value)
 
     def send(
-        self,
-        target: str,
-        function: str,
-        values: tuple[av.Value, ...],
-        place: Evidence,
-        publisher: str = "",
+        self, target: str, function: str, values: Values, place: Evidence, publisher: str = ""
     ) -> None:
         """Note an output."""
-        sent = Output(
-            round=self.round,
-            target=target,
-            function=function,
-            leaves=leaves(values),
-            place=place,
-            publisher=publisher,
-            is_because=self.because > 0,
-            is_either=self._either > 0,
-            is_doubtful=self.doubts > 0,
-            is_choice=any(isinstance(each, av.Choice) for each in values),
-        )
-        self.outputs.append(sent)
+        reason = reduce(or_, self.reasons, 0)
+        is_choice = any(isinstance(each, av.Choice) for each in values)
+        sent = (self.round, target, function, leaves(values), place, publisher, reason, is_choice)
+        self.outputs.append(Output(*sent))
 
     def caused(self, value: av.Value) -> av.Value:
         """Mark a value that is kept because of the message, or of the outside; zero is zero."""
-        is_zero = isinstance(value, av.Scalar) and not value.value and self.because == 1
-        cause = av.MESSAGE if self.because and not is_zero else 0
-        return av.with_taint(value, cause | (av.OUTSIDE if self._others else 0))
-
-    @contextmanager
-    def branch(self, *, is_decided: bool, flags: int) -> Iterator[None]:
-        """Run what a test of values decides that come from `flags`."""
-        is_because = flags & (av.MESSAGE | av.CLOCK) == av.MESSAGE
-        is_either = is_because and not is_decided
-        is_others = not is_decided and flags & av.OUTSIDE != 0
-        is_doubtful = not (is_decided or flags & (av.MESSAGE | av.OUTSIDE))
-        self.because += is_because
-        self._either += is_either
-        self.doubts += is_doubtful
-        self._others += is_others
-        try:
-            yield
-        finally:
-            self.because -= is_because
-            self._either -= is_either
-            self.doubts -= is_doubtful
-            self._others -= is_others
+        causes = sum(each & DECIDED for each in self.reasons)
+        is_zero = isinstance(value, av.Scalar) and not value.value and causes == 1
+        cause = av.MESSAGE if causes and not is_zero else 0
+        is_others = any(each & OUTSIDE for each in self.reasons)
+        return av.with_taint(value, cause | (av.OUTSIDE if is_others else 0))
 
     def note_comparison(
         self, node: ir.Binary, frame: StackFrame, answer: av.Scalar, distance: av.Value
@@ -155,3 +123,13 @@ def _crossing(then: float, now: float, far: float | None, near: float | None) ->
         return None
     seconds = then - far * (now - then) / (near - far)
     return round(seconds, 3) if 0 <= seconds < _MAX_SECONDS else None
+
+
+def reason_of(flags: int, *, is_decided: bool) -> int:
+    """Return why a branch runs whose test is made of what comes from `flags`."""
+    reason = DECIDED if flags & (av.MESSAGE | av.CLOCK) == av.MESSAGE else 0
+    if is_decided:
+        return reason
+    reason |= EITHER if reason else 0
+    reason |= OUTSIDE if flags & av.OUTSIDE else 0
+    return reason if flags & (av.MESSAGE | av.OUTSIDE) else DOUBT

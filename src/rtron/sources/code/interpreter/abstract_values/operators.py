@@ -189,7 +189,7 @@ def _arithmetic(name: str, left: Value, right: Value) -> Value:
     if isinstance(left, Scalar) and isinstance(right, Scalar) and name in _ARITHMETIC:
         return _compute(name, left, right, tainted)
     if (name in {"*", "/"} and _is_zero(left)) or (name == "*" and _is_zero(right)):
-        return Scalar(0.0, tainted)
+        return Scalar(0, tainted)
     return Unknown(_hole_name(left, right), tainted)
 
 
