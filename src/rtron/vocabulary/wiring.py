@@ -106,14 +106,13 @@ class LastMessageFate(StringEnum):
     """What a node does with the last message of a topic when no more come."""
 
     STOPPED = "stopped"
-    """It compares the time of the message with now, and stops something."""
+    """It sends zero, or nothing that is made of it any more."""
     CHECKED = "checked"
-    """It may notice: it compares that time or keeps it elsewhere, restarts a timer, waits with a
-    limit, sets a mark or a counter that is tested, or takes away what it kept."""
+    """It cannot be told: something decides that is not known, or it sends nothing more late."""
     REPEATED = "repeated"
     """It publishes what it kept of the message again and again."""
     UNNOTICED = "unnoticed"
-    """Nothing in its source notices."""
+    """What it has sent, or sends again and again, stays as the message said."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
