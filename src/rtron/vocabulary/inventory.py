@@ -83,9 +83,9 @@ class Mover:
     way of commands, the last one first. `doors` let others than ROS nodes in, `operators` are nodes
     that a person commands beside ROS, with what; `unprompted` send commands though nobody tells
     them to. `effect` says what a switch does that does less than its name says. `stop` says why it
-    stops or does not; if not, `holder` keeps the last command. `unread` are the nodes that were not
-    read, one of which may obey what no driver does; where the app is not `is_whole`, one may send
-    what nobody does.
+    stops or does not, `holders` which nodes keep their last command, and why. `unread` are the
+    nodes that were not read, one of which may obey what no driver does; where the app is not
+    `is_whole`, one may send what nobody does.
     """
 
     thing: Thing
@@ -102,7 +102,7 @@ class Mover:
     is_whole: bool = True
     stops: Stops = Stops.UNKNOWN
     stop: str = ""
-    holder: str = ""
+    holders: tuple[tuple[str, str], ...] = ()
     evidence: tuple[Evidence, ...] = ()
 
     @property

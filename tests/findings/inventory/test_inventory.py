@@ -302,7 +302,7 @@ def test_a_name_that_tells_of_the_age_of_other_commands_tells_nothing(fate, file
     facts = (fact("device", "/base", "CAN"), KEPT, AGED, other)
     commands = [Command(means=Means.TOPIC, name=name) for name in read]
     app = app_facts(replace(graph, endpoints=ends, wiring=facts))
-    assert stopping(app, ("/base",), commands, ()).stops is stops
+    assert stopping(app, ("/base",), commands, ())[0].stops is stops
 
 
 def with_two_topics(fates, *facts, **changes):
@@ -347,7 +347,7 @@ def test_a_parameter_helps_no_topic_whose_age_nobody_looks_at():
 
 def test_a_name_that_tells_of_an_age_may_have_no_place():
     app = with_two_topics(("unnoticed", "stopped"), replace(AGED, evidence=()))
-    found = stopping(app, ("/base",), [Command(means=Means.TOPIC, name="/cmd_vel")], ())
+    found, *_ = stopping(app, ("/base",), [Command(means=Means.TOPIC, name="/cmd_vel")], ())
     assert found.why.endswith("these commands; a name may tell of it")
 
 
@@ -1523,7 +1523,12 @@ def test_a_stop_that_no_driver_obeys_is_told_so():
 @pytest.mark.parametrize(
     ("topic", "type", "stops"),
     [
-        ("/arm/commands", "std_msgs/msg/Float64MultiArray", Stops.NO),
+        ("/arm/commands", "std_msgs/msg/Float64MultiArray", Stops.UNKNOWN),
+        ("/arm/velocity_commands", "std_msgs/msg/Float64MultiArray", Stops.NO),
+        ("/forward_position_controller/commands", "std_msgs/msg/Float64", Stops.UNKNOWN),
+        ("/steering/command", "std_msgs/msg/Int16", Stops.UNKNOWN),
+        ("/lift/height", "std_msgs/msg/Float32", Stops.UNKNOWN),
+        ("/motor_command", "std_msgs/msg/Float32", Stops.NO),
         ("/arm/joint_trajectory", "trajectory_msgs/msg/JointTrajectory", Stops.UNKNOWN),
         ("/arm/servo_position", "std_msgs/msg/Float64", Stops.UNKNOWN),
         ("/position/cmd_vel", TWIST, Stops.NO),

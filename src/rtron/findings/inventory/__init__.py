@@ -164,7 +164,8 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     everything = _distinct([*last, *upstream])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
-    end = stopping(app, drivers, streamed, behind) if streamed and thing not in _HOLDING else None
+    is_asked = streamed and thing not in _HOLDING
+    ends = stopping(app, drivers, streamed, behind) if is_asked else []
     unread = () if drivers else _unread_parts(app)
     is_seen = bool(unread) and unread[0] in app.nodes
     senders = _nodes(each.senders for each in everything)
@@ -184,9 +185,9 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         effect=_stop_effect(commands, drivers) if thing is Thing.STOP and topics else "",
         unread=unread,
         is_whole=not set(app.unread_nodes).difference(bridges(app)),
-        stops=end.stops if end else Stops.UNKNOWN,
-        stop=_why_it_stops(end, is_seen=is_seen) if end else "",
-        holder=end.holder if end else "",
+        stops=ends[0].stops if ends else Stops.UNKNOWN,
+        stop=_why_it_stops(ends[0], is_seen=is_seen) if ends else "",
+        holders=tuple((each.holder, each.why) for each in ends if each.holder),
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),
     )
 

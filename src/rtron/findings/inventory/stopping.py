@@ -47,20 +47,23 @@ _CLEVER_DEVICES = {
 Documented are servo.default_timeout_s (mjbots' reference of moteus), APPCONF_TIMEOUT_MSEC (VESC's
 firmware) and RWD (Roboteq's user manual).
 """
-_STREAMS = re.compile(
-    r"geometry_msgs/Twist|ackermann_msgs/|sensor_msgs/Joy|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)"
-)
+_VELOCITIES = re.compile(r"geometry_msgs/(?:msg/)?Twist|ackermann_msgs/|sensor_msgs/(?:msg/)?Joy")
+_STREAMS = re.compile(rf"{_VELOCITIES.pattern}|/\w*(?:Cmd|Command|Channels|Drive|Motor|Joy)")
 """Types of commands that come again and again, by their names."""
 _UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
 """What becomes of a last message where nothing looks at its age."""
-_ENDING = re.compile(r"trajectory|position|angle|pose(?![a-z])|goal")
+_ENDING = re.compile(
+    r"trajectory|position|(?<![a-z])pos(?![a-z])|angle|degree|pose(?![a-z])|goal|height|level|steer"
+)
 """Words in names and types of what tells where to go: the motion ends there."""
 _RATES = re.compile(r"speed|vel(?![a-z])|velocit|effort|torque|thrust")
 """Words in names of what tells how fast or how hard to go."""
+_PLACED = frozenset({Thing.ARM, Thing.TOOL})
+"""What is mostly told where to go."""
 
 
 class Stopping(NamedTuple):
-    """Whether it stops, and why; `holder` is the node that keeps the last command."""
+    """Whether it stops, and why; `holder` is who keeps the last command, on a real robot."""
 
     stops: Stops
     why: str
@@ -75,10 +78,12 @@ def goes_on(thing: Thing, command: Command) -> bool:
 
     What hangs on hardware that is not known may be told once.
     """
-    name = snake_case(command.name.rpartition("/")[2])
-    is_place = _ENDING.search(f"{name} {snake_case(command.type)}") and not _RATES.search(name)
+    words = f"{snake_case(command.name)} {snake_case(command.type)}"
+    if _VELOCITIES.search(command.type) or _RATES.search(words):
+        return True
+    is_place = thing in _PLACED or bool(_ENDING.search(words))
     is_known = thing is not Thing.DEVICE or bool(COMMAND_NAMES.search(command.name))
-    return bool(_STREAMS.search(command.type)) or (is_known and not is_place)
+    return not is_place and (is_known or bool(_STREAMS.search(command.type)))
 
 
 def stopping(
@@ -86,8 +91,8 @@ def stopping(
     drivers: tuple[str, ...],
     commands: Collection[Command],
     behind: Collection[tuple[str, Command]],
-) -> Stopping:
-    """Return the worst that is known of the drivers, and of who forwards the commands behind.
+) -> list[Stopping]:
+    """Return what is known of the drivers, and of who forwards the commands behind, worst first.
 
     A controller of ROS 1 is no node: its topics and its parameters are below its name.
     """
@@ -102,12 +107,12 @@ def stopping(
         if command.type in types or _STREAMS.search(command.type)
         for stop in _of_forwarder(app, node, command.name, led)
     )
-    return _worst(found)
+    return _worst_first(found)
 
 
-def _worst(found: list[Stopping]) -> Stopping:
+def _worst_first(found: list[Stopping]) -> list[Stopping]:
     order = (Stops.NO, Stops.UNKNOWN, Stops.YES)
-    return min(found, key=lambda each: order.index(each.stops))
+    return sorted(found, key=lambda each: order.index(each.stops))
 
 
 def _of_forwarder(app: AppFacts, node: str, topic: str, led: Collection[str]) -> Iterator[Stopping]:
@@ -134,11 +139,15 @@ def _documented(app: AppFacts, node: str, topics: Collection[str]) -> Stopping:
     """Return the worst that is documented of the packages whose code hears the commands."""
     own = app.nodes[node].package if node in app.nodes else ""
     subscribed = [end for end in app.graph.subscribed_by(node) if end.topic in topics]
-    packages = [each for end in subscribed for each in _library_packages(end) or (own,)] or [own]
     silent = Stopping(Stops.UNKNOWN, f"{node} does not tell")
-    return _worst(
-        [Stopping(*_KNOWN[each], node) if each in _KNOWN else silent for each in packages]
-    )
+    packages = [each for end in subscribed for each in _library_packages(end) or [_host(end, own)]]
+    known = [Stopping(*_KNOWN[each]) if each in _KNOWN else silent for each in packages or [own]]
+    return _worst_first(known)[0]
+
+
+def _host(end: Endpoint, own: str) -> str:
+    """Return the package of a node that hears a velocity; of others that it hosts it says less."""
+    return own if _STREAMS.search(end.type) else ""
 
 
 def _library_packages(end: Endpoint) -> list[str]:
@@ -160,8 +169,8 @@ def _by_parameter(app: AppFacts, node: str, controllers: Collection[str]) -> Sto
         if is_own and is_timeout and is_number:
             stops = Stops.NO if is_off(parameter.value) else Stops.YES
             why = f"{parameter.node}: {parameter.name} is {parameter.value}"
-            found.append(Stopping(stops, why, node))
-    return _worst(found) if found else None
+            found.append(Stopping(stops, why, parameter.node if stops is Stops.NO else ""))
+    return _worst_first(found)[0] if found else None
 
 
 def _by_source(app: AppFacts, node: str, topics: Collection[str]) -> Stopping | None:

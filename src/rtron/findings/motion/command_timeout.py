@@ -2,13 +2,13 @@
 
 ## What it finds
 
-The robot goes on with the last command when the node that drives dies or its link breaks, as the
-inventory says where it tells that something does not stop, because
+The robot goes on with its last command when the node that commands it dies or its link breaks. It
+does where
 
 - a parameter for the timeout of commands (`cmd_vel_timeout` and the like) is 0 or less;
 - a node that obeys commands opens hardware, and nothing in its source checks the age of a command;
-- a node repeats the last command that it received, in a timer or a loop, without checking its age;
-- or the driver's documentation says so.
+- or a node repeats the last command that it received, in a timer or a loop, without checking its
+  age.
 
 For example, `/diff_drive_controller` has `cmd_vel_timeout: 0.0`.
 
@@ -20,8 +20,9 @@ for so long.
 ## When it is silent
 
 For autopilots, vendors' bases and the motor controllers moteus, VESC and Roboteq, which mostly stop
-by themselves; where another node hears the commands and may stop the driver; and for what is told
-where to go, not how fast: it ends there. Whether the hardware stops, no scan sees.
+by themselves; for simulators; where another node hears the commands and may stop the driver; for
+arms, tools, switches and whatever else is told where to go and not how fast. Whether the hardware
+stops, no scan sees.
 """
 
 from collections import defaultdict
@@ -32,7 +33,7 @@ from rtron.findings.inventory import take_inventory
 from rtron.findings.inventory.stopping import TIMEOUT_NAMES, is_off
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, NodeParameter
-from rtron.vocabulary.inventory import Mover, Stops
+from rtron.vocabulary.inventory import Mover
 from rtron.wording import join_names
 
 
@@ -45,22 +46,24 @@ def check(app: AppFacts) -> Iterator[Finding]:
             off[parameter.node].append(parameter)
     for node, parameters in off.items():
         yield _finding(app, node, sorted(parameters, key=lambda each: each.name))
-    held: dict[str, list[Mover]] = defaultdict(list)
+    held: dict[str, list[tuple[str, Mover]]] = defaultdict(list)
     for mover in take_inventory(app):
-        if mover.stops is Stops.NO and mover.holder not in off:
-            held[mover.holder].append(mover)
-    for node, movers in held.items():
-        yield _holding(app, node, movers)
+        for node, why in mover.holders:
+            if node not in off:
+                held[node].append((why, mover))
+    for node, reasons in held.items():
+        yield _holding(app, node, reasons)
 
 
-def _holding(app: AppFacts, node: str, movers: list[Mover]) -> Finding:
+def _holding(app: AppFacts, node: str, reasons: list[tuple[str, Mover]]) -> Finding:
+    movers = [mover for _, mover in reasons]
     commands = {command.name for each in movers for command in each.commands}
     inputs = [end for end in app.graph.subscribed_by(node) if end.topic in commands]
     return make_finding(
         RULE.name,
         node,
         summary=f"{node} keeps its last command when its sender dies, unless its hardware stops",
-        cause=join_names([*dict.fromkeys(each.stop for each in movers)]),
+        cause=join_names([*dict.fromkeys(why for why, _ in reasons)]),
         remedy=f"in {node}, or before it, send zero when no command came for 0.5 s; see what the "
         "hardware does by itself",
         consequence=Consequence.MOTION,
