@@ -106,13 +106,14 @@ class LastMessageFate(StringEnum):
     """What a node does with the last message of a topic when no more come."""
 
     STOPPED = "stopped"
-    """It sends zero, or nothing that is made of it any more."""
+    """It compares the time of the message with now, and stops something."""
     CHECKED = "checked"
-    """It cannot be told: something decides that is not known, or it sends nothing more late."""
+    """It may notice: it compares that time or keeps it elsewhere, restarts a timer, waits with a
+    limit, sets a mark or a counter that is tested, or takes away what it kept."""
     REPEATED = "repeated"
     """It publishes what it kept of the message again and again."""
     UNNOTICED = "unnoticed"
-    """What it has sent, or sends again and again, stays as the message said."""
+    """Nothing in its source notices."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

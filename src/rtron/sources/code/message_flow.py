@@ -14,12 +14,7 @@ from rtron.sources.code import ir
 from rtron.sources.code.external_libraries import ExternalLibraries
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.exceptions import is_logging_call
-from rtron.sources.code.ir.references import (
-    cache_by_identity,
-    called_names,
-    ir_nodes,
-    last_name,
-)
+from rtron.sources.code.ir.references import cache_by_identity, called_names, callee_names, ir_nodes
 from rtron.sources.declaration import Declaration, DeclarationKind, MessageFlow
 
 _MEASURED = re.compile(
@@ -129,20 +124,27 @@ def _assignments(node: object) -> Iterator[tuple[ir.Expr, ir.Expr]]:
 
 def _root(target: ir.Expr) -> tuple[str, bool]:
     """Return the variable that something is written to or below, and whether it is a member."""
-    name, is_member = last_name(target), False
+    name, is_member = _last_name(target), False
     while isinstance(target, (ir.Attr, ir.Index)):
         is_own = isinstance(target.owner, ir.Name) and target.owner.id in {"self", "this"}
         is_member |= is_own and isinstance(target, ir.Attr)
         target = target.owner
         if not is_member:
-            name = last_name(target)
+            name = _last_name(target)
     return name, is_member
+
+
+def _last_name(part: ir.Expr) -> str:
+    """Return the last name of what is called or written to."""
+    while isinstance(part, ir.Index):
+        part = part.owner
+    return next(callee_names(part), "")
 
 
 @cache_by_identity
 def _mentioned(part: object) -> frozenset[str]:
     """Return the last names of all variables, members and functions in a part."""
-    return frozenset(last_name(n) for n in ir_nodes(part) if isinstance(n, (ir.Attr, ir.Name)))
+    return frozenset(_last_name(n) for n in ir_nodes(part) if isinstance(n, (ir.Attr, ir.Name)))
 
 
 def _has_effect(node: object) -> bool:
@@ -154,7 +156,7 @@ def _has_effect(node: object) -> bool:
 
 
 def _only_logs(call: ir.Call) -> bool:
-    name = last_name(call.function)
+    name = _last_name(call.function)
     if isinstance(call.function, ir.Attr) and _LOGGING.fullmatch(name):
         owner = _mentioned(call.function.owner)
         return name.lower().startswith("get") or any(map(_LOGGERS.fullmatch, owner))
@@ -285,7 +287,7 @@ class _Flow:
         for call in code.calls:
             if id(call) in ids or _mentioned((call.args, call.keywords)) & made:
                 self._use(code, call)
-                self._run(self.program.called({last_name(call.function)}, scope))
+                self._run(self.program.called({_last_name(call.function)}, scope))
 
     def _write(self, targets: Iterable[ir.Expr]) -> None:
         """Keep the library to whose objects something is written."""

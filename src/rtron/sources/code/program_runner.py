@@ -25,7 +25,7 @@ from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.interpreter.execution.statements import EXECUTORS
 from rtron.sources.code.interpreter.execution.undo_log import UndoLog
 from rtron.sources.code.interpreter.python.runtime import PythonRuntime
-from rtron.sources.code.last_message import LastMessages, last_messages
+from rtron.sources.code.last_message import last_messages
 from rtron.sources.code.library_models.common.message_types import (
     OTHER_CPP_CLASSES,
     OTHER_CPP_FUNCTIONS,
@@ -263,7 +263,6 @@ def _run_to_fixpoint(
     a node is called by nobody else, so that all it reads of its parameters is seen.
     """
     machine = run(frozenset())
-    last = last_messages(machine)
     if machine.recorder.site.ros == 1 and (volatile := names_written_by_callbacks(machine)):
         machine = run(volatile)
     functions = machine.runtime.program_functions()
@@ -271,7 +270,7 @@ def _run_to_fixpoint(
     note_unreached(machine, own)
     interface = machine.recorder.result()
     interface = mark_parameters_read_once(machine, interface) if of_node else interface
-    flows = tuple(message_flows(machine))
+    last, flows = tuple(last_messages(machine)), tuple(message_flows(machine))
     run_frame_users(machine)
     frame_uses = machine.recorder.result().frame_uses
     return replace(interface, frame_uses=frame_uses, last_messages=last, message_flows=flows)
@@ -327,7 +326,7 @@ def _note_unread(machine: AbstractMachine, symbols: SymbolTable) -> None:
 def _create_machine(
     runtime: LanguageRuntime, site: NodeSite, volatile: frozenset[str]
 ) -> AbstractMachine:
-    machine = AbstractMachine(
+    return AbstractMachine(
         runtime=runtime,
         recorder=DeclarationRecorder(site),
         evaluators=dict(EVALUATORS),
@@ -336,9 +335,6 @@ def _create_machine(
         is_relevant=joins_nodes,
         undo_log=UndoLog(elementwise=site.ros > 1),
     )
-    if not volatile:
-        machine.on_wait = LastMessages()
-    return machine
 
 
 def _run_all(machine: AbstractMachine, path: Path, run: Callable[[], object]) -> None:
@@ -346,8 +342,6 @@ def _run_all(machine: AbstractMachine, path: Path, run: Callable[[], object]) ->
     _run_part(machine, path, run)
     if machine.recorder.site.ros > 1:
         _run_part(machine, path, partial(run_transitions, machine))
-    machine.on_wait(machine, None, StackFrame(file=str(path)))
-    if machine.recorder.site.ros > 1:
         machine.volatile = names_written_by_callbacks(machine)
         machine.recorder.is_spinning = True
     _run_part(machine, path, partial(run_pending, machine))

@@ -162,13 +162,6 @@ def _passed_functions(call: Call) -> Iterator[str]:
             yield given.id.rpartition("::")[2]
 
 
-def last_name(part: Expr) -> str:
-    """Return the last name of what is called or written to."""
-    while isinstance(part, Index):
-        part = part.owner
-    return next(callee_names(part), "")
-
-
 def callee_names(function: Any) -> Iterator[str]:  # noqa: ANN401 - any expression
     """Yield the plain name of what a call calls, where that is written."""
     if isinstance(function, Attr):

@@ -103,9 +103,9 @@ def test_many_options_stay_few():
 
 @pytest.mark.parametrize("name", ["+", "==", "*"])
 def test_taint_goes_on(name):
-    assert av.taint(av.binary(name, av.Scalar(2, tainted=True), av.Scalar(3)))
-    assert av.taint(av.binary(name, av.Scalar(2), av.Scalar(3, tainted=True)))
-    assert not av.taint(av.binary(name, av.Scalar(2), av.Scalar(3)))
+    assert av.is_tainted(av.binary(name, av.Scalar(2, tainted=True), av.Scalar(3)))
+    assert av.is_tainted(av.binary(name, av.Scalar(2), av.Scalar(3, tainted=True)))
+    assert not av.is_tainted(av.binary(name, av.Scalar(2), av.Scalar(3)))
 
 
 @pytest.mark.parametrize(

@@ -8,27 +8,16 @@ from rtron.sources.code.interpreter.abstract_values.items import (
     list_of,
     pair_of,
 )
-from rtron.sources.code.interpreter.abstract_values.operators import (
-    ARRAY,
-    binary,
-    is_message,
-    number_of,
-    percent_format,
-)
+from rtron.sources.code.interpreter.abstract_values.operators import ARRAY, binary, percent_format
 from rtron.sources.code.interpreter.abstract_values.shown_text import repr_of
 from rtron.sources.code.interpreter.abstract_values.truth import truth
 from rtron.sources.code.interpreter.abstract_values.value_types import (
-    CLOCK,
     FALSE,
     MAX_LENGTH,
-    MESSAGE,
     NONE,
     OPEN,
-    OUTSIDE,
-    PARAMETER,
     TRUE,
     UNKNOWN,
-    UNSET,
     BindPlaceholder,
     Choice,
     ClassValue,
@@ -46,13 +35,12 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     concat,
+    is_tainted,
     is_text,
     join,
     map_key,
     map_options,
     options,
     parts_of,
-    taint,
     text_with_holes,
-    with_taint,
 )

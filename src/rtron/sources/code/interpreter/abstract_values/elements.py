@@ -1,7 +1,5 @@
 """Elements of what may be known in part: `owner[key]`."""
 
-from typing import Any
-
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     OPEN,
@@ -15,8 +13,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     concat,
+    is_tainted,
     join,
-    taint,
     text_with_holes,
 )
 
@@ -52,8 +50,8 @@ def _number_of(owner: Value, key: Value) -> Value:
 def _unknown_element(owner: Value, key: Value) -> Unknown:
     why = owner.label if isinstance(owner, Unknown) else ""
     shown = text_with_holes(key).strip("{}")
-    below = taint(owner) and isinstance(key, Scalar) and isinstance(key.value, str)
-    return Unknown(f"{why}/{shown}" if below and why else f"{why}[{shown}]", taint(owner))
+    below = is_tainted(owner) and isinstance(key, Scalar) and isinstance(key.value, str)
+    return Unknown(f"{why}/{shown}" if below and why else f"{why}[{shown}]", is_tainted(owner))
 
 
 def is_slice(key: Value) -> bool:
@@ -76,14 +74,14 @@ def slice_of(key: Value) -> slice | None:
 def _slice_value(owner: Value, key: Value) -> Value:
     bounds = slice_of(key)
     if bounds is None:
-        return Unknown("slice", taint(owner))
+        return Unknown("slice", is_tainted(owner))
     if isinstance(owner, ListValue):
         return list_of(owner.items[bounds], owner.kind, certain=not owner.open)
     if isinstance(owner, Scalar) and isinstance(owner.value, (str, bytes)):
         return Scalar(owner.value[bounds], owner.tainted)
     if isinstance(owner, PartialText):
         return _slice_text(owner, bounds.start, bounds.stop, bounds.step)
-    return Unknown("slice", taint(owner))
+    return Unknown("slice", is_tainted(owner))
 
 
 def _slice_text(owner: PartialText, start: int | None, stop: int | None, step: int | None) -> Value:
@@ -112,10 +110,3 @@ def _map_entry(owner: MapValue, key: Value) -> Value:
     label = str(key.value) if isinstance(key, Scalar) else text_with_holes(key)
     missing = owner.fields.get(OPEN, Unknown(label))
     return owner.fields.get(name, missing)
-
-
-def spread(fields: dict[Any, Value], value: Value) -> None:
-    """Put the entries of a dict into others; what is not known of it may replace any of them."""
-    if not isinstance(value, MapValue) or value.open:
-        fields.update({name: Unknown(str(name), taint(value)) for name in fields})
-    fields.update(value.fields if isinstance(value, MapValue) else {OPEN: value})

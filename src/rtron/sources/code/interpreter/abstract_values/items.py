@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator
 
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     IDENTIFIED,
-    MESSAGE,
     UNKNOWN,
     Choice,
     ClassValue,
@@ -16,8 +15,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
+    is_tainted,
     options,
-    taint,
 )
 
 _MAX_DEPTH = 4
@@ -65,7 +64,7 @@ def unpack(value: Value, count: int) -> tuple[Value, ...]:
         certain = True
     if certain and len(items) == count:
         return items
-    return tuple(Unknown(getattr(value, "label", "?"), taint(value)) for _ in range(count))
+    return tuple(Unknown(getattr(value, "label", "?")) for _ in range(count))
 
 
 def _instance_items(value: Instance) -> tuple[tuple[Value, ...], bool]:
@@ -80,8 +79,6 @@ def _scalar_items(value: Value) -> tuple[tuple[Value, ...], bool]:
     """Return the letters of a text; None has no items, of others they are not known."""
     if isinstance(value, Scalar) and isinstance(value.value, str):
         return tuple(Scalar(letter, value.tainted) for letter in value.value), True
-    if taint(value) & MESSAGE:
-        return (value,), True
     return (), value == Scalar(None)
 
 
@@ -111,7 +108,7 @@ def _holds_parameter(value: Value, depth: int = _MAX_DEPTH) -> bool:
     elif isinstance(value, ListValue):
         inner = value.items
     else:
-        return bool(taint(value))
+        return is_tainted(value)
     return depth > 0 and any(_holds_parameter(item, depth - 1) for item in inner)
 
 

@@ -2,18 +2,14 @@
 
 import operator
 from collections.abc import Callable, Mapping
-from functools import reduce
 from typing import Any, TypeGuard
 
 from rtron.sources.code.interpreter.abstract_values.items import is_record, list_of
 from rtron.sources.code.interpreter.abstract_values.value_types import (
     MAX_CHOICES,
     MAX_LENGTH,
-    MESSAGE,
-    NONE,
     OPEN,
     UNKNOWN,
-    UNSET,
     Choice,
     ClassValue,
     ExternalSymbol,
@@ -28,11 +24,11 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     concat,
+    is_tainted,
     is_text,
     join,
     options,
     parts_of,
-    taint,
 )
 
 MAX_BITS = 256
@@ -53,9 +49,6 @@ _ARITHMETIC: Mapping[str, Callable[[Any, Any], Any]] = {
     "^": operator.xor,
     ">>": operator.rshift,
 }
-SAMPLE = 0.7
-"""The number that stands for each of a message."""
-_ORDERS = frozenset({"<", "<=", ">", ">="})
 _KINDS: Mapping[str, Callable[[list[Any]], Any]] = {"tuple": tuple, "set": frozenset}
 _MAX_DEPTH = 8
 _COMPARED = (MessageType, LibraryFunction)
@@ -84,12 +77,12 @@ _SETS: Mapping[str, Callable[[Any, Any], Any]] = {
 def binary(name: str, left: Value, right: Value) -> Value:
     """Return `left name right` over every option of both."""
     if name not in {"in", "not in"} and (_is_array(left) or _is_array(right)):
-        return Unknown("array", _taint_within(left) | _taint_within(right))
+        return Unknown("array")
     if not isinstance(left, Choice) and not isinstance(right, Choice):
         return _binary(name, left, right)
     pairs = [(one, other) for one in options(left) for other in options(right)]
     if len(pairs) > MAX_PAIRS:
-        return Unknown("many", taint(left) | taint(right))
+        return Unknown("many", is_tainted(left) or is_tainted(right))
     return join([_binary(name, *pair) for pair in pairs])
 
 
@@ -135,11 +128,6 @@ def _is_array(value: Value) -> bool:
     return isinstance(value, ListValue) and value.kind == ARRAY
 
 
-def _taint_within(value: Value) -> int:
-    items = value.items if isinstance(value, ListValue) else (value,)
-    return reduce(operator.or_, map(taint, items), 0)
-
-
 def is_set(value: Value) -> TypeGuard[ListValue]:
     """Tell whether a value is a set."""
     return isinstance(value, ListValue) and value.kind == "set"
@@ -166,34 +154,10 @@ def _add(left: Value, right: Value) -> Value:
     return _arithmetic("+", left, right)
 
 
-def is_message(value: Value) -> bool:
-    """Return whether a value is a message, or a part of it that is not known."""
-    return isinstance(value, Unknown) and bool(value.tainted & MESSAGE)
-
-
-def number_of(value: Value) -> Value:
-    """Return a number that stands for one of a message, or zero for a part that is not set."""
-    if is_message(value):
-        return Scalar(SAMPLE, taint(value))
-    is_unset = isinstance(value, Instance) and value.type is UNSET and not value.fields
-    return Scalar(0.0) if is_unset else value
-
-
-def _is_zero(value: Value) -> bool:
-    return isinstance(value, Scalar) and type(value.value) in {int, float} and value.value == 0
-
-
 def _arithmetic(name: str, left: Value, right: Value) -> Value:
-    left, right = number_of(left), number_of(right)
-    tainted = taint(left) | taint(right)
-    if isinstance(left, Scalar) and isinstance(right, Scalar) and name in _ARITHMETIC:
-        return _compute(name, left, right, tainted)
-    if (name in {"*", "/"} and _is_zero(left)) or (name == "*" and _is_zero(right)):
-        return Scalar(0, tainted)
-    return Unknown(_hole_name(left, right), tainted)
-
-
-def _compute(name: str, left: Scalar, right: Scalar, tainted: int) -> Value:
+    tainted = is_tainted(left) or is_tainted(right)
+    if not (isinstance(left, Scalar) and isinstance(right, Scalar)) or name not in _ARITHMETIC:
+        return Unknown(_hole_name(left, right), tainted)
     try:
         if name == "*" and not _is_short_repetition(left.value, right.value):
             return Unknown("large", tainted)
@@ -230,27 +194,18 @@ def _compare(name: str, left: Value, right: Value) -> Value:
     is_same = left is right or (isinstance(left, _COMPARED) and left == right)
     if is_same and not _is_undecidable(left):
         return Scalar(name in {"==", "is", "<=", ">="})
-    is_known = left == right or _is_zero(right) or right == NONE
-    if is_message(left) and is_known and name not in _ORDERS:
-        return Scalar((left == right) is (name in {"==", "is"}), taint(left))
-    if name in _ORDERS:
-        left, right = number_of(left), number_of(right)
     if isinstance(left, Scalar) and isinstance(right, Scalar):
-        return _compare_scalars(name, left, right)
+        try:
+            answer = _COMPARISONS[name](left.value, right.value)
+        except TypeError:
+            return Unknown("comparison")
+        return Scalar(answer, left.tainted or right.tainted)
     if isinstance(left, (ListValue, MapValue)) and type(left) is type(right):
         return _compare_containers(name, left, right)
     may_be_equal = type(left) is type(right) and _compares_itself(left)
     if may_be_equal or _is_undecidable(left) or _is_undecidable(right):
-        return Unknown("comparison", taint(left) | taint(right))
-    return Scalar(name in {"!=", "is not"})
-
-
-def _compare_scalars(name: str, left: Scalar, right: Scalar) -> Value:
-    try:
-        answer = _COMPARISONS[name](left.value, right.value)
-    except TypeError:
         return Unknown("comparison")
-    return Scalar(answer, left.tainted | right.tainted)
+    return Scalar(name in {"!=", "is not"})
 
 
 def _compare_containers(name: str, left: Value, right: Value) -> Value:
@@ -393,4 +348,4 @@ def unary(name: str, operand: Value) -> Value:
             return Scalar(~int(value), operand.tainted)
         if name == "+":
             return operand
-    return Unknown("?", taint(operand))
+    return Unknown("?", is_tainted(operand))

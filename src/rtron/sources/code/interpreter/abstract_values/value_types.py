@@ -1,20 +1,16 @@
 """What a variable may hold while source is interpreted: known, partly known, or one of several.
 
-A string may be known in part: `PartialText(("/", Unknown("~prefix"), "/scan"))`. `tainted` says
-where it comes from: PARAMETER, so that an endpoint can say how its name became known; MESSAGE,
-CLOCK and OUTSIDE while a program runs in silence.
+A string may be known in part: `PartialText(("/", Unknown("~prefix"), "/scan"))`. `tainted` marks
+what came out of the parameter server, so that an endpoint can say how its name became known.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import reduce
-from operator import or_
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from rtron.sources.code import ir
 from rtron.sources.code.record import record
 
-PARAMETER, MESSAGE, CLOCK, OUTSIDE = 1, 2, 4, 8
 MAX_CHOICES = 24
 MAX_FUNCTIONS = 128
 """How many a value may be of if all are functions: a message picks one of a table."""
@@ -27,7 +23,7 @@ class Scalar:
     """A str, int, float, bool, bytes or None."""
 
     value: Any
-    tainted: int = 0
+    tainted: bool = False
 
 
 @record(frozen=True, slots=True)
@@ -35,7 +31,7 @@ class Unknown:
     """A value that cannot be known, and what it is called in the source: `~prefix`, `argv[1]`."""
 
     label: str = "?"
-    tainted: int = 0
+    tainted: bool = False
     type: ir.TypeRef | None = None
 
 
@@ -44,7 +40,7 @@ class PartialText:
     """A string of which parts are unknown."""
 
     parts: tuple[str | Unknown, ...]
-    tainted: int = 0
+    tainted: bool = False
 
 
 @record(frozen=True, slots=True)
@@ -276,8 +272,6 @@ def map_key(value: Value) -> Any:  # noqa: ANN401 - any key
 
 IDENTIFIED = (Instance, ClassValue, MessageType, FunctionValue, LibraryFunction, LibraryClass)
 """What is a key of a dict by its identity."""
-UNSET = LibraryClass("unset")
-"""Of what an untouched part of a message is, as long as a program runs in silence: zero."""
 NONE = Scalar(None)
 UNKNOWN = Unknown()
 TRUE = Scalar(value=True)
@@ -330,20 +324,11 @@ def is_text(value: Value) -> bool:
     )
 
 
-def taint(value: Value) -> int:
-    """Return where a value, or a part of it, comes from: PARAMETER, MESSAGE, CLOCK, OUTSIDE."""
+def is_tainted(value: Value) -> bool:
+    """Tell whether a value came out of the parameter server, or has a part that did."""
     if isinstance(value, Choice):
-        return reduce(or_, map(taint, value.options))
-    return value.tainted if isinstance(value, (Scalar, Unknown, PartialText)) else 0
-
-
-def with_taint(value: Value, more: int) -> Value:
-    """Return a value that comes from elsewhere, too."""
-    if isinstance(value, Choice):
-        return join([with_taint(option, more) for option in value.options])
-    if more and isinstance(value, (Scalar, Unknown, PartialText)):
-        return replace(value, tainted=value.tainted | more)
-    return value
+        return any(map(is_tainted, value.options))
+    return isinstance(value, (Scalar, Unknown, PartialText)) and value.tainted
 
 
 def parts_of(value: Value) -> tuple[str | Unknown, ...]:
@@ -364,10 +349,10 @@ def plain(value: object) -> str:
 
 def concat(values: Iterable[Value]) -> Value:
     """Return the string that `values` make together, over every combination of options."""
-    results: list[tuple[tuple[str | Unknown, ...], int]] = [((), 0)]
+    results: list[tuple[tuple[str | Unknown, ...], bool]] = [((), False)]
     for value in values:
         found = (
-            (parts + parts_of(option), tainted | taint(option))
+            (parts + parts_of(option), tainted or is_tainted(option))
             for parts, tainted in results
             for option in options(value)
         )
@@ -377,7 +362,7 @@ def concat(values: Iterable[Value]) -> Value:
     return join([_merge_parts(parts, tainted=tainted) for parts, tainted in results])
 
 
-def _merge_parts(parts: tuple[str | Unknown, ...], *, tainted: int) -> Value:
+def _merge_parts(parts: tuple[str | Unknown, ...], *, tainted: bool) -> Value:
     if sum(len(part) for part in parts if isinstance(part, str)) > MAX_LENGTH:
         return Unknown("long", tainted)
     merged: list[str | Unknown] = []

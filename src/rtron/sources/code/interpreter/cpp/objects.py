@@ -14,7 +14,7 @@ from rtron.sources.code.interpreter.cpp.symbol_table import MODELLED_FOLDERS
 from rtron.sources.code.interpreter.cpp.types import template_types
 from rtron.sources.code.interpreter.execution.arguments import Arguments
 from rtron.sources.code.interpreter.execution.assignment import slot_of
-from rtron.sources.code.interpreter.execution.calls import note_passed_handle, note_tasks
+from rtron.sources.code.interpreter.execution.calls import note_passed_handle
 from rtron.sources.code.interpreter.execution.source_provider import PluginSource
 from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.library_models.common.containers import copy_instance
@@ -65,10 +65,7 @@ class CppObjects(CppCalls):
                 line=arguments.line,
                 frame=frame,
             )
-            queued = len(self.machine.pending_callbacks)
-            made = found.construct(self.machine, typed)
-            note_tasks(self.machine, type.name, arguments, queued)
-            return made
+            return found.construct(self.machine, typed)
         self.machine.escape_arguments(arguments)
         if found is not None:
             return av.Instance(found, {}, resolved.args)

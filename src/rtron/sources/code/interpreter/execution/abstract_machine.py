@@ -27,8 +27,8 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
+    is_tainted,
     join,
-    taint,
 )
 from rtron.sources.code.interpreter.cpp.overload_resolution import choose_overload
 from rtron.sources.code.interpreter.execution.arguments import Arguments
@@ -97,7 +97,7 @@ class ThrownError(EndError):
 class AbstractMachine:
     """The state of one run: what was written, what was declared, what is still to be called.
 
-    `lambdas` are C++'s, by the identity of their bodies, and `tasks` run beside the program.
+    `lambdas` are those of C++ that were made, by the identity of their bodies.
     """
 
     runtime: LanguageRuntime
@@ -128,8 +128,6 @@ class AbstractMachine:
     possible_throws: int = 0
     trial_depth: int = 0
     line: int = 0
-    on_wait: Callable[..., None] = lambda *_: None
-    tasks: list[tuple[FunctionValue, str]] = field(default_factory=list)
     is_relevant: Callable[["AbstractMachine", Function], bool] = lambda machine, function: True
     _steps: int = 0
     _step_limit: int = field(default_factory=lambda: MAX_STEPS)
@@ -267,7 +265,7 @@ class AbstractMachine:
             before = slot.holder.get(slot.key) if slot is not None else None
             is_handle = isinstance(before, Instance) and isinstance(before.type, LibraryClass)
             if param.reference and slot is not None and not is_handle:
-                after = Unknown(slot.label, taint(before) if before else False)
+                after = Unknown(slot.label, is_tainted(before) if before else False)
                 self.undo_log.set(*slot, after)
 
     def run(self, function: Function, frame: StackFrame) -> None:
@@ -283,9 +281,9 @@ class AbstractMachine:
         finally:
             self._call_stack.pop()
         if outcome == "raise" and function.name == "main" and self.runtime.passes_by_reference:
+            location = Evidence(file=function.file, line=function.line)
             why = "an exception ends it before all of it is run"
-            at = Evidence(file=function.file, line=function.line)
-            self.recorder.add_partly_read(function.name, why, at)
+            self.recorder.add_partly_read(function.name, why, location)
 
     def volatile_value(self, name: str, value: Value) -> Value:
         """Return what a member or global holds; one that callbacks change may hold anything."""
@@ -321,15 +319,16 @@ class AbstractMachine:
         function = value.function
         same_function = [other for other in self.pending_callbacks if other.function is function]
         has_room = len(same_function) < MAX_CALLBACKS_PER_FUNCTION
-        is_wanted = has_room or self.is_relevant(self, function)
-        if not is_wanted or any(_same_call(value, other) for other in same_function):
+        if not (has_room or self.is_relevant(self, function)):
+            return
+        if any(_same_call(value, other) for other in same_function):
             return
         if has_room:
             self.pending_callbacks.append(value)
             self.escaped_functions.append(function)
         else:
-            at = Evidence(file=function.file, line=function.line)
-            self.recorder.add_unresolved(function.name, "more callbacks than are run", at)
+            location = Evidence(file=function.file, line=function.line)
+            self.recorder.add_unresolved(function.name, "more callbacks than are run", location)
 
     def note_passed_functions(self, arguments: Arguments) -> None:
         """Remember the functions that a call passes, in case that nothing seen calls them."""

@@ -44,13 +44,6 @@ from rtron.vocabulary import UnresolvedCause
 
 _MIN_ARGUMENTS = 2
 """What a call of a client library gets at least, if no template argument tells it from others."""
-_TASKS = frozenset(
-    [
-        *("Timer", "createTimer", "createWallTimer", "createSteadyTimer", "create_timer", "async"),
-        *("create_wall_timer", "Thread", "thread", "jthread", "start", "start_new_thread"),
-    ]
-)
-"""What is called to let a function run beside the program."""
 _HANDLE_FIELDS = {1: "namespace", 2: "node.name"}
 """What node handles of roscpp have, and nodes of ROS 2."""
 _ADD_NOTHING = frozenset(
@@ -88,7 +81,7 @@ def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
     called = machine.evaluate(node.function, frame)
     if machine.possible_throws != before and is_logging_call(node):
         machine.possible_throws = before
-    arguments = evaluate_arguments(machine, node, frame)
+    arguments = _evaluate_arguments(machine, node, frame)
     if isinstance(node.function, Attr) and isinstance(called, Unknown):
         machine.unknown_method_names.add(node.function.name)
         _note_unknown_receiver(machine, node.function.name, arguments)
@@ -100,7 +93,7 @@ def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
         _note_unknown_receiver(machine, called.name.rpartition("::")[2], arguments)
     if isinstance(node.function, Attr) and not isinstance(called, FunctionValue):
         note_look_up(machine, node.function, arguments)
-    returned = dispatch_noting_tasks(machine, called, arguments)
+    returned = dispatch(machine, called, arguments)
     if (
         machine.active_handlers
         and not is_logging_call(node)
@@ -108,23 +101,6 @@ def call(machine: AbstractMachine, node: Call, frame: StackFrame) -> Value:
     ):
         machine.possible_throws += 1
     return returned
-
-
-def dispatch_noting_tasks(machine: AbstractMachine, called: Value, arguments: Arguments) -> Value:
-    """Call any value, and remember the tasks that a library starts by that."""
-    queued = len(machine.pending_callbacks)
-    returned = dispatch(machine, called, arguments)
-    if isinstance(called, (LibraryFunction, LibraryClass)):
-        note_tasks(machine, called.name, arguments, queued)
-    return returned
-
-
-def note_tasks(machine: AbstractMachine, starter: str, arguments: Arguments, before: int) -> None:
-    """Remember what was handed on, behind the first `before`, if what was called starts it."""
-    if starter.rpartition("::")[2].rpartition(".")[2] in _TASKS:
-        given = [each for each in arguments.all_values if isinstance(each, FunctionValue)]
-        new = machine.pending_callbacks[before:] or given
-        machine.tasks += ((each, starter) for each in new)
 
 
 def _note_unknown_receiver(machine: AbstractMachine, name: str, arguments: Arguments) -> None:
@@ -247,8 +223,7 @@ def callee_name(called: Value) -> str:
     return called.label if isinstance(called, Unknown) else "?"
 
 
-def evaluate_arguments(machine: AbstractMachine, node: Call, frame: StackFrame) -> Arguments:
-    """Return what a call passes."""
+def _evaluate_arguments(machine: AbstractMachine, node: Call, frame: StackFrame) -> Arguments:
     values, is_known = _evaluate_values(machine, node, frame)
     keywords = _evaluate_keywords(machine, node, frame) if node.keywords else {}
     by_reference = machine.runtime.passes_by_reference

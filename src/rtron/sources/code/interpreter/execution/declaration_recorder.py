@@ -280,4 +280,4 @@ def _resolution(name: av.Value) -> Resolution:
             if isinstance(name, (av.Unknown, av.PartialText))
             else Resolution.LITERAL
         )
-    return Resolution.PARAMETER if av.taint(name) else Resolution.LITERAL
+    return Resolution.PARAMETER if av.is_tainted(name) else Resolution.LITERAL

@@ -3,8 +3,9 @@
 from collections.abc import Callable
 from collections.abc import Mapping as MappingType
 from dataclasses import replace
+from typing import Any
 
-from rtron.sources.code.interpreter.abstract_values.elements import element, spread
+from rtron.sources.code.interpreter.abstract_values.elements import element
 from rtron.sources.code.interpreter.abstract_values.items import items_of, list_of
 from rtron.sources.code.interpreter.abstract_values.operators import binary, cpp_binary, unary
 from rtron.sources.code.interpreter.abstract_values.value_types import (
@@ -21,10 +22,10 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Unknown,
     Value,
     concat,
+    is_tainted,
     join,
     map_key,
     options,
-    taint,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments, evaluate_defaults
@@ -93,12 +94,11 @@ def _name(machine: AbstractMachine, node: Name, frame: StackFrame) -> Value:
 def _attr(machine: AbstractMachine, node: Attr, frame: StackFrame) -> Value:
     owner = machine.evaluate(node.owner, frame)
     if isinstance(owner, Choice):
-        return join([member_of(machine, option, node, frame) for option in owner.options])
-    return member_of(machine, owner, node, frame)
+        return join([_member(machine, option, node, frame) for option in owner.options])
+    return _member(machine, owner, node, frame)
 
 
-def member_of(machine: AbstractMachine, owner: Value, node: Attr, frame: StackFrame) -> Value:
-    """Return a member of a value, an Unknown where it has none."""
+def _member(machine: AbstractMachine, owner: Value, node: Attr, frame: StackFrame) -> Value:
     found = machine.runtime.attribute(owner, node.name, node.types)
     arrow = overloaded_operator(machine, owner, "->") if found is None else None
     if arrow is not None:
@@ -142,15 +142,7 @@ def _new(machine: AbstractMachine, node: New, frame: StackFrame) -> Value:
 
 
 def _binary(machine: AbstractMachine, node: Binary, frame: StackFrame) -> Value:
-    sides = machine.evaluate(node.left, frame), machine.evaluate(node.right, frame)
-    return combine(machine, node, sides, frame)
-
-
-def combine(
-    machine: AbstractMachine, node: Binary, sides: tuple[Value, Value], frame: StackFrame
-) -> Value:
-    """Return what an operator makes of two values."""
-    left, right = sides
+    left, right = machine.evaluate(node.left, frame), machine.evaluate(node.right, frame)
     at = Arguments(values=(right,), line=node.line, frame=frame)
     if not machine.runtime.passes_by_reference:
         return _python_binary(machine, node.operator, left, at)
@@ -241,7 +233,7 @@ def _unary(machine: AbstractMachine, node: Unary, frame: StackFrame) -> Value:
     if node.operator != "not":
         return unary(node.operator, operand)
     decided = truth_of(machine, operand)
-    return Unknown("not", taint(operand)) if decided is None else Scalar(not decided)
+    return Unknown("not") if decided is None else Scalar(not decided)
 
 
 def _logic(machine: AbstractMachine, node: Logic, frame: StackFrame) -> Value:
@@ -291,6 +283,13 @@ def _mapping(machine: AbstractMachine, node: MappingExpr, frame: StackFrame) -> 
         else:
             made.fields[map_key(machine.evaluate(key_node, frame))] = value
     return made
+
+
+def spread(fields: dict[Any, Value], value: Value) -> None:
+    """Put the entries of a dict into others; what is not known of it may replace any of them."""
+    if not isinstance(value, MapValue) or value.open:
+        fields.update({name: Unknown(str(name), is_tainted(value)) for name in fields})
+    fields.update(value.fields if isinstance(value, MapValue) else {OPEN: value})
 
 
 def _comprehension(machine: AbstractMachine, node: Comprehension, frame: StackFrame) -> Value:

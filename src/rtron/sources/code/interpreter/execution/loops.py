@@ -11,7 +11,7 @@ from rtron.sources.code.interpreter.abstract_values.value_types import (
     Scalar,
     Unknown,
     Value,
-    taint,
+    is_tainted,
 )
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine, Outcome
 from rtron.sources.code.interpreter.execution.assignment import assign, slot_of
@@ -70,7 +70,7 @@ def _write_items(
         machine.undo_log.set(before.fields, "items", tuple(changed))
         machine.undo_log.set(*slot, before)
     elif len(letters) == len(changed) and all(isinstance(letter, str) for letter in letters):
-        machine.undo_log.set(*slot, Scalar("".join(letters), taint(before)))
+        machine.undo_log.set(*slot, Scalar("".join(letters), is_tainted(before)))
 
 
 def _run_else(
@@ -117,7 +117,6 @@ def while_(machine: AbstractMachine, node: While, frame: StackFrame) -> Outcome:
         outcome = machine.execute(node.body, frame)
         if outcome not in {None, "continue"}:
             return outcome if outcome in _EXITS else None
-    machine.on_wait(machine, node, frame)
     with machine.enter_loop() as depth:
         return _run_rounds(machine, node, frame, _max_rounds(depth))
 

@@ -22,7 +22,7 @@ from rtron.sources.code.interpreter.execution.undo_log import Write
 from rtron.sources.code.ir.references import side_effects
 from rtron.vocabulary import Evidence
 
-BRACED = (ir.SequenceExpr, ir.MappingExpr)
+_BRACED = (ir.SequenceExpr, ir.MappingExpr)
 """What `{…}` of C++ is lowered to where no type stands before it."""
 
 
@@ -52,7 +52,7 @@ def _evaluate(machine: AbstractMachine, node: ir.Evaluate, frame: StackFrame) ->
 def _assign(machine: AbstractMachine, node: ir.Assign, frame: StackFrame) -> Outcome:
     value = machine.evaluate(node.value, frame)
     machine.line = node.line
-    braced = machine.runtime.passes_by_reference and isinstance(node.value, BRACED)
+    braced = machine.runtime.passes_by_reference and isinstance(node.value, _BRACED)
     for target in node.targets:
         made = cpp_runtime(machine).braces_for(target, value, frame) if braced else value
         assign(machine, target, made, frame)
@@ -78,7 +78,7 @@ def _undecided_if(
     if machine.recorder.site.ros > 1 and not (side_effects(node.body) or side_effects(node.orelse)):
         machine.possible_throws += 1
         return None
-    of_parameter = machine.recorder.undecided_parameter() if av.taint(test) else nullcontext()
+    of_parameter = machine.recorder.undecided_parameter() if av.is_tainted(test) else nullcontext()
     with of_parameter:
         return run_both_sides(machine, node, frame)
 
@@ -106,7 +106,7 @@ def _jump(machine: AbstractMachine, node: ir.Jump, frame: StackFrame) -> Outcome
 
 def _return(machine: AbstractMachine, node: ir.Return, frame: StackFrame) -> Outcome:
     value = machine.evaluate(node.value, frame) if node.value is not None else av.NONE
-    if machine.runtime.passes_by_reference and isinstance(node.value, BRACED) and frame.function:
+    if machine.runtime.passes_by_reference and isinstance(node.value, _BRACED) and frame.function:
         value = cpp_runtime(machine).convert_braces(frame.function.returns, value, frame)
     frame.returns.append(value)
     return "return"

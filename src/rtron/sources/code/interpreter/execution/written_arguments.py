@@ -58,7 +58,7 @@ def _forget_array(machine: AbstractMachine, array: av.ListValue) -> None:
 
 def _or_unknown(value: av.Value) -> av.Value:
     is_number = isinstance(value, av.Scalar) and not av.is_text(value)
-    return av.join((value, av.Unknown("written", av.taint(value)))) if is_number else value
+    return av.join((value, av.Unknown("written", av.is_tainted(value)))) if is_number else value
 
 
 def _open_empty_containers(machine: AbstractMachine, arguments: Arguments) -> None:
@@ -81,7 +81,7 @@ def _forget_written_strings(machine: AbstractMachine, name: str, arguments: Argu
     for slot in filter(None, arguments.slots):
         before = slot.holder.get(slot.key)
         if isinstance(before, (av.Scalar, av.PartialText)) and av.is_text(before):
-            after = av.Unknown(slot.label, av.taint(before))
+            after = av.Unknown(slot.label, av.is_tainted(before))
             machine.undo_log.set(
                 *slot, after if name in MUTATING_FUNCTIONS else av.join((before, after))
             )

@@ -55,7 +55,9 @@ def _update(machine: AbstractMachine, owner: av.MapValue, arguments: Arguments) 
     if made.open or OPEN_KEYWORD in arguments.keywords:
         for name, value in owner.entries.items():
             if isinstance(value, (av.Scalar, av.PartialText)):
-                machine.undo_log.set(owner.fields, name, av.Unknown(str(name), av.taint(value)))
+                machine.undo_log.set(
+                    owner.fields, name, av.Unknown(str(name), av.is_tainted(value))
+                )
     for key, value in {**made.fields, **keyword_fields(arguments)}.items():
         if not (owner.is_namespace and key is av.OPEN):
             machine.undo_log.set(owner.fields, key, value)

@@ -33,12 +33,12 @@ def _call_str_method(
 ) -> av.Value:
     values = arguments.values
     if not all(isinstance(value, av.Scalar) for value in values):
-        return owner if name in _STRIP_METHODS else av.Unknown(name, av.taint(owner))
+        return owner if name in _STRIP_METHODS else av.Unknown(name, av.is_tainted(owner))
     if isinstance(owner, av.PartialText):
         return _call_on_parts(name, owner, [value.value for value in values])  # type: ignore[union-attr]
     if not isinstance(owner, av.Scalar):
         keeps_owner = name in _PARTWISE_METHODS | _STRIP_METHODS
-        return owner if keeps_owner else av.Unknown(name, av.taint(owner))
+        return owner if keeps_owner else av.Unknown(name, av.is_tainted(owner))
     try:
         found = _call_bounded(machine, name, owner.value, [value.value for value in values])  # type: ignore[union-attr]
     except (TypeError, ValueError, AttributeError):
@@ -110,7 +110,7 @@ def _split(name: str, _: AbstractMachine, owner: av.Value, arguments: Arguments)
 
 def _splitlines(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.Value:
     if not isinstance(owner, av.Scalar):
-        return av.Unknown("splitlines", av.taint(owner))
+        return av.Unknown("splitlines", av.is_tainted(owner))
     return av.list_of([av.Scalar(line, owner.tainted) for line in str(owner.value).splitlines()])
 
 
@@ -118,7 +118,7 @@ def _encode_or_decode(_: AbstractMachine, owner: av.Value, arguments: Arguments)
     """Text and bytes are one here; what `errors` leaves out is not known."""
     plain = isinstance(owner, av.Scalar) and str(owner.value).isascii()
     known = plain or not arguments.get(1, "errors")
-    return owner if known else av.Unknown("encode", av.taint(owner))
+    return owner if known else av.Unknown("encode", av.is_tainted(owner))
 
 
 def _partition(name: str, _: AbstractMachine, owner: av.Value, arguments: Arguments) -> av.Value:
@@ -205,7 +205,7 @@ def _empty(_: AbstractMachine, owner: av.Value, __: Arguments) -> av.Value:
     sure = isinstance(owner, av.PartialText) and any(
         isinstance(part, str) and part for part in owner.parts
     )
-    return av.Scalar(value=False) if sure else av.Unknown("empty", av.taint(owner))
+    return av.Scalar(value=False) if sure else av.Unknown("empty", av.is_tainted(owner))
 
 
 def _call_on_known(

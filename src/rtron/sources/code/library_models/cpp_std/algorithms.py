@@ -70,7 +70,7 @@ def _copy_text(
     made = [one.value for one in letters if isinstance(one, av.Scalar)]
     is_known = bool(letters) and len(made) == len(letters) and all(isinstance(x, str) for x in made)
     if target is not None and av.is_text(target.holder.get(target.key, av.NONE)):
-        known = av.Scalar("".join(made), any(map(av.taint, letters)))
+        known = av.Scalar("".join(made), any(map(av.is_tainted, letters)))
         machine.undo_log.set(*target, known if is_known else av.Unknown(target.label))
     return av.Unknown("copy")
 

@@ -58,7 +58,7 @@ def choose_number(
     values = av.items_of(given)[0] if isinstance(given, av.ListValue) else arguments.values[:2]
     numbers = [value.value for value in values if isinstance(value, av.Scalar)]
     known = len(numbers) == len(values) and all(isinstance(one, (int, float)) for one in numbers)
-    tainted = any(map(av.taint, values))
+    tainted = any(map(av.is_tainted, values))
     is_known = bool(numbers) and known
     return av.Scalar(choose(numbers), tainted) if is_known else av.Unknown("number", tainted)
 
@@ -69,7 +69,7 @@ def parse_number(
     """Return a number that is read from a text."""
     value = arguments.get(0)
     if not isinstance(value, av.Scalar):
-        return av.Unknown("number", value is not None and av.taint(value))
+        return av.Unknown("number", value is not None and av.is_tainted(value))
     try:
         return av.Scalar(make(value.value), value.tainted)
     except (TypeError, ValueError):
@@ -162,7 +162,7 @@ def _change_text(
     def changed(value: av.Value) -> av.Value:
         if all_known and isinstance(value, av.Scalar) and isinstance(value.value, str):
             return av.Scalar(function(value.value, *map(str, words)), value.tainted)
-        return av.Unknown("text", av.taint(value))
+        return av.Unknown("text", av.is_tainted(value))
 
     return av.map_options(arguments.value(0), changed)
 

@@ -50,7 +50,7 @@ def _number(
 def _bool(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:
     value = arguments.get(0) or av.FALSE
     decided = truth_of(machine, value)
-    return av.Unknown("bool") if decided is None else av.Scalar(decided, av.taint(value))
+    return av.Unknown("bool") if decided is None else av.Scalar(decided, av.is_tainted(value))
 
 
 def _len(machine: AbstractMachine, _: object, arguments: Arguments) -> av.Value:

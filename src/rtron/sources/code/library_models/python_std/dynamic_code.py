@@ -46,7 +46,7 @@ def literal_value(text: av.Value | None) -> av.Value | None:
         return None
 
 
-def _plain_value(value: object, tainted: int) -> av.Value:
+def _plain_value(value: object, tainted: bool) -> av.Value:  # noqa: FBT001 - as Scalar has it
     if isinstance(value, dict):
         pairs = ((_plain_value(k, tainted), _plain_value(v, tainted)) for k, v in value.items())
         return av.MapValue({av.map_key(key): entry for key, entry in pairs})

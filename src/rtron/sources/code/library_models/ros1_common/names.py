@@ -27,7 +27,7 @@ def _resolve_one(machine: AbstractMachine, name: av.Value, namespace: av.Value) 
     if isinstance(first, str) and first.startswith("/"):
         return _canonical(name)
     if isinstance(first, str) and first.startswith("~"):
-        private = av.PartialText((first[1:], *parts[1:]), av.taint(name))
+        private = av.PartialText((first[1:], *parts[1:]), av.is_tainted(name))
         process = av.Scalar(machine.recorder.site.process_name + "/")
         return _canonical(av.concat((process, private)))
     return _canonical(av.concat((namespace, av.Scalar("/"), name)))

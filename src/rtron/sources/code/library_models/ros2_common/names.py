@@ -24,7 +24,7 @@ def clean_name(name: av.Value) -> av.Value:
     return av.map_options(name, cleaned)
 
 
-def _join_parts(parts: Iterable[str | av.Unknown], *, tainted: int) -> av.Value:
+def _join_parts(parts: Iterable[str | av.Unknown], *, tainted: bool) -> av.Value:
     values = (p if isinstance(p, av.Unknown) else av.Scalar(p, tainted) for p in parts)
     return av.concat(tuple(values))
 
@@ -38,8 +38,8 @@ def namespace_of(full: av.Value) -> av.Value:
             last = parts.pop()
             if isinstance(last, str) and "/" in last:
                 remaining = [*parts, last.rpartition("/")[0]]
-                found = _join_parts(remaining, tainted=av.taint(option))
-                return _ROOT if found == av.Scalar("", av.taint(option)) else found
+                found = _join_parts(remaining, tainted=av.is_tainted(option))
+                return _ROOT if found == av.Scalar("", av.is_tainted(option)) else found
         return _ROOT
 
     return av.map_options(full, cut)
@@ -53,9 +53,11 @@ def base_name(full: av.Value) -> av.Value:
         while parts:
             last = parts.pop()
             if isinstance(last, str) and "/" in last:
-                return _join_parts([last.rpartition("/")[2], *remaining], tainted=av.taint(option))
+                return _join_parts(
+                    [last.rpartition("/")[2], *remaining], tainted=av.is_tainted(option)
+                )
             remaining.insert(0, last)
-        return _join_parts(remaining, tainted=av.taint(option))
+        return _join_parts(remaining, tainted=av.is_tainted(option))
 
     return av.map_options(full, cut)
 
@@ -79,7 +81,7 @@ def _expand_one(name: av.Value, node: av.Value) -> av.Value:
     if first.startswith("/"):
         return clean_name(name)
     if first.startswith("~"):
-        rest = _join_parts([first[1:], *parts[1:]], tainted=av.taint(name))
+        rest = _join_parts([first[1:], *parts[1:]], tainted=av.is_tainted(name))
         return clean_name(av.concat((node, rest)))
     return name_below(namespace_of(node), name)
 
