@@ -8,31 +8,36 @@ import json
 import os
 import runpy
 import select
-import signal
 import socket
 import subprocess
 import sys
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 from weakref import finalize
 
 _MAX_BYTES = 1 << 17
-_CHILD_ENDS = {signal.SIGCHLD}
+_LOST = -1
+"""The exit code of one whose server was lost."""
 
 
 class ForkedNode:
     """A process that is no child of ours, with the methods of `subprocess.Popen` that tests use."""
 
     def __init__(self, pid, descriptor):
+        """Its server writes its exit code there once it has ended."""
         self.pid = pid
+        self._descriptor, self._code = descriptor, None
         self._end = select.poll()
         self._end.register(descriptor, select.POLLIN)
         finalize(self, os.close, descriptor)
 
     def poll(self):
-        """Return 0 once it has ended, however it did."""
-        return 0 if self._end.poll(0) else None
+        """Return its exit code, minus the signal that killed it; None while it runs."""
+        if self._code is None and self._end.poll(0):
+            self._code = int(os.read(self._descriptor, _MAX_BYTES) or _LOST)
+        return self._code
 
     def wait(self, timeout=None):
         """Wait until it has ended."""
@@ -59,19 +64,39 @@ def _fork_server(python, modules):
 
 
 def _serve(connection):
-    """Fork a process for each request; return its request in each."""
-    while data := connection.recv(_MAX_BYTES):
-        signal.pthread_sigmask(signal.SIG_BLOCK, _CHILD_ENDS)
-        if not (pid := os.fork()):
-            connection.close()
-            signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, _CHILD_ENDS)
-            return json.loads(data)
-        descriptor = os.pidfd_open(pid)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, _CHILD_ENDS)
-        socket.send_fds(connection, [str(pid).encode()], [descriptor])
-        os.close(descriptor)
-    sys.exit()
+    """Fork a process for each request, and tell how each ends; return its request in each."""
+    running = {}
+    while True:
+        for ready in select.select([connection, *running], (), ())[0]:
+            if ready is not connection:
+                _tell_end(ready, *running.pop(ready))
+            elif request := _fork(connection, running):
+                return json.loads(request)
+
+
+def _fork(connection, running):
+    """Fork a process for the next request, which is returned in that process alone."""
+    if not (request := connection.recv(_MAX_BYTES)):
+        sys.exit()
+    end, code = os.pipe()
+    if not (pid := os.fork()):
+        connection.close()
+        for each in (end, code, *running, *(other for _, other in running.values())):
+            os.close(each)
+        return request
+    running[os.pidfd_open(pid)] = pid, code
+    socket.send_fds(connection, [str(pid).encode()], [end])
+    os.close(end)
+    return None
+
+
+def _tell_end(descriptor, pid, code):
+    """Write the exit code of a process that has ended."""
+    os.close(descriptor)
+    _, status = os.waitpid(pid, 0)
+    with suppress(BrokenPipeError):
+        os.write(code, str(os.waitstatus_to_exitcode(status)).encode())
+    os.close(code)
 
 
 def _become(arguments, environ, log, former):
@@ -96,7 +121,6 @@ def main():
     """Load the modules, and fork until whoever asks is gone."""
     former = set(os.environ)
     number, *modules = sys.argv[1:]
-    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # the system collects who has ended
     for name in modules:
         import_module(name)
     gc.freeze()

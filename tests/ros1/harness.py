@@ -32,6 +32,13 @@ _LOADED = (
     *("geometry_msgs.msg", "rosgraph_msgs.msg", "std_msgs.msg"),
 )
 """What nodes in Python load, but rospy: it takes names from the command line as it is loaded."""
+RTRON = Path(sys.executable).with_name("rtron")
+"""The command `rtron` of the tests' Python."""
+RTRON_MODULES = (
+    *("rtron.cli.main", "rtron.cli.support.options", "rtron.cli.support.service_options"),
+    *("rtron.guard.supervision.programs", "rtron.planning.plan_file.loader"),
+)
+"""What `rtron guard` loads before it becomes the supervisor, which loads all of its own again."""
 _TOOLS = ("rosmaster", "rosnode", "rosparam", "rostopic")
 """Programs of ROS in Python, which are forked."""
 _ORDERLY = (sys.executable, "roslaunch", "sh")
@@ -215,6 +222,8 @@ class Ros1:
         loaded = ()
         if command[0] in _TOOLS:
             command, loaded = (ROS_PYTHON, f"/usr/bin/{command[0]}", *command[1:]), _LOADED
+        elif command[:2] == (sys.executable, RTRON):
+            loaded = RTRON_MODULES
         elif command[0] == ROS_PYTHON and Path(command[1]).parent == NODES:
             loaded = _LOADED
         process = Process(command, self.environ | environ, log, loaded)
@@ -227,7 +236,7 @@ class Ros1:
 
     def rtron(self, *arguments):
         """Start `rtron` with the Python of the tests, before all others if we may."""
-        process = self.spawn(sys.executable, "-m", "rtron", *arguments, PYTHONPATH=str(SOURCE))
+        process = self.spawn(sys.executable, RTRON, *arguments, PYTHONPATH=str(SOURCE))
         process.hurry()
         return process
 

@@ -9,7 +9,7 @@ from itertools import cycle
 from pathlib import Path
 from tempfile import gettempdir
 
-from harness import Process, wait_for
+from harness import RTRON, RTRON_MODULES, Process, wait_for
 
 _LOADED = ("rclpy", "rclpy.executors", "rclpy.action", "geometry_msgs.msg", "std_msgs.msg")
 """What nodes in Python load."""
@@ -55,8 +55,12 @@ class Ros2:
     def spawn(self, *command, **environ):
         """Start a command; what it says goes to a file that its `log` gives."""
         log = self.folder / f"{len(self._processes)}_{Path(str(command[0])).name}.log"
-        is_node = command[0] == sys.executable and Path(command[1]).suffix == ".py"
-        process = Process(command, self.environ | environ, log, _LOADED if is_node else ())
+        loaded = ()
+        if command[0] == sys.executable and Path(command[1]).suffix == ".py":
+            loaded = _LOADED
+        elif command[:2] == (sys.executable, RTRON):
+            loaded = RTRON_MODULES
+        process = Process(command, self.environ | environ, log, loaded)
         self._processes.append(process)
         return process
 
@@ -74,7 +78,7 @@ class Ros2:
 
     def rtron(self, *arguments):
         """Start `rtron` with the Python of the tests."""
-        return self.spawn(sys.executable, "-m", "rtron", *arguments)
+        return self.spawn(sys.executable, RTRON, *arguments)
 
 
 @contextmanager
