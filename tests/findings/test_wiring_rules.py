@@ -745,9 +745,27 @@ class TestMissingManagedNode:
         assert finding.cause.startswith("this launch has no lifecycle manager")
         assert finding.level is FindingLevel.REGULAR
         assert not found("missing_managed_node", small_graph(self.ALONE, services=services))
-        calls = (ServiceClient(node="/planner", name="/slam/change_state"),)
-        graph = small_graph(self.ALONE + reader, services=services, clients=calls)
+
+    @pytest.mark.parametrize(
+        "more",
+        [
+            {"clients": (ServiceClient(node="/planner", name="/slam/change_state"),)},
+            {"clients": (ServiceClient(node="/planner", name="/{?}/change_state"),)},
+            {"unresolved": (UnresolvedItem(what="process all.sh", why="not looked into"),)},
+        ],
+    )
+    def test_without_a_manager_whatever_is_not_seen_may_activate(self, more):
+        text = self.ALONE + "  sub /map nav_msgs/OccupancyGrid\n"
+        graph = replace(small_graph(text, services=self.offers("/slam")), **more)
         assert not found("missing_managed_node", graph)
+
+    @pytest.mark.parametrize(("file", "count"), [("slam.py", 0), ("slam.cpp", 1)])
+    def test_a_publisher_of_rclpy_needs_no_activation(self, file, count):
+        text = self.ALONE + "  sub /map nav_msgs/OccupancyGrid\n"
+        graph = small_graph(text, services=self.offers("/slam"))
+        places = (Evidence(file=file, line=1),)
+        ends = tuple(replace(each, evidence=places) for each in graph.endpoints)
+        assert len(found("missing_managed_node", replace(graph, endpoints=ends))) == count
 
     def test_nodes_that_are_there_and_names_known_in_part_are_none(self):
         calls = (ServiceClient(node="/manager", name="/{?}/change_state"), *self.CALLS)

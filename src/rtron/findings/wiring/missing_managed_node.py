@@ -61,7 +61,8 @@ def check(app: AppFacts) -> Iterator[Finding]:
 def _not_activated(app: AppFacts, managed: Mapping[str, list[str]]) -> Iterator[Finding]:
     """Yield a finding for the nodes whom nobody activates, neither the one manager nor another.
 
-    Those of a manager's programs are left out; without one, those whose topics nobody reads.
+    Those of a manager's programs are left out; without one, those whose topics nobody reads, and
+    all where anything is unresolved, which may activate them.
     """
     of_manager = [name for names in managed.values() for name in names]
     programs = {(app.nodes[each].package, app.nodes[each].executable) for each in of_manager}
@@ -69,7 +70,8 @@ def _not_activated(app: AppFacts, managed: Mapping[str, list[str]]) -> Iterator[
         each
         for each in _idle_nodes(app)
         if (app.nodes[each].package, app.nodes[each].executable) not in programs
-        and (of_manager or (not managed and _is_read(app, each)))
+        and (of_manager or not (managed or app.graph.unresolved))
+        and (of_manager or _is_read(app, each))
     ]
     if idle:
         names, manager = join_names(idle), next(iter(managed), "")
@@ -94,14 +96,24 @@ def _not_activated(app: AppFacts, managed: Mapping[str, list[str]]) -> Iterator[
 def _idle_nodes(app: AppFacts) -> list[str]:
     """Return the lifecycle nodes whose state nothing changes; none where any may be meant."""
     events = {e.value for e in app.graph.wiring if e.kind is WiringFactKind.TRANSITION}
+    called = (each.name for each in app.graph.clients)
+    if any("{" in name and name.endswith(_CALLED[0]) for name in called):
+        return []
     others = set(_nodes(app.graph.services)).difference(_nodes(app.graph.clients))
     found = (each for each in sorted(others & app.nodes.keys()) if "" not in events)
     return [each for each in found if each.rpartition("/")[2] not in events]
 
 
 def _is_read(app: AppFacts, node: str) -> bool:
-    """Return whether another node reads what a node publishes by itself."""
-    sent = {end.topic for end in app.graph.published_by(node) if not end.implicit}
+    """Return whether another node reads what a node publishes once it is active.
+
+    Publishers of rclpy publish before that, too (rclpy's LifecycleNode).
+    """
+    sent = {
+        end.topic
+        for end in app.graph.published_by(node)
+        if not (end.implicit or any(at.file.endswith(".py") for at in end.evidence))
+    }
     return any({*app.readers(topic)} - {node} for topic in sent - {*TRANSFORM_TOPICS})
 
 
