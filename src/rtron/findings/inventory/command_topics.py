@@ -20,7 +20,7 @@ from rtron.findings.inventory.things import (
     thing_of_node,
 )
 from rtron.findings.inventory.unheard_commands import UnheardCommands
-from rtron.findings.measurement_names import may_be_measured
+from rtron.findings.measurement_names import MEASURED_TYPES, may_be_measured
 from rtron.findings.motion.arbiter import arbiters, priorities
 from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Command, Means, Thing
@@ -176,7 +176,9 @@ class CommandTopics:
         is_named = self._things[end.topic] not in {None, Thing.DEVICE, Thing.MODE}
         if given == "device" and self.roles.is_actuating(end.node):
             return True
-        return given is not None and is_named and self.roles.obeys(end.node)
+        sent = (e.type for e in self.app.graph.published_by(end.node) if not e.implicit)
+        is_last = all(MEASURED_TYPES.match(normalise_type(type)) for type in sent)
+        return given is not None and is_named and is_last and self.roles.obeys(end.node)
 
     @cached_property
     def _pressed(self) -> set[str]:
