@@ -164,8 +164,8 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     everything = _distinct([*last, *upstream])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
-    is_asked = streamed and thing not in _HOLDING
-    ends = stopping(app, drivers, streamed, behind) if is_asked else []
+    moves_on = streamed and thing not in _HOLDING
+    stops = stopping(app, drivers, streamed, behind) if moves_on else []
     unread = () if drivers else _unread_parts(app)
     is_seen = bool(unread) and unread[0] in app.nodes
     senders = _nodes(each.senders for each in everything)
@@ -185,9 +185,9 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         effect=_stop_effect(commands, drivers) if thing is Thing.STOP and topics else "",
         unread=unread,
         is_whole=not set(app.unread_nodes).difference(bridges(app)),
-        stops=ends[0].stops if ends else Stops.UNKNOWN,
-        stop=_why_it_stops(ends[0], is_seen=is_seen) if ends else "",
-        holders=tuple((each.holder, each.why) for each in ends if each.holder),
+        stops=stops[0].stops if stops else Stops.UNKNOWN,
+        stop=_why_it_stops(stops[0], is_seen=is_seen) if stops else "",
+        holders=tuple((each.holder, each.why) for each in stops if each.holder),
         evidence=(*(place for fact in opened for place in fact.evidence), *app.evidence(endpoints)),
     )
 
