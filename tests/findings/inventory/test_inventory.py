@@ -1431,6 +1431,38 @@ def test_what_makes_a_node_call_a_service_is_behind_it():
     assert names(mover.commands) == ["/set_blade"]
 
 
+@pytest.mark.parametrize(("value", "count"), [("device", 1), ("", 0)])
+def test_what_is_seen_to_go_to_a_device_is_no_report_of_another_with_an_open_port(value, count):
+    graph = small_graph(
+        "/arm arm own\n    sub /sprayer std_msgs/msg/Float32\n"
+        "/pad pad own\n    sub /joy sensor_msgs/msg/Joy\n    pub /sprayer std_msgs/msg/Float32\n"
+    )
+    ends = tuple(replace(each, evidence=PLACE) for each in graph.endpoints if each.topic != "/joy")
+    joy = tuple(each for each in graph.endpoints if each.topic == "/joy")
+    facts = (
+        fact("device", "/arm", "serial port"),
+        fact("device", "/pad", "serial port"),
+        fact("message_flow", "/arm", value),
+    )
+    movers = take_inventory(app_facts(replace(graph, endpoints=(*ends, *joy), wiring=facts)))
+    listed = [mover for mover in movers if "/arm" in mover.drivers]
+    assert [names(mover.last_commands) for mover in listed] == [["/sprayer"]] * count
+
+
+@pytest.mark.parametrize(("type", "stops"), [("x/msg/Frame", Stops.NO), ("String", Stops.UNKNOWN)])
+def test_a_text_to_a_device_may_be_told_once(type, stops):
+    type = type if "/" in type else "std_msgs/msg/String"
+    text = f"/base driver own\n    sub /json_cmd {type}\n"
+    assert the_mover(text, wiring=(DRIVER, KEPT, WRITTEN)).stops is stops
+
+
+def test_who_commands_others_is_no_hardware_that_moves_by_itself():
+    text = f"/chase chase own\n    pub /cmd_vel {TWIST}\n" + BASE
+    board = (fact("device", "/chase", "servo driver"),)
+    (mover,) = inventory(text, wiring=board)
+    assert mover.drivers == ("/base",)
+
+
 @pytest.mark.parametrize(
     ("value", "sent", "count"),
     [

@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from itertools import filterfalse
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.command_topics import STOPPING
@@ -91,10 +92,13 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
 def _uncommanded_hardware(app: AppFacts, roles: NodeRoles, movers: list[Mover]) -> Iterator[Mover]:
     """Yield the nodes with hardware that obey nothing of the app that moves.
 
-    It can only move, or they have a person or a link of their own that commands it.
+    It can only move, or they have a person or a link of their own that commands it. Who commands
+    others by topics may have the hardware's library from them.
     """
     moving = (mover for mover in movers if mover.thing not in NO_MOTION)
     listed = {node for mover in moving for node in mover.drivers}
+    sending = {node for mover in movers for each in mover.last_commands for node in each.senders}
+    listed |= set(filterfalse(roles.is_autopilot, sending))
     for node in filter(roles.is_actuating, sorted(app.nodes)):
         hardware = tuple(dict.fromkeys(fact.value for fact in roles.devices((node,))))
         persons = operators(app, {node})

@@ -171,6 +171,11 @@ class CommandTopics:
         inputs = (e for e in self.app.graph.endpoints if e.direction is Direction.SUBSCRIBE)
         return {end.topic for end in filter(self.is_unnamed, inputs) if self._is_output(end)}
 
+    def moves_device(self, topic: str) -> bool:
+        """Return whether who reads a topic is seen to write what it gets to a device."""
+        given = (self.flows.outputs.get((node, topic)) for node in self.app.readers(topic))
+        return topic in self._written and "device" in given
+
     def _is_output(self, end: Endpoint) -> bool:
         given = self.flows.outputs.get((end.node, end.topic))
         is_named = self._things[end.topic] not in {None, Thing.DEVICE, Thing.MODE}

@@ -51,17 +51,19 @@ class AppCommands:
             is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
             is_sent = bool(command.senders) and (thing not in SWITCHES or _is_of_autopilot(topic))
             is_sent |= bool(self.roles.firmware and self.app.readers(topic))
-            is_report = self._is_reading(command) or self._is_echo(command)
-            is_feedback = self.forwarding.is_feedback(topic) and not self.topics.unheard.is_order(
-                topic
-            )
-            is_command = not (is_report or is_feedback)
+            is_command = self.topics.moves_device(topic) or not self._is_report(command)
             has_sides = bool(receivers or is_sent) and is_command and not self._is_operated(command)
             is_idle = is_vague or topic in self._unobeyed_velocities
             if topic in self.topics.locks | self.topics.releases or (
                 has_sides and not (is_idle or self._is_forwarded(thing, command))
             ):
                 yield from self._by_part(*self._as_driven(thing, command))
+
+    def _is_report(self, command: Command) -> bool:
+        """Return whether a topic tells how something moves, by its sides and its name."""
+        is_feedback = self.forwarding.is_feedback(command.name)
+        is_feedback &= not self.topics.unheard.is_order(command.name)
+        return self._is_reading(command) or self._is_echo(command) or is_feedback
 
     @cached_property
     def _unobeyed_velocities(self) -> frozenset[str]:

@@ -82,7 +82,9 @@ def goes_on(thing: Thing, command: Command) -> bool:
     if _VELOCITIES.search(command.type) or _RATES.search(words):
         return True
     is_place = thing in _PLACED or bool(_ENDING.search(words))
-    is_known = thing is not Thing.DEVICE or bool(COMMAND_NAMES.search(command.name))
+    is_text = command.type.endswith("/String")
+    is_named = bool(COMMAND_NAMES.search(command.name)) and not is_text
+    is_known = thing is not Thing.DEVICE or is_named
     return not is_place and (is_known or bool(_STREAMS.search(command.type)))
 
 
