@@ -1,5 +1,6 @@
 """Findings of one cause as one: all their names differ by one namespace, or one part of a frame."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
@@ -53,7 +54,7 @@ def _difference(finding: Finding) -> _Difference | None:
         return None
     are_namespaces = finding.subject.startswith("/") and finding.meant.startswith("/")
     names = [
-        name.split("/") if are_namespaces else list(name)
+        name.split("/") if are_namespaces else re.split(r"([/_])", name)
         for name in (finding.subject, finding.meant)
     ]
     same = len(list(takewhile(_are_equal, zip(*map(reversed, names), strict=False))))

@@ -9,6 +9,7 @@ from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.derived_commands import DerivedCommands
+from rtron.findings.inventory.doors import has_door
 from rtron.findings.inventory.message_flows import MessageFlows
 from rtron.findings.inventory.node_roles import NodeRoles
 from rtron.findings.inventory.things import (
@@ -181,9 +182,11 @@ class CommandTopics:
         is_named = self._things[end.topic] not in {None, Thing.DEVICE, Thing.MODE}
         if given == "device" and self.roles.is_actuating(end.node):
             return True
+        if given is None or has_door(self.app, end.node):
+            return False
         sent = (e.type for e in self.app.graph.published_by(end.node) if not e.implicit)
         is_last = all(MEASURED_TYPES.match(normalise_type(type)) for type in sent)
-        return given is not None and is_named and is_last and self.roles.obeys(end.node)
+        return is_named and is_last and self.roles.obeys(end.node)
 
     @cached_property
     def _pressed(self) -> set[str]:

@@ -53,13 +53,12 @@ _STREAMS = re.compile(rf"{_VELOCITIES.pattern}|/\w*(?:Cmd|Command|Channels|Drive
 _UNCHECKED = frozenset({LastMessageFate.UNNOTICED, LastMessageFate.REPEATED})
 """What becomes of a last message where nothing looks at its age."""
 _ENDING = re.compile(
-    r"trajectory|position|(?<![a-z])pos(?![a-z])|angle|degree|pose(?![a-z])|goal|height|level|steer"
+    r"(?<![a-z])(?:positions?|pos|poses?|goal|height|level|steer\w*|angles?|degrees?)(?![a-z])"
 )
 """Words in names and types of what tells where to go: the motion ends there."""
-_RATES = re.compile(r"speed|vel(?![a-z])|velocit|effort|torque|thrust")
+_TRAJECTORY = re.compile(r"(?<![a-z])traj")
+_RATES = re.compile(r"(?<![a-z])(?:speed|vel|velocity|velocities|effort|torque|thrust)s?(?![a-z])")
 """Words in names of what tells how fast or how hard to go."""
-_PLACED = frozenset({Thing.ARM, Thing.TOOL})
-"""What is mostly told where to go."""
 
 
 class Stopping(NamedTuple):
@@ -78,14 +77,19 @@ def goes_on(thing: Thing, command: Command) -> bool:
 
     What hangs on hardware that is not known may be told once.
     """
-    words = f"{snake_case(command.name)} {snake_case(command.type)}"
-    if _VELOCITIES.search(command.type) or _RATES.search(words):
+    last, type = snake_case(command.name.rpartition("/")[2]), snake_case(command.type)
+    words = f"{snake_case(command.name)} {type}"
+    if _VELOCITIES.search(command.type) or _RATES.search(last):
         return True
-    is_place = thing in _PLACED or bool(_ENDING.search(words))
-    is_text = command.type.endswith("/String")
-    is_named = bool(COMMAND_NAMES.search(command.name)) and not is_text
-    is_known = thing is not Thing.DEVICE or is_named
-    return not is_place and (is_known or bool(_STREAMS.search(command.type)))
+    if _TRAJECTORY.search(words):
+        return False
+    if _RATES.search(words):
+        return True
+    if thing is Thing.ARM or _ENDING.search(f"{last} {type}"):
+        return False
+    is_named = COMMAND_NAMES.search(command.name) and not command.type.endswith("/String")
+    is_known = thing is not Thing.DEVICE or bool(is_named)
+    return bool(_STREAMS.search(command.type)) or (is_known and not _ENDING.search(words))
 
 
 def stopping(

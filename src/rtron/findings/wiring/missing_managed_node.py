@@ -112,7 +112,7 @@ def _is_read(app: AppFacts, node: str) -> bool:
     sent = {
         end.topic
         for end in app.graph.published_by(node)
-        if not (end.implicit or any(at.file.endswith(".py") for at in end.evidence))
+        if not (end.implicit or any(at.file.endswith(".py") for at in end.evidence[-1:]))
     }
     return any({*app.readers(topic)} - {node} for topic in sent - {*TRANSFORM_TOPICS})
 

@@ -72,6 +72,10 @@ class UnservedName(NamedTuple):
     owner: str
 
 
+_OF_EVERY_NODE = frozenset({"get_loggers", "set_logger_level"})
+"""What roscpp and rospy offer in each node (wiki.ros.org/rosconsole)."""
+
+
 def check(app: AppFacts) -> Iterator[Finding]:
     """Yield a finding for each name with a client and no server, while another may be meant."""
     for name, unserved in unserved_names(app).items():
@@ -106,7 +110,9 @@ def unserved_names(app: AppFacts) -> Mapping[str, UnservedName]:
 
 def _owner(app: AppFacts, call: _RequestSide) -> str:
     """Return the node that a service belongs to by its name, if what it offers is known."""
-    name = call.name.rpartition("/")[0]
+    name, _, service = call.name.rpartition("/")
+    if service in _OF_EVERY_NODE:
+        return ""
     node = app.nodes.get(name) if call.what == "service" else None
     is_known = node and (node.trust is Trust.OWN or call.type.startswith(_LIFECYCLE))
     return name if node and is_known and not node.unread else ""

@@ -24,10 +24,10 @@ _MESSAGES = re.compile(r"_(?:msgs|srvs|interfaces)$")
 _FILES = frozenset({"open()", "socket()"})
 """What C++ calls to get a file descriptor: a device's, mostly, where a program opens one."""
 _READING = re.compile(
-    r"(?:get|read|recv|receive|is|has|in|wait|flush|close|open|connect|join|init|begin|setup"
-    r"|reset_(?:in|out)put|available|unlock|lock|acquire|release)(?:_?[a-zA-Z]\w*)?"
+    r"(?:get|read|recv|receive|is|has|in|wait|flush|connect|join|init|begin|setup|available"
+    r"|reset_(?:in|out)put)(?:_\w+|[A-Z]\w*)?"
 )
-"""Names of calls that only ask an object, open or close it."""
+"""Names of calls that only ask an object, or prepare it."""
 
 
 @dataclass(frozen=True)

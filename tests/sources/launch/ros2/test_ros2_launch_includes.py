@@ -351,6 +351,10 @@ def test_an_argument_that_nobody_gives(included):
         assert (kind, name, file.rpartition("/")[2]) == ("missing_argument", "topic", "front.xml")
 
 
+def test_what_the_first_file_declares_without_a_default_is_for_the_user_to_give(included):
+    assert included('<arg name="robot_ip"/><front/>', front="<group/>") == []
+
+
 @pytest.mark.parametrize(
     ("text", "front"),
     [

@@ -93,12 +93,16 @@ class UnresolvedNotes:
             self.note(site, f"launch would refuse it: {error}")
 
     def note_missing(self, site: ElementSite, name: str) -> None:
-        """Note that an argument is not given, once; launch ends where it certainly counts."""
+        """Note that an argument is not given, once; launch ends where it certainly counts.
+
+        What the first file declares without a default is for the user to give.
+        """
         if name not in self._missing_arguments:
             why = f"argument '{name}' is not given"
             self.note(site, why, cause=UnresolvedCause.ARGUMENT)
             self._missing_arguments[name] = None
-        if not (self._missing_arguments[name] or site.context.is_uncertain):
+        is_of_user = site.file.depth == 0 and site.tag == "arg"
+        if not (self._missing_arguments[name] or site.context.is_uncertain or is_of_user):
             kind, places = WiringFactKind.MISSING_ARGUMENT, (site.location,)
             fact = WiringFact(kind=kind, subject=name, value=site.file.path, evidence=places)
             self._missing_arguments[name] = fact

@@ -22,7 +22,7 @@ _LIBRARIES = {
     "SPI": r"\bspidev|linux/spi",
     "PWM output": r"\.PWM\(|set_servo_pulsewidth|set_PWM_dutycycle|hardware_PWM|[pP]wmWrite\("
     r"|softServoWrite|tx_(?:pwm|servo)\("
-    r"|gpiozero import[^\n]*\b(?:Motor|Robot|Servo|AngularServo)\b",
+    r"|gpiozero import[^\n]{0,200}\b(?:Motor|Robot|Servo|AngularServo)\b",
     "servo driver": r"(?i:pca9685|servokit|adafruit_motor\b|motorkit)",
     "GPIO": r"RPi\.GPIO|Jetson\.GPIO|gpiozero|pigpio|wiringPi\.h|\blgpio|\bgpiod",
     "CAN": r"(?<=import )can\b|(?<=from )can\b|linux/can|socketcan|canlib|PCANBasic|can_msgs",
@@ -64,7 +64,7 @@ _OPERATORS = {
     r"|\bevdev\b|/dev/input/|linux/joystick\.h|SDL_Joystick|SDL_GameController|\bhidapi\b",
     "keyboard": r"\bpynput\b|\btty\.set(?:raw|cbreak)|\bcurses\.|ncurses\.h"
     r"|tcsetattr\(\s*(?:0\b|STDIN|kfd|sys\.stdin)|pygame\.K_\w|^import keyboard\b"
-    r"|(?<![\w.])(?:raw_)?input\(|\bcin\s*>>|getline\(\s*(?:std::)?cin\b",
+    r"|[=(]\s{0,9}(?:raw_)?input\(|\bcin\s*>>|getline\(\s*(?:std::)?cin\b",
     "window": r"\bQ(?:Gui)?Application\b(?!\s*[,;])|\b(?:tk(?:inter)?\.|Tkinter\.)Tk\(|=\s*Tk\(\)"
     r"|\bCTk\(|\bwx\.App\(|\bGtk\.(?:main|Application)\(|\brqt_gui_(?:py|cpp)\b",
 }
