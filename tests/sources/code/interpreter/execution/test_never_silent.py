@@ -163,6 +163,14 @@ def test_an_exception_that_ends_main_is_noted():
     assert found.unresolved[0].cause is UnresolvedCause.PARTLY_READ
 
 
+@pytest.mark.parametrize("loop", ["for (auto x : load())", "for (int x = 0; x < load(); x++)"])
+def test_how_many_items_a_loop_adds_is_not_known_where_its_rounds_are_not(loop):
+    check = 'if (items.size() != 12) { throw std::runtime_error("no"); }'
+    body = f"std::vector<int> items; {loop} {{ items.push_back(x); }}"
+    body += f" try {{ {check} {ADVERTISE} }} catch (const std::exception & e) {{ return 1; }}"
+    assert ros1_runs.names(ros1_runs.cpp(body)) == ["x"]
+
+
 def test_macros_of_another_file_side_by_side_hide_nothing_behind_them():
     top = "#define ITEMS ITEM(rate, int, 5) ITEM(name, std::string, 0)\n"
     body = f"SET_UP(ITEMS)\n CHECK(nh, ITEMS)\n {ADVERTISE}"

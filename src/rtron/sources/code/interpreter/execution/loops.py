@@ -156,7 +156,12 @@ def run_once_with_unknowns(
     elif machine.trial_depth < MAX_DISCOVERIES:
         for storage, key, value in list(_changed_scalars(machine, run)):
             machine.undo_log.set(storage, key, value)
-    machine.undo_log.run_branches([lambda: run() is None, lambda: True], frame.variables)
+    with machine.undo_log.gather_writes() as writes:
+        machine.undo_log.run_branches([lambda: run() is None, lambda: True], frame.variables)
+    for storage, key, before in writes:
+        after = storage.get(key)
+        if isinstance(before, tuple) and isinstance(after, tuple) and len(after) > len(before):
+            machine.undo_log.mark_open(storage)
 
 
 def _forget_scalars(machine: AbstractMachine, frame: StackFrame, written: frozenset[str]) -> None:
