@@ -18,8 +18,8 @@ from pathlib import Path
 from weakref import finalize
 
 _MAX_BYTES = 1 << 17
-_LOST = -1
-"""The exit code of one whose server was lost."""
+_LOST = 256
+"""The exit code, which no process has, of one whose server was lost."""
 
 
 class ForkedNode:

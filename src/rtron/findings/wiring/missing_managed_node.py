@@ -18,8 +18,9 @@ Start the node, correct its name or namespace, or remove it from `node_names`. A
 
 Below `pedantic`, where something was not read, or where the launch starts no other node of the
 manager and no lifecycle node of a near name. A node that nobody activates is none where something
-was not read, where an event of a launch file or `ros2 lifecycle set` is for it or for one that is
-not known, and if it changes its own state.
+was not read, where an event of a launch file, `ros2 lifecycle set` or a client of a name that is
+not known may be for it, and if it changes its own state. Without a manager, anything unresolved
+makes it none, and so does a publisher of rclpy, which publishes before it is active.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence

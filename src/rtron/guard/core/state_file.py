@@ -75,7 +75,7 @@ class StateFile:
         while not self.is_saved and time.monotonic() < until:
             time.sleep(_PAUSE_S)
         if not self.is_saved:
-            log.error("%s: the disk is slow", self._loss)
+            log.error("%s: %s", self._loss, self.failure or "the disk is slow")
 
     def _save(self) -> None:
         """Write the state, in the thread; try again later if that fails."""
