@@ -314,7 +314,7 @@ class TestCommandTimeout:
             replace(e, evidence=(places[e.topic],)) if e.topic in places else e
             for e in graph.endpoints
         )
-        facts = (fact, replace(fact, kind=WiringFactKind.MESSAGE_FLOW))
+        facts = (fact, replace(fact, kind=WiringFactKind.MESSAGE_FLOW, value=""))
         findings = found("command_timeout", replace(graph, endpoints=ends, wiring=facts))
         assert [each.topics for each in findings] == [("/channels",)] * is_found
 

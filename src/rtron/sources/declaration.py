@@ -251,17 +251,26 @@ class LastMessageUse:
     evidence: tuple[Evidence, ...]
 
 
+class FlowInput(StringEnum):
+    """What makes a program act."""
+
+    MESSAGE = "message"
+    REQUEST = "request"
+    START = "start"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MessageFlow:
-    """Where a subscription is made, and where the publishers are that it leads to.
+    """Where a program takes its input, and where the publishers are that it leads to.
 
-    `requests` are the services and actions, `output` is a library's object or module that it
-    is given to. Where it leads to nothing, what it gets is not used.
+    `requests` are services and actions; the first is that which a request asks for. `outputs` are
+    libraries' objects or modules that it is given to. What leads to nothing is not used.
     """
 
+    input: FlowInput
     evidence: tuple[Evidence, ...]
     requests: tuple[str, ...] = ()
-    output: str = ""
+    outputs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -208,4 +208,11 @@ from rtron.vocabulary.topic_access import (
     stage_nodes,
 )
 from rtron.vocabulary.velocity import TWIST_COMPONENTS, Velocity
-from rtron.vocabulary.wiring import LastMessageFate, WiringFact, WiringFactKind
+from rtron.vocabulary.wiring import (
+    DESCRIPTORS,
+    LIBRARY,
+    UNKNOWN_OUTPUT,
+    LastMessageFate,
+    WiringFact,
+    WiringFactKind,
+)

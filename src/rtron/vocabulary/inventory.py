@@ -14,6 +14,8 @@ class Thing(StringEnum):
     """What an autopilot flies, dives or drives."""
     THRUSTERS = "thrusters"
     ARM = "arm"
+    SERVOS = "servos"
+    """Servos of which the part is not known."""
     GRIPPER = "gripper"
     HEAD = "head"
     """Pan, tilt, gimbal."""
@@ -82,7 +84,7 @@ class Mover:
     `firmware` a sketch was read. `hardware` says what their source opens. `arbiters` stand in the
     way of commands, the last one first. `doors` let others than ROS nodes in, `operators` are nodes
     that a person commands beside ROS, with what; `unprompted` send commands though nobody tells
-    them to. `effect` says what a switch does that does less than its name says. `stop` says why it
+    them to; of the drivers, `starting` move hardware before any command comes. `effect` says what a switch does that does less than its name says. `stop` says why it
     stops or does not, `holders` which nodes keep their last command, and why. `unread` are the
     nodes that were not read, one of which may obey what no driver does; where the app is not
     `is_whole`, one may send what nobody does.
@@ -96,6 +98,7 @@ class Mover:
     doors: tuple[str, ...] = ()
     operators: tuple[str, ...] = ()
     unprompted: tuple[str, ...] = ()
+    starting: tuple[str, ...] = ()
     firmware: tuple[str, ...] = ()
     effect: str = ""
     unread: tuple[str, ...] = ()

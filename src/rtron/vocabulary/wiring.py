@@ -98,8 +98,21 @@ class WiringFactKind(StringEnum):
     are those of the publishers, if they are known."""
     MESSAGE_FLOW = "message_flow"
     """A node with a subscription at the first place, whose messages lead to the publishers at the
-    further places, to others, its services and actions, and to a `device` or another
-    `library`, the value; without all three they are not used."""
+    further places, to others, its services and actions, and to the value, a device, another library
+    or what is not known; without all three they are not used."""
+    REQUEST_FLOW = "request_flow"
+    """The same of a service or an action of a node, which is the first of others."""
+    SELF_MOTION = "self_motion"
+    """A node that writes to the value, a device or another library, though nothing that it gets
+    tells it to."""
+
+
+DESCRIPTORS = frozenset({"open()", "socket()"})
+"""The values of flows that C++ writes to a file descriptor: to what it is, the call does not say."""
+LIBRARY = "library "
+"""How the value of a flow begins that leads to a library which is not known to be of a device."""
+UNKNOWN_OUTPUT = "unknown"
+"""The value of a flow that may lead to something that is not seen."""
 
 
 class LastMessageFate(StringEnum):

@@ -1,5 +1,6 @@
 """The inventory of an app: what can move this robot, who commands it, and what else can."""
 
+import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -7,7 +8,6 @@ from functools import lru_cache
 from itertools import filterfalse
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.command_topics import STOPPING
 from rtron.findings.inventory.commands import AppCommands
 from rtron.findings.inventory.doors import doors, has_door, operators
 from rtron.findings.inventory.limits import limits
@@ -18,7 +18,7 @@ from rtron.findings.inventory.node_roles import (
     may_drive_unread,
 )
 from rtron.findings.inventory.stopping import Stopping, goes_on, stopping
-from rtron.findings.inventory.things import part_of_name, vagueness
+from rtron.findings.inventory.things import vagueness
 from rtron.findings.measurement_names import moves_nothing
 from rtron.findings.motion.network_bridge import bridges
 from rtron.findings.motion.several_publishers import moves
@@ -39,8 +39,10 @@ __all__ = ["take_inventory"]
 
 MOST_MOVERS = 12
 """With more lines, those of one thing are one."""
-_HOLDING = SWITCHES | {Thing.HEAD, Thing.GRIPPER, Thing.HORN}
+_HOLDING = SWITCHES | {Thing.SERVOS, Thing.HEAD, Thing.GRIPPER, Thing.HORN}
 """What is told once, or holds what it was told: whether it stops when commands end says nothing."""
+_STOPPING = re.compile(r"(?:control_)?(?:stop|cancel|abort|disable)")
+"""How the names of signals begin that stop what moves."""
 _APART = SWITCHES | {Thing.DEVICE}
 
 
@@ -54,7 +56,7 @@ def take_inventory(app: AppFacts) -> tuple[Mover, ...]:
     merged = _merged(groups)
     movers = [_mover(app, commands, thing, found) for thing, found in merged]
     movers = _with_limits(movers, limits(app, commands))
-    movers += [*_unread(app, movers), *_uncommanded_hardware(app, commands.roles, movers)]
+    movers += [*_unread(app, movers), *_uncommanded_hardware(app, commands, movers)]
     order = list(Thing)
     return tuple(sorted(movers, key=lambda each: order.index(each.thing)))
 
@@ -89,12 +91,15 @@ def _unread(app: AppFacts, movers: Iterable[Mover]) -> Iterator[Mover]:
         yield Mover(thing=Thing.DEVICE, commands=(), drivers=tuple(unread), doors=doors(app))
 
 
-def _uncommanded_hardware(app: AppFacts, roles: NodeRoles, movers: list[Mover]) -> Iterator[Mover]:
-    """Yield the nodes with hardware that obey nothing of the app that moves.
+def _uncommanded_hardware(
+    app: AppFacts, commands: AppCommands, movers: list[Mover]
+) -> Iterator[Mover]:
+    """Yield the nodes that are seen to move hardware, and that obey nothing of the app that moves.
 
-    It can only move, or they have a person or a link of their own that commands it. Who commands
-    others by topics may have the hardware's library from them.
+    They do so by themselves, or a person or a link of their own commands them. Who commands others
+    by topics may have the hardware's library from them.
     """
+    roles = commands.roles
     moving = (mover for mover in movers if mover.thing not in NO_MOTION)
     listed = {node for mover in moving for node in mover.drivers}
     sending = {node for mover in movers for each in mover.last_commands for node in each.senders}
@@ -102,8 +107,10 @@ def _uncommanded_hardware(app: AppFacts, roles: NodeRoles, movers: list[Mover]) 
     for node in filter(roles.is_actuating, sorted(app.nodes)):
         hardware = tuple(dict.fromkeys(fact.value for fact in roles.devices((node,))))
         persons = operators(app, {node})
-        is_moving = persons or has_door(app, node) or not MOVING_HARDWARE.isdisjoint(hardware)
-        if node not in listed and is_moving:
+        is_told = persons or has_door(app, node) or roles.is_autopilot(node)
+        may_move = is_told or not MOVING_HARDWARE.isdisjoint(hardware)
+        is_seen = roles.is_autopilot(node) or commands.flow.programs.moves_by_itself(node)
+        if node not in listed and may_move and is_seen:
             yield Mover(
                 thing=Thing.VEHICLE if roles.is_autopilot(node) else Thing.DEVICE,
                 commands=(),
@@ -161,10 +168,10 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
     topics = [each for each in last if each.means is Means.TOPIC]
     streamed = [each for each in topics if each.type not in SIGNALS and goes_on(thing, each)]
-    behind = list(commands.forwarding.behind(topics))
-    goals = commands.forwarding.goals(each for each in last if each.means is Means.ACTION)
+    behind = list(commands.behind(topics))
+    goals = commands.goals(each for each in last if each.means is Means.ACTION)
     requests = [each for each in last if each.means is not Means.TOPIC and thing not in NO_MOTION]
-    upstream = [*(command for _, command in behind), *goals, *commands.forwarding.buttons(requests)]
+    upstream = [*(command for _, command in behind), *goals, *commands.buttons(requests)]
     everything = _distinct([*last, *upstream])
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
@@ -175,16 +182,17 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
     senders = _nodes(each.senders for each in everything)
     endpoints = [end for each in topics for end in app.graph.subscribers(each.name)]
     return Mover(
-        thing=_named(thing, topics, everything),
+        thing=thing,
         commands=everything,
         drivers=drivers,
         hardware=tuple(dict.fromkeys(fact.value for fact in opened)),
         arbiters=tuple(
-            dict.fromkeys(node for node, _ in behind if commands.forwarding.decides(node))
+            dict.fromkeys(node for node, _ in behind if commands.decides(node, everything))
         ),
         doors=doors(app, drivers, senders),
         operators=operators(app, {*drivers, *senders}),
-        unprompted=() if thing in NO_MOTION else commands.forwarding.unprompted(topics),
+        unprompted=() if thing in NO_MOTION else commands.unprompted(topics),
+        starting=() if thing in NO_MOTION else tuple(filter(commands.moves_at_start, drivers)),
         firmware=tuple(filter(commands.roles.is_sketch, drivers)),
         effect=_stop_effect(commands, drivers) if thing is Thing.STOP and topics else "",
         unread=unread,
@@ -198,22 +206,11 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
 
 def _stop_effect(commands: AppCommands, nodes: tuple[str, ...]) -> str:
     """Return what a stop does that no driver obeys, empty where one does or may."""
-    if any(node in commands.topics.ranks for node in nodes):
-        passing = commands.topics.passing_locks(nodes)
+    if any(node in commands.flow.ranks for node in nodes):
+        passing = commands.passing_locks(nodes)
         return f"locks nothing that is ranked as high: {join_names(passing)}" if passing else ""
     is_read = bool(nodes) and not any(map(commands.roles.may_obey, nodes))
     return f"no driver obeys it: {join_names(nodes)} decides what stops" if is_read else ""
-
-
-def _named(thing: Thing, last: list[Command], commands: Iterable[Command]) -> Thing:
-    """Return what is moved: where the last topics do not say it, what stands behind them does."""
-    if thing in NO_MOTION or not last or any(part_of_name(c.name, c.type) for c in last):
-        return thing
-    behind = [part_of_name(c.name, c.type) for c in commands if c.hops and c.means is Means.TOPIC]
-    behind += [part_of_name(node, "") for each in last for node in each.senders]
-    named = set(filter(None, behind))
-    unnamed = Thing.DEVICE if thing is Thing.BASE else thing
-    return next((each for each in Thing if each in named), unnamed)
 
 
 def _why_it_stops(end: Stopping, *, is_seen: bool) -> str:
@@ -246,7 +243,7 @@ def _by_harm(commands: Collection[Command]) -> tuple[Command, ...]:
     order = list(Means)
 
     def harm(command: Command) -> tuple[int, ...]:
-        is_end = bool(STOPPING.match(snake_case(command.name.rpartition("/")[2])))
+        is_end = bool(_STOPPING.match(snake_case(command.name.rpartition("/")[2])))
         is_signal = command.type in SIGNALS
         is_topic = command.means is Means.TOPIC
         led = [] if is_topic else _led(command, sent)

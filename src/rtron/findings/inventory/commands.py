@@ -1,25 +1,30 @@
-"""The commands of an app: what the nodes next to the hardware obey."""
+"""The commands of an app: what moves hardware, what stands behind that, and what each moves."""
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.command_topics import TWIST, CommandTopics
-from rtron.findings.inventory.forwarding import Forwarding
-from rtron.findings.inventory.node_roles import NodeRoles, may_drive_unread
+from rtron.findings.inventory.app_flow import AppFlow, is_of_autopilot
+from rtron.findings.inventory.doors import operators
+from rtron.findings.inventory.node_roles import MOVING_HARDWARE, NodeRoles
+from rtron.findings.inventory.program_flow import Way
 from rtron.findings.inventory.requests import actions, services
-from rtron.findings.inventory.things import COMMAND_NAMES, PARTS, thing_of, thing_of_node
-from rtron.findings.motion.network_bridge import bridges
-from rtron.vocabulary import ActionRole, Trust, normalise_type
-from rtron.vocabulary.inventory import NO_MOTION, SWITCHES, Command, Means, Thing
+from rtron.findings.inventory.things import PARTS, is_order, part_of_name, part_of_states, thing_of, thing_of_node
+from rtron.findings.motion.arbiter import priorities
+from rtron.vocabulary import ActionRole, Service, Trust, WiringFactKind
+from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Thing
 
+_MOST_HOPS = 6
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
-_SETPOINTS = ("desired_", "target_", "reference_", "commanded_")
-"""How names begin of what a controller is to reach; it may tell of it, too."""
-_AUTOPILOTS = ("/mavros/", "/dji_sdk/", "/fmu/in/")
-"""Names of autopilots' topics and services: MAVROS, DJI's Onboard SDK, PX4 by uXRCE-DDS."""
+_SERVOS = frozenset({"servo driver", "servo bus"})
+"""Hardware that turns joints: a velocity for it need not move a base."""
+_OF_BASE = re.compile(
+    "drive|steer|wheel|base|chassis|omni|mecanum|ackermann|tricycle|bicycle", re.IGNORECASE
+)
+"""Words in names of what moves a base: beside an arm, or by servos, others move that."""
 
 
 @dataclass(frozen=True)
@@ -30,62 +35,80 @@ class AppCommands:
     roles: NodeRoles
 
     @cached_property
-    def topics(self) -> CommandTopics:
-        """The topics that may be commands."""
-        return CommandTopics(self.app, self.roles)
-
-    @cached_property
-    def forwarding(self) -> Forwarding:
-        """How commands go from node to node."""
-        return Forwarding(self.topics)
+    def flow(self) -> AppFlow:
+        """How commands go through the app."""
+        return AppFlow(self.app, self.roles)
 
     @cached_property
     def last(self) -> tuple[tuple[Thing, Command], ...]:
         """What is obeyed next to the hardware, or by nodes that are not in the app."""
-        return tuple(chain(self._last_topics(), self._last_requests()))
-
-    def _last_topics(self) -> Iterator[tuple[Thing, Command]]:
-        for topic in self._command_topics:
-            thing, command = self.topics.thing_of(topic), self.topics.command(topic)
-            receivers = command.receivers
-            is_vague = thing is Thing.DEVICE and receivers and self._drivers.isdisjoint(receivers)
-            is_sent = bool(command.senders) and (thing not in SWITCHES or _is_of_autopilot(topic))
-            is_sent |= bool(self.roles.firmware and self.app.readers(topic))
-            is_command = self.topics.moves_device(topic) or not self._is_report(command)
-            has_sides = bool(receivers or is_sent) and is_command and not self._is_operated(command)
-            is_idle = is_vague or topic in self._unobeyed_velocities
-            if topic in self.topics.locks | self.topics.releases or (
-                has_sides and not (is_idle or self._is_forwarded(thing, command))
-            ):
-                yield from self._by_part(*self._as_driven(thing, command))
-
-    def _is_report(self, command: Command) -> bool:
-        """Return whether a topic tells how something moves, by its sides and its name."""
-        is_feedback = self.forwarding.is_feedback(command.name)
-        is_feedback &= not self.topics.unheard.is_order(command.name)
-        return self._is_reading(command) or self._is_echo(command) or is_feedback
+        return (*self._last_topics, *self._last_requests())
 
     @cached_property
-    def _unobeyed_velocities(self) -> frozenset[str]:
-        """The velocities that nobody here obeys, though the base does others that are alike."""
-        velocities = (topic for topic in self._command_topics if self._is_velocity(topic))
-        sides = {topic: self.topics.command(topic).receivers for topic in velocities}
-        others = set(self.app.unread_nodes).difference(bridges(self.app))
-        unread = (self.app.nodes[name] for name in others)
-        is_driven = any(map(self.roles.drives, chain.from_iterable(sides.values())))
-        if not is_driven or any(map(may_drive_unread, unread)):
-            return frozenset()
-        return frozenset(topic for topic, receivers in sides.items() if not receivers)
+    def _last_topics(self) -> tuple[tuple[Thing, Command], ...]:
+        topics = {*self.flow.obeying, *self.flow.leaving, *self.flow.switches}
+        commands = ((self.thing(topic), self.command(topic)) for topic in sorted(topics))
+        return tuple(chain.from_iterable(self._by_part(*self._as_driven(*c)) for c in commands))
 
-    def _is_velocity(self, topic: str) -> bool:
-        is_twist = normalise_type(self.app.facts.topic(topic).type).startswith(TWIST)
-        return is_twist and self.topics.thing_of(topic) is Thing.BASE
+    def command(self, topic: str, hops: int = 0) -> Command:
+        """Return the command that a topic is."""
+        facts, handing = self.app.facts.topic(topic), self.flow.led
+        receivers = self.flow.obeying.get(topic) or tuple(
+            node for node in self.app.readers(topic) if handing(node, topic)
+        )
+        return Command(
+            means=Means.TOPIC,
+            name=topic,
+            type=facts.type,
+            receivers=receivers,
+            senders=facts.publishers,
+            hops=hops,
+        )
 
-    def _leads_nowhere(self, node: str) -> bool:
-        """Return whether a node commands by velocities alone that nobody obeys."""
-        sent = {end.topic for end in self.app.graph.published_by(node)}
-        commands = sent.intersection(self._command_topics)
-        return bool(commands) and commands <= self._unobeyed_velocities
+    def thing(self, topic: str) -> Thing:
+        """Return what a topic moves: what it says, else what its nodes and their hardware do."""
+        type, nodes = self.flow.type(topic), self.flow.obeying.get(topic, ())
+        thing = self.flow.named.get(topic) or thing_of(topic, type, Means.TOPIC)
+        if thing is Thing.BASE and nodes and self._moves_joints(topic, nodes):
+            return Thing.ARM if self._has_arm else Thing.SERVOS
+        if thing and (thing in NO_MOTION or part_of_name(topic, type) not in {None, Thing.SERVOS}):
+            return thing
+        thing = thing or part_of_states(topic, type)
+        obeying = {thing_of_node(node) for node in nodes}
+        named = obeying.pop() if len(obeying) == 1 else None
+        if named in {None, Thing.SERVOS}:
+            thing = named if thing in {None, Thing.DEVICE} else thing
+            parts = (p for p in self._parts_behind(topic) if not (thing and p is Thing.BASE))
+            named = next(parts, thing)
+        return named or Thing.DEVICE
+
+    def _parts_behind(self, topic: str) -> Iterator[Thing]:
+        """Yield which parts the topics behind one tell, its senders and the libraries that get it."""
+        behind = [command.name for _, command in self.behind([self.command(topic)])]
+        told = {part for name in behind if (part := part_of_name(name, self.flow.type(name)))}
+        yield from (each for each in Thing if each in told)
+        nodes = self.flow.obeying.get(topic, ())
+        libraries = (way.library for n in nodes if (way := self.flow.programs.way(n, topic)))
+        names = chain(nodes if len(nodes) == 1 else (), self.app.publishers(topic), libraries)
+        yield from filter(None, (part_of_name(name, "") for name in names))
+
+    def _moves_joints(self, topic: str, nodes: tuple[str, ...]) -> bool:
+        """Return whether what obeys a velocity turns the joints of an arm, by its hardware."""
+        if any(map(_OF_BASE.search, (topic, *nodes))):
+            return False
+        ways = (self.flow.programs.way(node, topic) for node in nodes)
+        if any(way and way.device in _SERVOS for way in ways):
+            return True
+        programs = [self.app.nodes[node].executable for node in nodes if node in self.app.nodes]
+        is_controlled = self._has_arm and all(map(self.roles.is_controller, nodes))
+        return is_controlled and not any(map(_OF_BASE.search, programs))
+
+    @cached_property
+    def _has_arm(self) -> bool:
+        """Whether a controller of ros2_control moves an arm."""
+        followed = (topic for topic, thing in self.flow.named.items() if thing is Thing.ARM)
+        nodes = chain.from_iterable(map(self.app.readers, followed))
+        return any(map(self.roles.is_controller, nodes))
 
     def _by_part(self, thing: Thing, command: Command) -> Iterator[tuple[Thing, Command]]:
         """Yield a command for each part of the robot whose nodes are called like it, and the rest.
@@ -98,64 +121,94 @@ class AppCommands:
             nodes = tuple(node for node, part in parts.items() if is_one or part is each)
             yield each, replace(command, receivers=nodes)
 
-    def _is_operated(self, command: Command) -> bool:
-        """Return whether a person's joystick sends what no hardware here obeys: it is behind."""
-        is_joystick = command.type.endswith("/Joy") and not COMMAND_NAMES.search(command.name)
-        return is_joystick and not self._any_drives(command.receivers)
-
-    def _is_reading(self, command: Command) -> bool:
-        """Return whether what nobody here obeys is a reading: its senders measure their motion."""
-        is_open = not command.receivers and not COMMAND_NAMES.search(command.name)
-        is_named = thing_of(command.name, "", Means.TOPIC) is not None
-        reads = self._is_measured if is_named else self._is_measured_or_driven
-        return is_open and bool(command.senders) and all(map(reads, command.senders))
-
-    def _is_echo(self, command: Command) -> bool:
-        """Return whether nobody obeys a setpoint whose senders send others that are obeyed.
-
-        So it is with a copy of the same command that has a time stamp.
-        """
-        last = command.name.rpartition("/")[2]
-        is_echo = last.startswith(_SETPOINTS) or last.endswith("_stamped")
-        is_open = is_echo and not command.receivers and bool(command.senders)
-        return is_open and self._obeyed.issuperset(command.senders)
+    def _as_driven(self, thing: Thing, command: Command) -> tuple[Thing, Command]:
+        """Return what an autopilot moves as one vehicle: it does not tell what hangs on it."""
+        receivers = command.receivers
+        is_autopilot = (
+            all(map(self.roles.is_autopilot, receivers))
+            if receivers
+            else is_of_autopilot(command.name)
+        )
+        return (Thing.VEHICLE if thing in _OF_VEHICLES and is_autopilot else thing), command
 
     @cached_property
-    def _obeyed(self) -> frozenset[str]:
-        """The nodes whose commands somebody here obeys."""
-        commands = map(self.topics.command, self._command_topics)
-        return frozenset(chain.from_iterable(c.senders for c in commands if c.receivers))
+    def drivers(self) -> frozenset[str]:
+        """The nodes that move hardware by topics, or may."""
+        moving = (c for thing, c in self._last_topics if thing not in NO_MOTION)
+        return frozenset(node for command in moving for node in command.receivers)
 
-    def _is_measured_or_driven(self, node: str) -> bool:
-        """Return whether a node measures its motion or makes it: it needs nobody to obey it."""
-        return self.roles.is_actuating(node) or self._is_measured(node)
-
-    def _is_measured(self, node: str) -> bool:
-        is_driver = self.roles.drives(node) or node in self._drivers
-        return self.roles.measures_motion(node, is_driver=is_driver)
+    @cached_property
+    def commanders(self) -> frozenset[str]:
+        """The app's own nodes that send commands: what they offer may change these."""
+        sent = [command for _, command in self._last_topics]
+        sent += [command for _, command in self.behind(sent)]
+        senders = {node for command in sent for node in command.senders} & self.app.nodes.keys()
+        own = (name for name in senders if self.app.nodes[name].trust is Trust.OWN)
+        return frozenset(name for name in own if not self.roles.is_called_sensor(name))
 
     def _last_requests(self) -> Iterator[tuple[Thing, Command]]:
-        graph = self.app.graph
+        graph, viewers = self.app.graph, self.app.facts.viewers
         devices = {node for node in self.roles.beside_hardware if not self.roles.is_sensor(node)}
-        drivers = self._drivers.union(filter(self.roles.is_controller, self.app.nodes))
-        drivers |= self._called_hardware
-        viewers = self.app.facts.viewers
-        for thing, command in chain(
-            services(graph, drivers | self._commanders, devices, viewers),
-            actions(graph, self._active, viewers),
-        ):
-            is_dead = bool(command.receivers) and all(map(self._leads_nowhere, command.receivers))
-            if not (is_dead or self._is_idle_service(thing, command)):
-                yield self._as_driven(thing, command)
+        drivers = self.drivers.union(filter(self.roles.is_controller, self.app.nodes))
+        drivers |= {each.node for each in graph.services if self._is_written(each)}
+        offered = services(graph, drivers | self.commanders, devices, viewers)
+        for thing, command in chain(offered, actions(graph, self._active, viewers)):
+            ways = [self.flow.programs.request(n, command.name) for n in command.receivers]
+            seen = [way for way in ways if way is not None]
+            is_idle = bool(seen) and len(seen) == len(ways) and not any(map(self._reaches, seen))
+            is_idle |= bool(command.receivers) and all(map(self._leads_nowhere, command.receivers))
+            if not (is_idle or self._is_idle_service(thing, command)):
+                is_vague = thing in {Thing.DEVICE, Thing.BASE}
+                moved = next(self._moved_by(command.receivers), thing) if is_vague else thing
+                yield self._as_driven(moved, command)
+
+    def _leads_nowhere(self, node: str) -> bool:
+        """Return whether a node commands by velocities alone that nobody obeys."""
+        sent = {end.topic for end in self.app.graph.published_by(node)}
+        spare = sent & self.flow.spare
+        is_idle = bool(spare) and node not in self.drivers
+        return is_idle and sent.isdisjoint((self.flow.heard | self._moving) - spare)
+
+    def _moved_by(self, nodes: tuple[str, ...]) -> Iterator[Thing]:
+        """Yield what nodes move by topics, or what those move that they command."""
+        for thing, others in self._movers:
+            if not others.isdisjoint(nodes):
+                yield thing
 
     @cached_property
-    def _called_hardware(self) -> frozenset[str]:
-        """The nodes with hardware that others call because they get a command of motion."""
-        topics = self.topics.named_topics
-        sides = ((node, topic) for topic in topics for node in self.app.readers(topic))
-        names = set(chain.from_iterable(self.topics.flows.led(*side) for side in sides))
-        servers = (each.node for each in self.app.graph.services if each.name in names)
-        return frozenset(filter(self.roles.is_actuating, servers))
+    def _movers(self) -> tuple[tuple[Thing, frozenset[str]], ...]:
+        """What the last topics move, each with the nodes on the way there, nearest first."""
+        moving = [each for each in self._last_topics if each[0] not in NO_MOTION]
+        drivers = [(thing, frozenset(last.receivers)) for thing, last in moving]
+        ways = ((thing, [c for _, c in self.behind([last])], last) for thing, last in moving)
+        others = [
+            (thing, frozenset(last.senders).union(*(c.senders for c in behind)))
+            for thing, behind, last in ways
+        ]
+        return (*drivers, *others)
+
+    def _is_written(self, service: Service) -> bool:
+        """Return whether a service writes to hardware for who calls it because of a command."""
+        way = self.flow.programs.request(service.node, service.name)
+        is_written = way.device if way else self.roles.is_actuating(service.node)
+        return bool(is_written) and service.name in self._called
+
+    @cached_property
+    def _called(self) -> frozenset[str]:
+        """What commands and people make nodes send and call."""
+        ways = ((t, w) for each in self.flow.programs.ways.values() for t, w in each.items())
+        told = (w.led for t, w in ways if t in self.flow.named or self.flow.is_by_hand(t))
+        return frozenset(chain.from_iterable(told))
+
+    def _reaches(self, way: Way) -> bool:
+        """Return whether what a request leads to moves something, or may."""
+        requests = {each.name for each in (*self.app.graph.clients, *self.app.graph.actions)}
+        is_sent = way.led & (self.flow.heard | self._moving | requests)
+        return bool(is_sent or way.device or way.library)
+
+    @cached_property
+    def _moving(self) -> frozenset[str]:
+        return frozenset(command.name for _, command in self._last_topics)
 
     def _is_idle_service(self, thing: Thing, command: Command) -> bool:
         """Return whether a service moves nothing, whatever its name says, by who offers it.
@@ -172,19 +225,10 @@ class AppCommands:
         return is_doubtful and self._active.isdisjoint(servers)
 
     @cached_property
-    def _commanders(self) -> frozenset[str]:
-        """The app's own nodes that send commands: what they offer may change these."""
-        commands = map(self.topics.command, self._command_topics)
-        senders = set(chain.from_iterable(each.senders for each in commands))
-        nodes = (node for node in self.app.graph.nodes if node.name in senders)
-        own = (node.name for node in nodes if node.trust is Trust.OWN)
-        return frozenset(name for name in own if not self.roles.is_called_sensor(name))
-
-    @cached_property
     def _active(self) -> frozenset[str]:
         """The nodes that drive something, and those that command what does."""
         graph = self.app.graph
-        senders = (node for t in self._command_topics for node in self.topics.command(t).senders)
+        senders = (node for _, command in self._last_topics for node in command.senders)
         callers = (
             each.node
             for each in graph.clients
@@ -193,54 +237,93 @@ class AppCommands:
         clients = (each.node for each in graph.actions if each.role is ActionRole.CLIENT)
         near = self.roles.beside_hardware.union(filter(self.roles.may_obey, self.app.nodes))
         devices = (node for node in near if not self.roles.is_called_sensor(node))
-        return self._drivers.union(senders, callers, clients, devices, self.app.unread_nodes)
+        return self.drivers.union(senders, callers, clients, devices, self.app.unread_nodes)
 
-    def _any_drives(self, nodes: Iterable[str]) -> bool:
-        return any(map(self.roles.may_drive, nodes))
+    def behind(self, commands: Iterable[Command]) -> Iterator[tuple[str, Command]]:
+        """Yield each topic behind commands that leads to them, with the node that hands it on."""
+        level = tuple(commands)
+        seen, hops = {command.name for command in level}, 0
+        while level and hops < _MOST_HOPS:
+            names, hops, further = frozenset(c.name for c in level), hops + 1, list[Command]()
+            for node in dict.fromkeys(node for c in level for node in c.senders):
+                ranks = self.flow.ranks.get(node, {})
+                for topic in self.flow.inputs(node, names):
+                    if topic not in seen:
+                        seen.add(topic)
+                        found = self.command(topic, hops)
+                        further.append(found)
+                        yield node, replace(found, priority=ranks.get(topic, ""))
+            level = tuple(further)
 
-    def _as_driven(self, thing: Thing, command: Command) -> tuple[Thing, Command]:
-        """Return what an autopilot moves as one vehicle: it does not tell what hangs on it."""
-        receivers = command.receivers
-        is_autopilot = (
-            all(map(self.roles.is_autopilot, receivers))
-            if receivers
-            else _is_of_autopilot(command.name)
-        )
-        is_vehicle = thing in _OF_VEHICLES and is_autopilot
-        return (Thing.VEHICLE if is_vehicle else thing), command
+    def buttons(self, requests: Iterable[Command]) -> Iterator[Command]:
+        """Yield the signals, texts and joysticks that tell those who call services and actions.
 
-    @cached_property
-    def _command_topics(self) -> tuple[str, ...]:
-        """The topics that command motion, and what else those hear that obey them."""
-        endpoints = chain.from_iterable(map(self.app.graph.subscribed_by, self._drivers))
-        unnamed = filter(self.topics.is_unnamed, endpoints)
-        return tuple(sorted(self.topics.named_topics.union(each.topic for each in unnamed)))
-
-    @cached_property
-    def _drivers(self) -> frozenset[str]:
-        """The nodes that obey commands of motion and hand none of them on."""
-        found = set[str]()
-        for topic in self.topics.named_topics:
-            command = self.topics.command(topic)
-            last = [
-                node for node in command.receivers if not self.forwarding.forwards(node, command)
-            ]
-            thing = self.topics.thing_of(topic)
-            if thing is Thing.DEVICE:
-                found.update(filter(self.roles.drives, last))
-            elif thing not in NO_MOTION and len(last) == len(command.receivers):
-                found.update(filter(self.roles.may_drive, last) if last[1:] else last)
-        return frozenset(found)
-
-    def _is_forwarded(self, thing: Thing, command: Command) -> bool:
-        """Return whether those that obey a topic hand it on to others; the rest only listens.
-
-        A stop is where it is asked for, if nobody here obeys what is made of it.
+        So does what makes them call, and stands behind all else.
         """
-        forwards, to_unread = self.forwarding.forwards, thing is not Thing.STOP
-        rest = [n for n in command.receivers if not forwards(n, command, to_unread=to_unread)]
-        return len(rest) < len(command.receivers) and not self._any_drives(rest)
+        requests = tuple(requests)
+        names = frozenset(each.name for each in requests)
+        for node in dict.fromkeys(node for each in requests for node in each.senders):
+            for topic in self.flow.inputs(node, names):
+                each = self.command(topic)
+                is_pressed = each.type in SIGNALS or self.flow.is_by_hand(topic)
+                is_near = is_pressed or is_order(each.name, each.type)
+                if not is_near and self.flow.programs.way(node, topic) is None:
+                    continue
+                yield replace(each, hops=1 if is_near else _MOST_HOPS)
 
+    def goals(self, requests: Iterable[Command]) -> Iterator[Command]:
+        """Yield the topics from which the servers of actions take goals, too."""
+        for node in dict.fromkeys(node for each in requests for node in each.receivers):
+            if not self.roles.drives(node):
+                for end in self.app.graph.subscribed_by(node):
+                    is_used = self.flow.programs.way(node, end.topic) is None
+                    is_used |= bool(self.flow.led(node, end.topic))
+                    if is_used and self.flow.named.get(end.topic) not in {None, *NO_MOTION}:
+                        yield replace(self.command(end.topic, 1), receivers=(node,))
 
-def _is_of_autopilot(name: str) -> bool:
-    return any(each in name for each in _AUTOPILOTS)
+    def unprompted(self, commands: Iterable[Command]) -> tuple[str, ...]:
+        """Return the app's own nodes that send commands, and that nothing reaches which tells them.
+
+        What they measure may decide when they begin.
+        """
+        sent = {(node, command.name) for command in commands for node in command.senders}
+        nodes = dict.fromkeys(node for node, _ in sorted(sent))
+        return tuple(node for node in nodes if self._is_unprompted(node, sent))
+
+    def _is_unprompted(self, node: str, sent: set[tuple[str, str]]) -> bool:
+        is_own = node in self.app.nodes and self.app.nodes[node].trust is Trust.OWN
+        if not is_own or node in self._reached or node in self.app.unread_nodes:
+            return False
+        led = frozenset(name for sender, name in sent if sender == node)
+        return not (any(self.flow.inputs(node, led)) or operators(self.app, {node}))
+
+    @cached_property
+    def _reached(self) -> frozenset[str]:
+        """The nodes that requests, hardware or a network may tell something."""
+        graph = self.app.graph
+        links = (WiringFactKind.DEVICE, WiringFactKind.SOCKET)
+        found = {each.node for each in graph.services if not each.implicit}
+        found |= {each.node for each in graph.actions if each.role is ActionRole.SERVER}
+        return frozenset(found.union(f.subject for f in graph.wiring if f.kind in links))
+
+    def moves_at_start(self, node: str) -> bool:
+        """Return whether a node is seen to turn motors or servos before it gets any command."""
+        fact = self.flow.programs.moves_by_itself(node)
+        return fact is not None and fact.value in MOVING_HARDWARE
+
+    def decides(self, node: str, commands: Iterable[Command]) -> bool:
+        """Return whether a node decides between commands: an arbiter, or one that takes several."""
+        if node in self.flow.ranks:
+            return True
+        led = frozenset(c.name for c in commands if node in c.senders)
+        return len(list(self.flow.inputs(node, led))) > 1
+
+    def passing_locks(self, nodes: Iterable[str]) -> list[str]:
+        """Return the inputs of arbiters that their locks never hold back (twist_mux's README)."""
+        found: list[str] = []
+        for node in filter(self.flow.ranks.__contains__, nodes):
+            locks = priorities(self.app, node, "locks").values()
+            ranked = {n: int(r) for n, r in self.flow.ranks[node].items() if r.isdigit()}
+            if locks and all(map(str.isdigit, locks)):
+                found += (name for name, r in ranked.items() if r >= max(map(int, locks)))
+        return found

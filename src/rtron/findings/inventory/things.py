@@ -45,24 +45,26 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
     (Thing.THRUSTERS, "thruster thrusters thrust propeller propellers rudder sail fin fins"),
     (Thing.VEHICLE, "takeoff land landing rotor rotors drone uav quad rc"),
     (Thing.CONTROLLERS, "switch_controller"),
-    (Thing.ARM, "arm moveit cartesian manipulator joint joints leg legs"),
+    (Thing.ARM, "arm moveit cartesian manipulator"),
     (
         Thing.BASE,
         "vel velocity drive chassis wheel wheels motor motors steer steering throttle brake",
     ),
-    (Thing.BASE, "speed twist rpm pwm duty curvature ackermann esc gear servo servos navigate"),
+    (Thing.BASE, "speed twist rpm pwm duty curvature ackermann esc gear navigate"),
     (
         Thing.BASE,
         "dock undock goal follow_path spin backup waypoint waypoints walk gait move path go goto",
     ),
+    (Thing.SERVOS, "joint joints servo servos leg legs"),
     (Thing.MODE, "mode modes autonomous autonomy manual teleop mission authority"),
     (Thing.DEVICE, "cmd cmds command commands control setpoint setpoints trajectory desired"),
     (Thing.DEVICE, "actuator actuators execute exec"),
 )
 """Words in names, the first that is there; the last parts of a name count before the others."""
-PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS)
+PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS, Thing.SERVOS)
 _GENERIC = frozenset(
-    ("goal", "go", "goto", "move", "path", "speed", "motor", "motors", "servo", "servos", "pwm")
+    ("goal", "go", "goto", "move", "path", "speed", "motor", "motors", "pwm")
+    + ("servo", "servos", "joint", "joints", "leg", "legs")
 )
 """What any part of a robot may have: in `/arm/goal` the part before it is what moves."""
 _ANY_PART = re.compile(r"servos?(?![a-z])|pwm")
@@ -148,7 +150,7 @@ def thing_of(name: str, type: str, means: Means) -> Thing | None:
     if (means is Means.SERVICE or type in SIGNALS) and _ARMING.search(last):
         return Thing.ARMING
     named = _by_words(name)
-    usual = _by_type(type, _USUAL_TYPES) if named in _VAGUE else None
+    usual = _by_type(type, _USUAL_TYPES) if named in {*_VAGUE, Thing.SERVOS} else None
     if named is Thing.MODE and (means is Means.ACTION or _is_control(last, type, means)):
         named = Thing.DEVICE
     is_command = _COMMAND_TYPE.search(type) or is_order(name, type)

@@ -67,6 +67,9 @@ def _source_rows(mover: Mover) -> Iterator[MoverRow]:
         who = _all(mover.unprompted)
         text = f"nothing in the source tells {who} to send: it may begin when the app starts"
         yield MoverRow(text, Tone.WARNING)
+    if mover.starting:
+        text = f"the source of {_all(mover.starting)} moves it untold, too: at its start, or later"
+        yield MoverRow(text, Tone.WARNING)
     if mover.firmware:
         read = "what a sketch in the source obeys; another may be flashed"
         yield MoverRow(f"of the firmware of {_all(mover.firmware)}: {read}", Tone.UNCERTAIN)

@@ -1,8 +1,13 @@
-"""Which variables of a program hold objects and modules of libraries that are not read."""
+"""Which variables of a program hold what: its own objects, or those of libraries not read.
+
+Names are kept by scope: the class of a method of C++, else the file of a function. A class and its
+bases share one.
+"""
 
 import re
 import sys
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -11,23 +16,25 @@ from rtron.sources.code import ir
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.ir.references import callee_names, ir_nodes
+from rtron.vocabulary import DESCRIPTORS
 
 _OTHERS = frozenset(sys.stdlib_module_names) | frozenset(
     [
         *("std", "ros", "rospy", "rclcpp", "rclpy", "tf", "tf2", "tf2_ros", "actionlib", "genpy"),
         *("Eigen", "cv", "cv2", "numpy", "np", "scipy", "matplotlib", "PIL", "yaml", "pandas"),
         *("message_filters", "cv_bridge", "image_transport", "rclcpp_action", "rclcpp_lifecycle"),
+        *("fmt", "spdlog", "nlohmann", "YAML", "torch", "tensorflow", "pcl", "sklearn"),
     ]
 )
 """The first parts of the names of what only computes, or is ROS."""
 _MESSAGES = re.compile(r"_(?:msgs|srvs|interfaces)$")
-_FILES = frozenset({"open()", "socket()"})
-"""What C++ calls to get a file descriptor: a device's, mostly, where a program opens one."""
 _READING = re.compile(
     r"(?:get|read|recv|receive|is|has|in|wait|flush|connect|join|init|begin|setup|available"
-    r"|reset_(?:in|out)put)(?:_\w+|[A-Z]\w*)?"
+    r"|close|reset_(?:in|out)put|tc|cf|fcntl|select|poll)(?:_\w+|[A-Z]\w*|(?:set|get)\w+|flush)?"
 )
-"""Names of calls that only ask an object, or prepare it."""
+"""Names of calls that only ask an object, or prepare or close it."""
+_ANYWHERE = ""
+"""The scope of what all functions see."""
 
 
 @dataclass(frozen=True)
@@ -36,70 +43,154 @@ class ExternalLibraries:
 
     machine: AbstractMachine
 
-    def called(self, call: ir.Call) -> str:
+    def scope(self, function: ir.Function) -> str:
+        """Return the scope of a function's members."""
+        owner = function.name.rpartition("::")[0].rpartition("::")[2]
+        return self._family(owner or self._lambda_scopes.get(function.key) or function.file)
+
+    def _family(self, scope: str) -> str:
+        for _ in self._bases:
+            scope = self._bases.get(scope, scope)
+        return scope
+
+    @cached_property
+    def _lambda_scopes(self) -> dict[tuple[str, int, str], str]:
+        """The classes in whose methods lambdas of C++ stand."""
+        found = dict[tuple[str, int, str], str]()
+        functions = self.machine.runtime.program_functions() if self._is_cpp else ()
+        for _, function in functions:
+            owner = function.name.rpartition("::")[0].rpartition("::")[2]
+            nodes = (n for n in ir_nodes(function.body) if owner and isinstance(n, ir.Lambda))
+            found.update((node.function.key, owner) for node in nodes)
+        return found
+
+    @property
+    def _is_cpp(self) -> bool:
+        return self.machine.runtime.passes_by_reference
+
+    @cached_property
+    def _bases(self) -> dict[str, str]:
+        """The scopes of the classes of objects, with those of their last bases."""
+        found = dict[str, str]()
+        for cls in {id(one.type): one.type for one in self.machine.instances}.values():
+            while isinstance(cls, av.ClassValue):
+                bases = [base for base in cls.bases if isinstance(base, av.ClassValue)]
+                if bases and self._class_scope(cls) != self._class_scope(bases[0]):
+                    found.setdefault(self._class_scope(cls), self._class_scope(bases[0]))
+                cls = bases[0] if bases else None
+        return found
+
+    def _class_scope(self, cls: av.ClassValue) -> str:
+        name = cls.name.rpartition("::")[2].partition("<")[0]
+        return name if self._is_cpp else cls.definition.file
+
+    def called(self, call: ir.Call, scope: str) -> str:
         """Return the library's object or module that a call acts on; empty if it is of none.
 
         What only asks it does not act. A function of C++ may get a file descriptor.
         """
         name = next(callee_names(call.function), "")
-        if _READING.fullmatch(name) or self.machine.runtime.functions_named(name):
+        if _READING.fullmatch(name):
             return ""
         if isinstance(call.function, ir.Attr):
-            return self.owner(call.function)
-        held = (self._values.get(name), *map(self._values.get, self._arguments(call)))
-        return next(filter(None, held), "")
+            found = self.owner(call.function.owner, scope)
+            return found or ("" if self._is_own(name) else self._held(name, scope))
+        if self._is_own(name):
+            return ""
+        given = call.args[:1] if self._is_cpp else ()
+        names = chain([name], chain.from_iterable(map(callee_names, given)))
+        return next(filter(None, (self._held(each, scope) for each in names)), "")
 
-    def owner(self, target: ir.Expr) -> str:
-        """Return the library's object or module that something is a member or an item of."""
-        while isinstance(target, (ir.Attr, ir.Index, ir.Call)):
-            target = target.function if isinstance(target, ir.Call) else target.owner
-            if found := self._values.get(next(callee_names(target), "")):
+    def _is_own(self, name: str) -> bool:
+        return bool(self.machine.runtime.functions_named(name))
+
+    def owner(self, target: ir.Expr, scope: str) -> str:
+        """Return the library's object or module that something is, or is a part of."""
+        while True:
+            if found := self._held(next(callee_names(target), ""), scope):
                 return found
-        return ""
+            if isinstance(target, ir.Call):
+                target = target.function
+            elif isinstance(target, (ir.Attr, ir.Index)):
+                target = target.owner
+            else:
+                return ""
 
-    def _arguments(self, call: ir.Call) -> Iterator[str]:
-        """Yield the names that a function of C++ gets first: what a descriptor is in."""
-        if self.machine.runtime.passes_by_reference:
-            yield from chain.from_iterable(map(callee_names, call.args[:1]))
+    def _held(self, name: str, scope: str) -> str:
+        """Return the library of what a variable holds, of others with its name only if all do."""
+        known = self._libraries.get(name, {})
+        for each in (scope, _ANYWHERE):
+            if each in known:
+                return known[each]
+        is_own = bool(self.objects.get(name))
+        return "" if is_own else next(iter(known.values()), "")
 
     @cached_property
-    def _values(self) -> dict[str, str]:
-        """The names of libraries' objects by those of the variables that hold them."""
-        found = dict[str, str]()
-        members = (getattr(each, "fields", {}) for each in self.machine.instances)
-        for fields in chain(members, self.machine.runtime.module_variables()):
-            for name, value in fields.items():
-                if isinstance(name, str) and (library := self._library(value)):
-                    found[name.rpartition("::")[2]] = library
-        return found | dict(self._locals(found))
+    def objects(self) -> Mapping[str, frozenset[str]]:
+        """The scopes of the program's objects, by the names of the variables that hold them."""
+        found = defaultdict[str, set[str]](set)
+        for _, name, value in self._variables():
+            for one in av.options(value):
+                if isinstance(one, av.Instance) and isinstance(one.type, av.ClassValue):
+                    found[name].add(self._family(self._class_scope(one.type)))
+        return {name: frozenset(scopes) for name, scopes in found.items()}
 
-    def _locals(self, known: dict[str, str]) -> Iterator[tuple[str, str]]:
-        """Yield the variables of functions that a module's class makes."""
+    @cached_property
+    def _libraries(self) -> dict[str, dict[str, str]]:
+        """The names of libraries' objects by those of the variables that hold them, and scope."""
+        found = defaultdict[str, dict[str, str]](dict)
+        for scope, name, value in self._variables():
+            if library := self._library(value):
+                found[name].setdefault(scope, library)
+        for scope, name, made in self._locals():
+            is_descriptor = self._is_cpp and f"{made}()" in DESCRIPTORS
+            library = f"{made}()" if is_descriptor else next(iter(found.get(made, {}).values()), "")
+            if library:
+                found[name].setdefault(scope, library)
+        return found
+
+    def _variables(self) -> Iterator[tuple[str, str, av.Value]]:
+        """Yield the members of objects and the variables of modules, each with its scope."""
+        for one in self.machine.instances:
+            if isinstance(one, av.Instance) and isinstance(one.type, av.ClassValue):
+                scope = self._family(self._class_scope(one.type))
+                yield from ((scope, name, value) for name, value in _named(one.fields))
+        for fields in self.machine.runtime.module_variables():
+            yield from ((_ANYWHERE, name, value) for name, value in _named(fields))
+
+    def _locals(self) -> Iterator[tuple[str, str, str]]:
+        """Yield the variables of functions that are made by calls, with what these begin with."""
         for _, function in self.machine.runtime.program_functions():
             for node in ir_nodes(function.body):
-                if isinstance(node, ir.Assign) and isinstance(node.value, ir.Call):
+                if isinstance(node, (ir.Assign, ir.Declare)) and isinstance(node.value, ir.Call):
                     root = node.value.function
                     while isinstance(root, ir.Attr):
                         root = root.owner
-                    library = known.get(next(callee_names(root), ""))
-                    names = chain.from_iterable(map(callee_names, node.targets))
-                    yield from ((name, library) for name in names if library)
+                    made = next(callee_names(root), "")
+                    targets = node.targets if isinstance(node, ir.Assign) else [ir.Name(node.name)]
+                    names = chain.from_iterable(map(callee_names, targets))
+                    yield from ((self.scope(function), name, made) for name in names if made)
 
     def _library(self, value: av.Value) -> str:
         """Return what a value is of, as its library calls it; empty if it is of the program."""
         return next(filter(None, map(self._name, av.options(value))), "")
 
     def _name(self, value: av.Value) -> str:
-        is_cpp = self.machine.runtime.passes_by_reference
         if isinstance(value, av.ExternalSymbol):
             name = value.name
         elif isinstance(value, av.Unknown):
             name = str(value.type or value.label)
         else:
             return ""
-        if is_cpp and name in _FILES:
+        if self._is_cpp and name in DESCRIPTORS:
             return name
         first = re.split(r"[.:(<]", name, maxsplit=1)[0]
         is_named = "::" in name or "." in name or isinstance(value, av.ExternalSymbol)
-        is_other = first in _OTHERS or _MESSAGES.search(first)
-        return name.removesuffix("()") if is_named and first and not is_other else ""
+        is_other = first in _OTHERS or _MESSAGES.search(first) or not first.isidentifier()
+        return name.removesuffix("()") if is_named and not is_other else ""
+
+
+def _named(fields: Mapping[object, av.Value]) -> Iterator[tuple[str, av.Value]]:
+    for name, value in fields.items():
+        if isinstance(name, str):
+            yield name.rpartition("::")[2], value

@@ -10,10 +10,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
+from rtron.sources.declaration import FlowInput
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.node_sources import CPP, node_sources
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import Evidence, InteractionGraph, Node, WiringFact, WiringFactKind
+from rtron.vocabulary import DESCRIPTORS, LIBRARY, UNKNOWN_OUTPUT, Evidence, InteractionGraph, Node, WiringFact, WiringFactKind
 
 _LIBRARIES = {
     "serial port": r"\bserial\b|cfset[io]?speed|LibSerial|SerialPort|serial_port|serial_driver",
@@ -109,6 +110,11 @@ _IMPORTS = re.compile(
     rb"[ \t]*(?:(?:#[ \t]*include|import|from)\b|cfset[io]?speed)|[^\n]{0,80}(?:connect(?:ion)?|PWM"
     rb"|servo_pulsewidth|PWM_dutycycle|[pP]wmWrite|ServoWrite|tx_pwm|tx_servo)\("
 )
+_FLOWS = {
+    FlowInput.MESSAGE: WiringFactKind.MESSAGE_FLOW,
+    FlowInput.REQUEST: WiringFactKind.REQUEST_FLOW,
+    FlowInput.START: WiringFactKind.SELF_MOTION,
+}
 _Places: TypeAlias = dict[tuple[WiringFactKind, str], Evidence]
 """Where each word of each kind stands first."""
 _PATTERNS = {
@@ -144,24 +150,25 @@ def last_messages(part: NodePart) -> Iterator[WiringFact]:
 
 
 def message_flows(part: NodePart) -> Iterator[WiringFact]:
-    """Yield a fact for what each subscription of a part leads to."""
+    """Yield a fact for what each input of a part leads to, and for what it does by itself."""
     for flow in part.interface.message_flows:
+        devices = [_device(each) for each in flow.outputs]
         yield WiringFact(
-            kind=WiringFactKind.MESSAGE_FLOW,
+            kind=_FLOWS[flow.input],
             subject=part.owner,
-            value=_device(flow.output),
+            value=min(devices, key=lambda each: each.startswith(LIBRARY), default=""),
             others=flow.requests,
             evidence=flow.evidence,
         )
 
 
 def _device(library: str) -> str:
-    """Return whether what a program calls or writes to is of a device, or of another library."""
-    if library in {"open()", "socket()"}:
-        return "device"
-    patterns = _PATTERNS[WiringFactKind.DEVICE].values()
-    is_device = any(pattern.search(f"import {library}".encode()) for pattern in patterns)
-    return "device" if is_device else library and "library"
+    """Return the device that what a program calls or writes to is of, else which library."""
+    patterns = _PATTERNS[WiringFactKind.DEVICE]
+    line = f"import {library}".encode()
+    is_known = library in {*DESCRIPTORS, UNKNOWN_OUTPUT}
+    words = (word for word, pattern in patterns.items() if pattern.search(line))
+    return library if is_known else next(words, f"{LIBRARY}{library}")
 
 
 def _places_of(node: Node, workspace: Workspace, files: dict[Path, _Places]) -> _Places:
