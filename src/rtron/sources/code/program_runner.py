@@ -118,10 +118,10 @@ def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) ->
 
 
 def run_sketch(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) -> NodeInterface:
-    """Return what a sketch of Arduino declares to rosserial: its globals, `setup` and `loop`."""
+    """Return what firmware declares: its globals, `setup` and `loop`, or mbed's `main`."""
 
     def start(runtime: CppRuntime) -> _Start | None:
-        named = (runtime.symbols.functions.get(name, []) for name in ("setup", "loop"))
+        named = (runtime.symbols.functions.get(name, []) for name in ("setup", "loop", "main"))
         functions = [f for found in named for f in found if f.body is not None]
         run = partial(_call_each, runtime.machine, functions)
         return (functions[0].file, run) if functions else None
