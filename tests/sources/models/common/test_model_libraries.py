@@ -8,13 +8,14 @@ from model_cases import model_texts
 
 from rtron.sources.models import ROS2_LIBRARY, load_models
 
-LIBRARIES = {"ros1": load_models(), "ros2": load_models(ROS2_LIBRARY)}
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
-each_library = pytest.mark.parametrize("models", LIBRARIES.values(), ids=LIBRARIES)
+
+@pytest.fixture(scope="module", params=[(), (ROS2_LIBRARY,)], ids=["ros1", "ros2"])
+def models(request):
+    return load_models(*request.param)
 
 
-@each_library
 def test_every_expression_parses(models):
     for model in models.by_name.values():
         for kind, text in model_texts(model):
@@ -22,7 +23,6 @@ def test_every_expression_parses(models):
                 assert ast.parse(expression.strip(), mode="eval").body
 
 
-@each_library
 def test_every_literal_use_leads_to_a_model_that_gets_what_it_needs(models):
     for key, model in models.by_name.items():
         for entry in model.walk():
