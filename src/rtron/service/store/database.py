@@ -171,7 +171,8 @@ def _url(location: str | Path) -> URL:
         raise InputError(f"{url.get_backend_name()} is not supported", help="SQLite or PostgreSQL")
     unknown = url.query.keys() - _OPTIONS
     if unknown or (_SOCKET in url.query and url.host):
-        wrong = f"unknown options: {', '.join(sorted(unknown))}" if unknown else "a host and a socket"
+        options = ", ".join(sorted(unknown))
+        wrong = f"unknown options: {options}" if unknown else "a host and a socket"
         help = f"{_SOCKET}=PATH in place of a host, application_name; TLS is used where it is there"
         raise InputError(f"the URL of the database has {wrong}", help=help)
     return url.set(drivername="postgresql+pg8000") if url.drivername == "postgresql" else url
