@@ -22,7 +22,7 @@ from rtron.findings.inventory.things import (
 )
 from rtron.findings.inventory.unheard_commands import UnheardCommands
 from rtron.findings.measurement_names import MEASURED_TYPES, may_be_measured
-from rtron.findings.motion.arbiter import arbiters, priorities
+from rtron.findings.node_kinds import arbiters, priorities
 from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Command, Means, Thing
 from rtron.vocabulary.names import snake_case
