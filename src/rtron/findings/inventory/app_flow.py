@@ -24,8 +24,7 @@ from rtron.findings.inventory.things import (
     thing_of_node,
 )
 from rtron.findings.measurement_names import MEASURED_TYPES, is_measured, may_be_measured
-from rtron.findings.motion.arbiter import arbiters, priorities
-from rtron.findings.motion.network_bridge import bridges
+from rtron.findings.node_kinds import arbiters, bridges, priorities
 from rtron.vocabulary import ActionRole, Direction, Domain, Ros1ActionTopic, Trust, normalise_type
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Means, Thing
 from rtron.vocabulary.names import snake_case

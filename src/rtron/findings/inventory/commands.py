@@ -13,7 +13,7 @@ from rtron.findings.inventory.node_roles import MOVING_HARDWARE, NodeRoles
 from rtron.findings.inventory.program_flow import Way
 from rtron.findings.inventory.requests import actions, services
 from rtron.findings.inventory.things import PARTS, is_order, part_of_name, part_of_states, thing_of, thing_of_node
-from rtron.findings.motion.arbiter import priorities
+from rtron.findings.node_kinds import priorities
 from rtron.vocabulary import ActionRole, Service, Trust, WiringFactKind
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Thing
 
