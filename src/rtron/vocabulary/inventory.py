@@ -81,13 +81,14 @@ class Mover:
     """A thing that can be moved.
 
     `drivers` are the nodes next to the hardware, none if they are not in the app; of those in
-    `firmware` a sketch was read. `hardware` says what their source opens. `arbiters` stand in the
-    way of commands, the last one first. `doors` let others than ROS nodes in, `operators` are nodes
-    that a person commands beside ROS, with what; `unprompted` send commands though nobody tells
-    them to; of the drivers, `starting` move hardware before any command comes. `effect` says what a switch does that does less than its name says. `stop` says why it
-    stops or does not, `holders` which nodes keep their last command, and why. `unread` are the
-    nodes that were not read, one of which may obey what no driver does; where the app is not
-    `is_whole`, one may send what nobody does.
+    `firmware` a sketch was read, those in `starting` move hardware before any command comes.
+    `hardware` says what their source opens. `arbiters` stand in the way of commands, the last one
+    first. `doors` let others than ROS nodes in, `operators` are nodes that a person commands beside
+    ROS, with what; `unprompted` send commands though nobody tells them to. `effect` says what a
+    switch does that does less than its name says. `stop` says why it stops or does not, `holders`
+    which nodes keep their last command, and why. `unread` are the nodes that were not read, one of
+    which may obey what no driver does; where the app is not `is_whole`, one may send what nobody
+    does.
     """
 
     thing: Thing

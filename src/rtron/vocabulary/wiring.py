@@ -111,7 +111,7 @@ class WiringFactKind(StringEnum):
 
 
 DESCRIPTORS = frozenset({"open()", "socket()"})
-"""The values of flows that C++ writes to a file descriptor: to what it is, the call does not say."""
+"""The values of flows that C++ writes to a file descriptor; of what, the call does not say."""
 LIBRARY = "library "
 """How the value of a flow begins that leads to a library which is not known to be of a device."""
 UNKNOWN_OUTPUT = "unknown"

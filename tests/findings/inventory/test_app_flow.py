@@ -29,7 +29,7 @@ CAN = WiringFact(kind=WiringFactKind.DEVICE, subject="/board", value="CAN")
 
 
 def place(node, topic, direction):
-    return Evidence(file=f"{node}.py", line=hash((topic, direction)) % 10_000)
+    return Evidence(file=f"{node}{topic}.py", line=list(Direction).index(direction) + 1)
 
 
 def flow(node, topic, value="", *led):

@@ -1209,19 +1209,6 @@ def test_a_joystick_moves_nothing_where_what_is_made_of_it_reaches_nobody():
     assert names(the_mover(text, wiring=facts).commands) == ["/arm/joy"]
 
 
-def test_who_draws_the_joints_that_firmware_moves_does_not_obey():
-    text = "/arm own own\n    pub /elbow_cmd own/Servo\n"
-    text += "/servo_states own own\n    sub /elbow_cmd own/Servo\n"
-    text += "    pub /joints sensor_msgs/JointState\n"
-    assert the_mover(text).drivers == ("/servo_states",)
-    board = "/board rosserial_python third_party\n"
-    (arm, firmware) = inventory(text + board, unread=("/board",))
-    assert (arm.drivers, arm.unread) == ((), ("/board",))
-    assert firmware.drivers == ("/board",)
-    sends = "    pub /told std_msgs/String\n"
-    assert inventory(text + sends + board, unread=("/board",))[0].drivers == ("/servo_states",)
-
-
 def test_a_goal_to_wait_moves_nothing():
     assert inventory("/nav nav own\n    server /wait nav2_msgs/action/Wait\n") == ()
 
@@ -1606,20 +1593,6 @@ def test_a_velocity_of_hardware_that_nobody_hears_needs_a_name_to_be_a_command(
     topic, wiring, is_listed
 ):
     assert bool(inventory(f"/base base own\n    pub {topic} {TWIST}\n", wiring=wiring)) is is_listed
-
-
-@pytest.mark.parametrize(
-    ("unread", "more", "drivers"),
-    [
-        (("/serial_node",), "", ()),
-        (("/serial_node",), "    pub /pulses x/msg/Pulses\n", ("/monitor",)),
-        ((), "", ("/monitor",)),
-    ],
-)
-def test_who_hears_a_command_beside_firmware_and_sends_nothing_only_listens(unread, more, drivers):
-    text = f"/monitor monitor own\n    sub /cmd_vel {TWIST}\n{more}"
-    listed = inventory(text + "/serial_node rosserial_python third_party\n", ros=1, unread=unread)
-    assert [m.drivers for m in listed if m.thing is Thing.BASE] == [drivers]
 
 
 @pytest.mark.parametrize(("unread", "is_told"), [((), True), (("/serial_node",), False)])

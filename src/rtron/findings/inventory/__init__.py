@@ -106,8 +106,8 @@ def _uncommanded_hardware(
     for node in filter(roles.is_actuating, sorted(app.nodes)):
         hardware = tuple(dict.fromkeys(fact.value for fact in roles.devices((node,))))
         persons = operators(app, {node})
-        is_told = persons or has_door(app, node) or roles.is_autopilot(node)
-        may_move = is_told or not MOVING_HARDWARE.isdisjoint(hardware)
+        has_commander = persons or has_door(app, node) or roles.is_autopilot(node)
+        may_move = has_commander or not MOVING_HARDWARE.isdisjoint(hardware)
         is_seen = roles.is_autopilot(node) or commands.flow.programs.moves_by_itself(node)
         if node not in listed and may_move and is_seen:
             yield Mover(
@@ -167,11 +167,12 @@ def _unread_parts(app: AppFacts) -> tuple[str, ...]:
 def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Command]) -> Mover:
     topics = [each for each in last if each.means is Means.TOPIC]
     streamed = [each for each in topics if each.type not in SIGNALS and goes_on(thing, each)]
-    behind = list(commands.behind(topics))
-    goals = commands.goals(each for each in last if each.means is Means.ACTION)
+    behind = list(commands.forwarding.behind(topics))
+    goals = commands.forwarding.goals(each for each in last if each.means is Means.ACTION)
     requests = [each for each in last if each.means is not Means.TOPIC and thing not in NO_MOTION]
-    upstream = [*(command for _, command in behind), *goals, *commands.buttons(requests)]
+    upstream = [*(command for _, command in behind), *goals, *commands.forwarding.buttons(requests)]
     everything = _distinct([*last, *upstream])
+    decides = commands.forwarding.decides
     drivers = _nodes(each.receivers for each in (topics or last))
     opened = commands.roles.devices(drivers)
     moves_on = streamed and thing not in _HOLDING
@@ -185,12 +186,10 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
         commands=everything,
         drivers=drivers,
         hardware=tuple(dict.fromkeys(fact.value for fact in opened)),
-        arbiters=tuple(
-            dict.fromkeys(node for node, _ in behind if commands.decides(node, everything))
-        ),
+        arbiters=tuple(dict.fromkeys(node for node, _ in behind if decides(node, everything))),
         doors=doors(app, drivers, senders),
         operators=operators(app, {*drivers, *senders}),
-        unprompted=() if thing in NO_MOTION else commands.unprompted(topics),
+        unprompted=() if thing in NO_MOTION else commands.forwarding.unprompted(topics),
         starting=() if thing in NO_MOTION else tuple(filter(commands.moves_at_start, drivers)),
         firmware=tuple(filter(commands.roles.is_sketch, drivers)),
         effect=_stop_effect(commands, drivers) if thing is Thing.STOP and topics else "",
@@ -206,7 +205,7 @@ def _mover(app: AppFacts, commands: AppCommands, thing: Thing, last: list[Comman
 def _stop_effect(commands: AppCommands, nodes: tuple[str, ...]) -> str:
     """Return what a stop does that no driver obeys, empty where one does or may."""
     if any(node in commands.flow.ranks for node in nodes):
-        passing = commands.passing_locks(nodes)
+        passing = commands.forwarding.passing_locks(nodes)
         return f"locks nothing that is ranked as high: {join_names(passing)}" if passing else ""
     is_read = bool(nodes) and not any(map(commands.roles.may_obey, nodes))
     return f"no driver obeys it: {join_names(nodes)} decides what stops" if is_read else ""

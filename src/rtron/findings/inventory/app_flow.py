@@ -11,12 +11,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.node_roles import MOVING_HARDWARE, NodeRoles, may_drive_unread
+from rtron.findings.inventory.node_roles import MOVING_HARDWARE, NodeRoles
 from rtron.findings.inventory.program_flow import ProgramFlow
 from rtron.findings.inventory.things import (
     COMMAND_NAMES,
-    ORDERS,
-    PARTS,
     is_order,
     may_be_command,
     part_of_states,
@@ -24,12 +22,13 @@ from rtron.findings.inventory.things import (
     thing_of_node,
 )
 from rtron.findings.measurement_names import MEASURED_TYPES, is_measured, may_be_measured
-from rtron.findings.node_kinds import arbiters, bridges, priorities
-from rtron.vocabulary import ActionRole, Direction, Domain, Ros1ActionTopic, Trust, normalise_type
+from rtron.findings.node_kinds import arbiters, priorities
+from rtron.vocabulary import ActionRole, Direction, Domain, Ros1ActionTopic, normalise_type
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Means, Thing
-from rtron.vocabulary.names import snake_case
 
 TWIST = "geometry_msgs/Twist"
+VAGUE = (Thing.DEVICE, Thing.MODE)
+"""What a name may say without telling what moves."""
 _HANDS = frozenset({"visualization_msgs/InteractiveMarkerFeedback"})
 """What a person does: with a joystick, and with a marker in a viewer."""
 _SHOWN = re.compile(
@@ -37,13 +36,6 @@ _SHOWN = re.compile(
     r"|sensor_msgs/CameraInfo"
 )
 """Types of what is told of a robot, whoever hears it."""
-_MEASURABLE = re.compile(r"geometry_msgs/(?!Wrench)|(?:sensor|nav|actionlib|action|moveit)_msgs/")
-"""Types that say more about what is measured or planned than about a command."""
-_REPORTS = re.compile(
-    r"error|debug|state|status|feedback|actual|measured|current|target|desired|reference"
-    r"|(?:_|^)(?:closed|opened|reached|done|ok|ready)$"
-)
-"""Words in the names of what a controller tells of its work."""
 
 
 @dataclass(frozen=True)
@@ -112,8 +104,8 @@ class AppFlow:
         return {topic: nodes for topic, nodes in found if nodes}
 
     def _ending(self, topic: str) -> Iterator[str]:
-        is_report = self._is_report(topic)
-        is_vague = is_report and self.named.get(topic) in {None, *_VAGUE}
+        is_report = topic in self._reports
+        is_vague = is_report and self.named.get(topic) in {None, *VAGUE}
         for node in filter(self.roles.obeys, self.app.readers(topic)):
             is_seen = not is_vague and self._moves(node, topic)
             if is_seen or (not is_report and self._may_end(node, topic)):
@@ -126,6 +118,8 @@ class AppFlow:
         moves what the topic or its own name says.
         """
         way, type = self.programs.way(node, topic), self.type(topic)
+        if way is not None and self.roles.is_sketch(node):
+            return way.is_used
         if way is None or way.is_unknown:
             return False
         if way.device:
@@ -133,7 +127,7 @@ class AppFlow:
             return not (is_feedback or _SHOWN.match(type))
         part = thing_of(topic, type, Means.TOPIC) or thing_of_node(way.library)
         is_last = not way.led & self.named.keys()
-        return bool(way.library) and is_last and part not in {None, *_VAGUE}
+        return bool(way.library) and is_last and part not in {None, *VAGUE}
 
     def _is_measured(self, topic: str) -> bool:
         """Return whether a type is of what was measured; joints may be moved by their states."""
@@ -143,9 +137,9 @@ class AppFlow:
     def _only_measures(self, node: str, device: str) -> bool:
         """Return whether a node moves motors, and only by what was measured."""
         ways = self.programs.ways[node].items()
-        is_told = any(way.device for topic, way in ways if not self._is_measured(topic))
+        has_command = any(way.device for t, way in ways if not self._is_measured(t))
         offered = any(each.node == node and not each.implicit for each in self.app.graph.services)
-        return device in MOVING_HARDWARE and not (is_told or offered)
+        return device in MOVING_HARDWARE and not (has_command or offered)
 
     def _may_end(self, node: str, topic: str) -> bool:
         """Return whether a node may move hardware by a topic, though that is not seen.
@@ -161,12 +155,12 @@ class AppFlow:
             return not is_sent and (way is None or way.is_unknown)
         if way is not None:
             is_lost = way.is_used and not way.led & self.named.keys()
-            is_named = thing is not None and (thing not in _VAGUE or self.roles.drives(node))
+            is_named = thing is not None and (thing not in VAGUE or self.roles.drives(node))
             return is_named and is_lost and (is_driver or self.roles.may_drive(node))
         if is_driver:
             is_beside = thing is None and may_be_command(topic, self.type(topic))
             return thing is not None or (is_beside and self._is_driving(node))
-        if not self.app.is_motion(topic) or thing in {None, *_VAGUE}:
+        if not self.app.is_motion(topic) or thing in {None, *VAGUE}:
             return False
         is_handed = any(self._may_hand_on(each, topic) for each in self.app.readers(topic))
         return not self._may_hand_on(node, topic) and (not is_handed or self.roles.may_drive(node))
@@ -174,7 +168,7 @@ class AppFlow:
     def _is_driving(self, node: str) -> bool:
         """Return whether a node obeys a topic that says which part it moves."""
         moving = self._moving_inputs.get(node, frozenset())
-        return any(self.named[topic] not in _VAGUE for topic in moving)
+        return any(self.named[topic] not in VAGUE for topic in moving)
 
     def _may_hand_on(self, node: str, topic: str) -> bool:
         """Return whether a node that was not followed sends commands that somebody else obeys."""
@@ -183,44 +177,43 @@ class AppFlow:
     @cached_property
     def _made(self) -> dict[str, frozenset[str]]:
         """The commands that each node sends to others, or to nobody here."""
-        called = {t for t in self.named if self.app.is_motion(t) or self._may_be_made(t)}
+        called = {t for t in self.named if self.app.is_motion(t) or self.may_be_made(t)}
         hearing = {topic: {*self.app.readers(topic)} for topic in called}
         return {
             node: frozenset(t for t in topics & called if hearing[t] != {node})
             for node, topics in self._outputs.items()
         }
 
-    def _may_be_made(self, topic: str) -> bool:
+    def may_be_made(self, topic: str) -> bool:
         """Return whether a topic is called a command, or carries what firmware gets."""
         is_raw = re.search(r"MultiArray$|geometry_msgs/Wrench", self.type(topic)) is not None
         return is_raw or COMMAND_NAMES.search(topic) is not None
 
-    def _sent(self, node: str) -> frozenset[str]:
+    def sent(self, node: str) -> frozenset[str]:
+        """Return the topics that a node sends, those with a whole name."""
         return self._outputs.get(node, frozenset())
 
     @cached_property
     def _outputs(self) -> dict[str, frozenset[str]]:
-        """The topics that each node sends, those with a whole name."""
         found = defaultdict[str, set[str]](set)
         for end in self.app.graph.endpoints:
             if end.direction is Direction.PUBLISH and not end.implicit and "{" not in end.topic:
                 found[end.node].add(end.topic)
         return {node: frozenset(topics) for node, topics in found.items()}
 
-    def _is_report(self, topic: str) -> bool:
-        """Return whether those alone send a topic that obey something else, as a driver does."""
-        return topic in self._reports
-
     @cached_property
     def _reports(self) -> frozenset[str]:
-        return frozenset(filter(self._is_told, self._topics))
+        """What those alone send that obey something else, as drivers do."""
+        return frozenset(filter(self._is_feedback, self._topics))
 
-    def _is_told(self, topic: str) -> bool:
+    def _is_feedback(self, topic: str) -> bool:
         senders = self.app.publishers(topic)
         chained = any(map(self.roles.is_controller, self.app.readers(topic)))
-        return bool(senders) and not chained and all(self._tells(n, topic) for n in senders)
+        return (
+            bool(senders) and not chained and all(self._reports_motion(n, topic) for n in senders)
+        )
 
-    def _tells(self, node: str, topic: str) -> bool:
+    def _reports_motion(self, node: str, topic: str) -> bool:
         is_obeying = bool(self._moving_inputs.get(node, frozenset()) - {topic})
         ways = self.programs.ways.get(node, {})
         is_seen = any(way.device for other, way in ways.items() if other != topic)
@@ -250,24 +243,24 @@ class AppFlow:
         way = self.programs.way(node, topic)
         if way is not None and not way.is_unknown:
             return way.led - {topic}
-        is_told = topic in self.named or self.is_by_hand(topic) or self._is_order(topic)
-        if not is_told or not self.roles.obeys(node) or node in self.obeying.get(topic, ()):
+        may_tell = topic in self.named or self.is_by_hand(topic) or self._is_order(topic)
+        if not may_tell or not self.roles.obeys(node) or node in self.obeying.get(topic, ()):
             return frozenset()
-        sent = (t for t in self._sent(node) if t in self.named or self.is_by_hand(t))
-        return frozenset(sent) - {topic} | self._asked.get(node, frozenset())
+        sent = (t for t in self.sent(node) if t in self.named or self.is_by_hand(t))
+        return frozenset(sent) - {topic} | self._requests.get(node, frozenset())
 
     def _is_order(self, topic: str) -> bool:
         type = self.type(topic)
         return type in SIGNALS or is_order(topic, type)
 
     @cached_property
-    def _asked(self) -> dict[str, frozenset[str]]:
+    def _requests(self) -> dict[str, frozenset[str]]:
         """The services and actions that each node calls."""
         found = defaultdict[str, set[str]](set)
         graph = self.app.graph
-        goals = (each for each in graph.actions if each.role is ActionRole.CLIENT)
-        for each in (*graph.clients, *goals):
-            found[each.node].add(each.name)
+        goals = ((e.node, e.name) for e in graph.actions if e.role is ActionRole.CLIENT)
+        for node, name in (*((each.node, each.name) for each in graph.clients), *goals):
+            found[node].add(name)
         return {node: frozenset(names) for node, names in found.items()}
 
     def inputs(self, node: str, commands: frozenset[str]) -> Iterator[str]:
@@ -285,7 +278,7 @@ class AppFlow:
     def _is_answer(self, topic: str) -> bool:
         """Return whether those alone send a topic that obey commands: it tells how they do."""
         senders = self.app.publishers(topic)
-        return self._is_report(topic) or bool(senders) and self._obeying_nodes.issuperset(senders)
+        return topic in self._reports or (bool(senders) and self.obeying_nodes.issuperset(senders))
 
     @cached_property
     def _subscribed(self) -> dict[str, frozenset[str]]:
@@ -297,74 +290,12 @@ class AppFlow:
         return {node: frozenset(topics) for node, topics in found.items()}
 
     @cached_property
-    def leaving(self) -> frozenset[str]:
-        """The commands that nobody here obeys: for firmware, or for another launch."""
-        return frozenset(filter(self._leaves, self.named))
-
-    def _leaves(self, topic: str) -> bool:
-        """Return whether those send a topic to nobody here that command nothing else.
-
-        Switches go to autopilots alone.
-        """
-        thing, senders = self.named[topic], self.app.publishers(topic)
-        is_open = self.roles.firmware and self.app.is_motion(topic) and self.app.readers(topic)
-        is_heard = any(self._hears(node, topic) for node in self.app.readers(topic))
-        if is_heard or not (senders or is_open):
-            return False
-        if not is_of_autopilot(topic):
-            is_vague = thing in _VAGUE and not any(map(thing_of_node, senders))
-            may_move = self.app.is_motion(topic) or self._may_leave(topic)
-            if is_vague or thing in NO_MOTION or not may_move:
-                return False
-        return not (topic in self.spare or any(self._only_tells(n, topic) for n in senders))
-
-    @cached_property
-    def spare(self) -> frozenset[str]:
-        """The velocities that nobody here obeys, though drivers that were read obey others."""
-        driven = {t for t, nodes in self.obeying.items() if any(map(self.roles.drives, nodes))}
-        unread = set(self.app.unread_nodes).difference(bridges(self.app))
-        may_obey = any(may_drive_unread(self.app.nodes[node]) for node in unread)
-        velocities = {t for t in self.app.motion_topics if self.type(t).startswith(TWIST)}
-        is_driven = not may_obey and bool(driven & velocities)
-        return frozenset(velocities - self.obeying.keys() - self.heard if is_driven else ())
-
-    def _may_leave(self, topic: str) -> bool:
-        """Return whether nodes of one's own send what may order a part of the robot to move.
-
-        It is no measurement, and the topic is called a command, or firmware may hear it.
-        """
-        type, thing = self.type(topic), self.named[topic]
-        nodes = [self.app.nodes.get(name) for name in self.app.publishers(topic)]
-        is_own = all(node and node.trust is Trust.OWN for node in nodes)
-        is_called = not type.endswith("/String") and (thing in PARTS or self._may_be_made(topic))
-        may_hear = bool(self.roles.firmware) or is_called
-        return is_own and may_hear and not _MEASURABLE.match(type)
-
-    def _hears(self, node: str, topic: str) -> bool:
-        way = self.programs.way(node, topic)
-        return self.roles.obeys(node) and (way is None or way.is_used)
-
-    def _only_tells(self, node: str, topic: str) -> bool:
-        """Return whether what a node sends to nobody here only tells how it works.
-
-        So it is where it moves hardware itself, or commands others, or measures.
-        """
-        last = snake_case(topic.rpartition("/")[2])
-        if self.roles.drives(node) or node in self._obeying_nodes:
-            is_remote = node in self.roles.with_device and node not in self._obeying_nodes
-            return not is_remote or thing_of(topic, "", Means.TOPIC) is None
-        if self.roles.measures_motion(node, is_driver=False):
-            return not COMMAND_NAMES.search(last)
-        heard = self._sent(node) & self.heard - {topic}
-        is_other = self.named[topic] in PARTS and self.named[topic] not in map(self.named.get, heard)
-        return bool(_REPORTS.search(last) or (heard and not is_other))
-
-    @cached_property
-    def _obeying_nodes(self) -> frozenset[str]:
+    def obeying_nodes(self) -> frozenset[str]:
+        """The nodes that obey topics next to hardware."""
         return frozenset(node for nodes in self.obeying.values() for node in nodes)
 
     @cached_property
-    def heard(self) -> frozenset[str]:
+    def commands(self) -> frozenset[str]:
         """The commands of which somebody here obeys what they lead to."""
         found, level = set[str](), frozenset(self.obeying)
         while level:
@@ -372,25 +303,3 @@ class AppFlow:
             nodes = {node for topic in level for node in self.app.publishers(topic)}
             level = frozenset(t for node in nodes for t in self.inputs(node, level)) - found
         return frozenset(found)
-
-    @cached_property
-    def switches(self) -> frozenset[str]:
-        """The topics that stop or release what others command, for nodes that hand these on."""
-        found = filter(self._may_switch, self.named.keys() - self.heard)
-        return self.locks.union(found)
-
-    def _may_switch(self, topic: str) -> bool:
-        thing, is_order = self.named[topic], self.type(topic) in ORDERS
-        is_switch = thing in {Thing.STOP, Thing.ARMING} or (thing is Thing.POWER and is_order)
-        return is_switch and any(self._hears(node, topic) for node in self.app.readers(topic))
-
-
-_VAGUE = (Thing.DEVICE, Thing.MODE)
-"""What a name may say without telling what moves."""
-_AUTOPILOTS = ("/mavros/", "/dji_sdk/", "/fmu/in/")
-"""Names of autopilots' topics and services: MAVROS, DJI's Onboard SDK, PX4 by uXRCE-DDS."""
-
-
-def is_of_autopilot(name: str) -> bool:
-    """Return whether a name is one of an autopilot's."""
-    return any(each in name for each in _AUTOPILOTS)

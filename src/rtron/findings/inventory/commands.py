@@ -1,23 +1,28 @@
 """The commands of an app: what moves hardware, what stands behind that, and what each moves."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.inventory.app_flow import AppFlow, is_of_autopilot
-from rtron.findings.inventory.doors import operators
+from rtron.findings.inventory.app_flow import AppFlow
+from rtron.findings.inventory.forwarding import Forwarding
+from rtron.findings.inventory.leaving_commands import LeavingCommands, is_of_autopilot
 from rtron.findings.inventory.node_roles import MOVING_HARDWARE, NodeRoles
 from rtron.findings.inventory.program_flow import Way
 from rtron.findings.inventory.requests import actions, services
-from rtron.findings.inventory.things import PARTS, is_order, part_of_name, part_of_states, thing_of, thing_of_node
-from rtron.findings.node_kinds import priorities
-from rtron.vocabulary import ActionRole, Service, Trust, WiringFactKind
-from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Thing
+from rtron.findings.inventory.things import (
+    PARTS,
+    part_of_name,
+    part_of_states,
+    thing_of,
+    thing_of_node,
+)
+from rtron.vocabulary import ActionRole, Service, Trust
+from rtron.vocabulary.inventory import NO_MOTION, Command, Means, Thing
 
-_MOST_HOPS = 6
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
 _SERVOS = frozenset({"servo driver", "servo bus"})
 """Hardware that turns joints: a velocity for it need not move a base."""
@@ -40,30 +45,24 @@ class AppCommands:
         return AppFlow(self.app, self.roles)
 
     @cached_property
+    def forwarding(self) -> Forwarding:
+        """What stands behind commands."""
+        return Forwarding(self.app, self.roles, self.flow)
+
+    @cached_property
+    def _leaving(self) -> LeavingCommands:
+        return LeavingCommands(self.app, self.roles, self.flow)
+
+    @cached_property
     def last(self) -> tuple[tuple[Thing, Command], ...]:
         """What is obeyed next to the hardware, or by nodes that are not in the app."""
         return (*self._last_topics, *self._last_requests())
 
     @cached_property
     def _last_topics(self) -> tuple[tuple[Thing, Command], ...]:
-        topics = {*self.flow.obeying, *self.flow.leaving, *self.flow.switches}
-        commands = ((self.thing(topic), self.command(topic)) for topic in sorted(topics))
+        topics = {*self.flow.obeying, *self._leaving.topics, *self._leaving.switches}
+        commands = ((self.thing(topic), self.forwarding.command(topic)) for topic in sorted(topics))
         return tuple(chain.from_iterable(self._by_part(*self._as_driven(*c)) for c in commands))
-
-    def command(self, topic: str, hops: int = 0) -> Command:
-        """Return the command that a topic is."""
-        facts, handing = self.app.facts.topic(topic), self.flow.led
-        receivers = self.flow.obeying.get(topic) or tuple(
-            node for node in self.app.readers(topic) if handing(node, topic)
-        )
-        return Command(
-            means=Means.TOPIC,
-            name=topic,
-            type=facts.type,
-            receivers=receivers,
-            senders=facts.publishers,
-            hops=hops,
-        )
 
     def thing(self, topic: str) -> Thing:
         """Return what a topic moves: what it says, else what its nodes and their hardware do."""
@@ -83,14 +82,16 @@ class AppCommands:
         return named or Thing.DEVICE
 
     def _parts_behind(self, topic: str) -> Iterator[Thing]:
-        """Yield which parts the topics behind one tell, its senders and the libraries that get it."""
-        behind = [command.name for _, command in self.behind([self.command(topic)])]
-        told = {part for name in behind if (part := part_of_name(name, self.flow.type(name)))}
-        yield from (each for each in Thing if each in told)
+        """Yield which parts the topics behind one tell, its nodes and the libraries that get it."""
+        behind = [
+            command.name for _, command in self.forwarding.behind([self.forwarding.command(topic)])
+        ]
+        parts = {part for name in behind if (part := part_of_name(name, self.flow.type(name)))}
+        yield from (each for each in Thing if each in parts)
         nodes = self.flow.obeying.get(topic, ())
         libraries = (way.library for n in nodes if (way := self.flow.programs.way(n, topic)))
-        names = chain(nodes if len(nodes) == 1 else (), self.app.publishers(topic), libraries)
-        yield from filter(None, (part_of_name(name, "") for name in names))
+        others = chain(nodes if len(nodes) == 1 else (), self.app.publishers(topic), libraries)
+        yield from filter(None, (part_of_name(name, "") for name in others))
 
     def _moves_joints(self, topic: str, nodes: tuple[str, ...]) -> bool:
         """Return whether what obeys a velocity turns the joints of an arm, by its hardware."""
@@ -141,7 +142,7 @@ class AppCommands:
     def commanders(self) -> frozenset[str]:
         """The app's own nodes that send commands: what they offer may change these."""
         sent = [command for _, command in self._last_topics]
-        sent += [command for _, command in self.behind(sent)]
+        sent += [command for _, command in self.forwarding.behind(sent)]
         senders = {node for command in sent for node in command.senders} & self.app.nodes.keys()
         own = (name for name in senders if self.app.nodes[name].trust is Trust.OWN)
         return frozenset(name for name in own if not self.roles.is_called_sensor(name))
@@ -165,9 +166,9 @@ class AppCommands:
     def _leads_nowhere(self, node: str) -> bool:
         """Return whether a node commands by velocities alone that nobody obeys."""
         sent = {end.topic for end in self.app.graph.published_by(node)}
-        spare = sent & self.flow.spare
+        spare = sent & self._leaving.spare
         is_idle = bool(spare) and node not in self.drivers
-        return is_idle and sent.isdisjoint((self.flow.heard | self._moving) - spare)
+        return is_idle and sent.isdisjoint((self.flow.commands | self._moving) - spare)
 
     def _moved_by(self, nodes: tuple[str, ...]) -> Iterator[Thing]:
         """Yield what nodes move by topics, or what those move that they command."""
@@ -180,7 +181,9 @@ class AppCommands:
         """What the last topics move, each with the nodes on the way there, nearest first."""
         moving = [each for each in self._last_topics if each[0] not in NO_MOTION]
         drivers = [(thing, frozenset(last.receivers)) for thing, last in moving]
-        ways = ((thing, [c for _, c in self.behind([last])], last) for thing, last in moving)
+        ways = (
+            (thing, [c for _, c in self.forwarding.behind([last])], last) for thing, last in moving
+        )
         others = [
             (thing, frozenset(last.senders).union(*(c.senders for c in behind)))
             for thing, behind, last in ways
@@ -202,8 +205,9 @@ class AppCommands:
 
     def _reaches(self, way: Way) -> bool:
         """Return whether what a request leads to moves something, or may."""
-        requests = {each.name for each in (*self.app.graph.clients, *self.app.graph.actions)}
-        is_sent = way.led & (self.flow.heard | self._moving | requests)
+        requests = {each.name for each in self.app.graph.clients}
+        requests |= {each.name for each in self.app.graph.actions}
+        is_sent = way.led & (self.flow.commands | self._moving | requests)
         return bool(is_sent or way.device or way.library)
 
     @cached_property
@@ -239,91 +243,7 @@ class AppCommands:
         devices = (node for node in near if not self.roles.is_called_sensor(node))
         return self.drivers.union(senders, callers, clients, devices, self.app.unread_nodes)
 
-    def behind(self, commands: Iterable[Command]) -> Iterator[tuple[str, Command]]:
-        """Yield each topic behind commands that leads to them, with the node that hands it on."""
-        level = tuple(commands)
-        seen, hops = {command.name for command in level}, 0
-        while level and hops < _MOST_HOPS:
-            names, hops, further = frozenset(c.name for c in level), hops + 1, list[Command]()
-            for node in dict.fromkeys(node for c in level for node in c.senders):
-                ranks = self.flow.ranks.get(node, {})
-                for topic in self.flow.inputs(node, names):
-                    if topic not in seen:
-                        seen.add(topic)
-                        found = self.command(topic, hops)
-                        further.append(found)
-                        yield node, replace(found, priority=ranks.get(topic, ""))
-            level = tuple(further)
-
-    def buttons(self, requests: Iterable[Command]) -> Iterator[Command]:
-        """Yield the signals, texts and joysticks that tell those who call services and actions.
-
-        So does what makes them call, and stands behind all else.
-        """
-        requests = tuple(requests)
-        names = frozenset(each.name for each in requests)
-        for node in dict.fromkeys(node for each in requests for node in each.senders):
-            for topic in self.flow.inputs(node, names):
-                each = self.command(topic)
-                is_pressed = each.type in SIGNALS or self.flow.is_by_hand(topic)
-                is_near = is_pressed or is_order(each.name, each.type)
-                if not is_near and self.flow.programs.way(node, topic) is None:
-                    continue
-                yield replace(each, hops=1 if is_near else _MOST_HOPS)
-
-    def goals(self, requests: Iterable[Command]) -> Iterator[Command]:
-        """Yield the topics from which the servers of actions take goals, too."""
-        for node in dict.fromkeys(node for each in requests for node in each.receivers):
-            if not self.roles.drives(node):
-                for end in self.app.graph.subscribed_by(node):
-                    is_used = self.flow.programs.way(node, end.topic) is None
-                    is_used |= bool(self.flow.led(node, end.topic))
-                    if is_used and self.flow.named.get(end.topic) not in {None, *NO_MOTION}:
-                        yield replace(self.command(end.topic, 1), receivers=(node,))
-
-    def unprompted(self, commands: Iterable[Command]) -> tuple[str, ...]:
-        """Return the app's own nodes that send commands, and that nothing reaches which tells them.
-
-        What they measure may decide when they begin.
-        """
-        sent = {(node, command.name) for command in commands for node in command.senders}
-        nodes = dict.fromkeys(node for node, _ in sorted(sent))
-        return tuple(node for node in nodes if self._is_unprompted(node, sent))
-
-    def _is_unprompted(self, node: str, sent: set[tuple[str, str]]) -> bool:
-        is_own = node in self.app.nodes and self.app.nodes[node].trust is Trust.OWN
-        if not is_own or node in self._reached or node in self.app.unread_nodes:
-            return False
-        led = frozenset(name for sender, name in sent if sender == node)
-        return not (any(self.flow.inputs(node, led)) or operators(self.app, {node}))
-
-    @cached_property
-    def _reached(self) -> frozenset[str]:
-        """The nodes that requests, hardware or a network may tell something."""
-        graph = self.app.graph
-        links = (WiringFactKind.DEVICE, WiringFactKind.SOCKET)
-        found = {each.node for each in graph.services if not each.implicit}
-        found |= {each.node for each in graph.actions if each.role is ActionRole.SERVER}
-        return frozenset(found.union(f.subject for f in graph.wiring if f.kind in links))
-
     def moves_at_start(self, node: str) -> bool:
         """Return whether a node is seen to turn motors or servos before it gets any command."""
         fact = self.flow.programs.moves_by_itself(node)
         return fact is not None and fact.value in MOVING_HARDWARE
-
-    def decides(self, node: str, commands: Iterable[Command]) -> bool:
-        """Return whether a node decides between commands: an arbiter, or one that takes several."""
-        if node in self.flow.ranks:
-            return True
-        led = frozenset(c.name for c in commands if node in c.senders)
-        return len(list(self.flow.inputs(node, led))) > 1
-
-    def passing_locks(self, nodes: Iterable[str]) -> list[str]:
-        """Return the inputs of arbiters that their locks never hold back (twist_mux's README)."""
-        found: list[str] = []
-        for node in filter(self.flow.ranks.__contains__, nodes):
-            locks = priorities(self.app, node, "locks").values()
-            ranked = {n: int(r) for n, r in self.flow.ranks[node].items() if r.isdigit()}
-            if locks and all(map(str.isdigit, locks)):
-                found += (name for name, r in ranked.items() if r >= max(map(int, locks)))
-        return found

@@ -52,7 +52,7 @@ def limits(app: AppFacts, commands: AppCommands) -> Mover | None:
 def _movers(commands: AppCommands) -> frozenset[str]:
     """Return the nodes that send or obey a command of motion by topic."""
     last = [command for _, command in commands.last if command.means is Means.TOPIC]
-    behind = [command for _, command in commands.behind(last)]
+    behind = [command for _, command in commands.forwarding.behind(last)]
     return frozenset(node for each in (*last, *behind) for node in (*each.senders, *each.receivers))
 
 

@@ -7,7 +7,7 @@ from functools import cached_property
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.measurement_names import is_called_sensor, is_measured, may_be_measured
 from rtron.findings.node_kinds import carriers, moves
-from rtron.vocabulary import Endpoint, Node, WiringFact, WiringFactKind, normalise_type
+from rtron.vocabulary import Node, WiringFact, WiringFactKind, normalise_type
 from rtron.vocabulary.names import EMERGENCY_STOP, snake_case
 
 FIRMWARE_PACKAGES = (
@@ -40,7 +40,6 @@ MOVING_HARDWARE = frozenset(
 )
 """What a node opens to move something, and seldom only to read."""
 _SENSED = frozenset({"sensor_msgs/Imu", "sensor_msgs/NavSatFix"})
-_SHOWN = frozenset({"sensor_msgs/JointState", "tf2_msgs/TFMessage", "tf/tfMessage"})
 _MOVED = frozenset({"nav_msgs/Odometry", "sensor_msgs/JointState"})
 
 
@@ -119,24 +118,6 @@ class NodeRoles:
         """Return whether a node speaks for firmware, of which a sketch in the source was read."""
         return self.package(node) in FIRMWARE_PACKAGES and node not in self.app.unread_nodes
 
-    def _only_shows(self, node: str) -> bool:
-        """Return whether a node beside firmware sends nothing, or only how joints would stand."""
-        types = {normalise_type(end.type) for end in self._sent(node)}
-        is_beside = bool(self.firmware) and not (self.drives(node) or node in self.app.unread_nodes)
-        is_shown = "sensor_msgs/JointState" in types and types <= _SHOWN
-        is_last = not (types or node in self._clients or self.is_called_driver(node))
-        return is_beside and (is_shown or is_last)
-
-    @cached_property
-    def _clients(self) -> frozenset[str]:
-        """The nodes that call services or send goals."""
-        graph = self.app.graph
-        clients = (each.node for each in graph.clients)
-        return frozenset(each.node for each in graph.actions).union(clients)
-
-    def _sent(self, node: str) -> tuple[Endpoint, ...]:
-        return tuple(end for end in self.app.graph.published_by(node) if not end.implicit)
-
     @cached_property
     def _listeners(self) -> frozenset[str]:
         """The nodes that obey and command nothing, as their names say, or what they send."""
@@ -145,8 +126,7 @@ class NodeRoles:
         sends = self.app.graph.published_by
         commands = (n for n in named if any(self.app.is_motion(e.topic) for e in sends(n)))
         drivers = (n for n in named - showing if self.drives(n) or self.is_called_driver(n))
-        shows = (node.name for node in self.app.graph.nodes if self._only_shows(node.name))
-        return frozenset(named.difference(commands, drivers)).union(shows)
+        return frozenset(named.difference(commands, drivers))
 
     def only_measures(self, topic: str) -> bool:
         """Return whether a topic of motion commands nothing.

@@ -1,13 +1,20 @@
 """What each node does with what it gets, as far as its source was followed."""
 
 from collections import defaultdict
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
 
 from rtron.findings.app_facts import AppFacts
-from rtron.vocabulary import DESCRIPTORS, LIBRARY, UNKNOWN_OUTPUT, Direction, Evidence, WiringFact, WiringFactKind
+from rtron.vocabulary import (
+    DESCRIPTORS,
+    LIBRARY,
+    UNKNOWN_OUTPUT,
+    Direction,
+    Evidence,
+    WiringFact,
+    WiringFactKind,
+)
 
 _NO_DEVICE = frozenset({"TCP link"})
 """What a source may connect to that need not be hardware."""
@@ -88,8 +95,10 @@ class ProgramFlow:
     def _requests(self) -> dict[tuple[str, str], Way]:
         """The ways from each service and action."""
         servers = defaultdict[str, set[str]](set)
-        for each in (*self.app.graph.services, *self.app.graph.actions):
-            servers[each.name].add(each.node)
+        for service in self.app.graph.services:
+            servers[service.name].add(service.node)
+        for action in self.app.graph.actions:
+            servers[action.name].add(action.node)
         found = dict[tuple[str, str], Way]()
         for fact in self._facts[WiringFactKind.REQUEST_FLOW]:
             name, *others = fact.others

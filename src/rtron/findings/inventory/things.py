@@ -63,8 +63,22 @@ _WORDS: tuple[tuple[Thing, str], ...] = (
 """Words in names, the first that is there; the last parts of a name count before the others."""
 PARTS = (Thing.HEAD, Thing.GRIPPER, Thing.ARM, Thing.TOOL, Thing.THRUSTERS, Thing.SERVOS)
 _GENERIC = frozenset(
-    ("goal", "go", "goto", "move", "path", "speed", "motor", "motors", "pwm")
-    + ("servo", "servos", "joint", "joints", "leg", "legs")
+    [
+        *(
+            "goal",
+            "go",
+            "goto",
+            "move",
+            "path",
+            "speed",
+            "motor",
+            "motors",
+            "pwm",
+            "servo",
+            "servos",
+        ),
+        *("servos", "joint", "joints", "leg", "legs"),
+    ]
 )
 """What any part of a robot may have: in `/arm/goal` the part before it is what moves."""
 _ANY_PART = re.compile(r"servos?(?![a-z])|pwm")
@@ -225,17 +239,6 @@ def may_be_command(name: str, type: str) -> bool:
     """Return whether what a driver hears may be a command, whatever neither name nor type says."""
     is_other = _ON_REQUEST.search(_last_part(name)) or _SHOWS.search(name.lower())
     return not (is_other or is_harmless(name, type) or _is_of_nav2(_plain_type(type)))
-
-
-def may_switch(name: str) -> bool:
-    """Return whether a signal may switch more than what shows or sounds."""
-    return not (_ON_REQUEST.search(_last_part(name)) or _SHOWS.search(name.lower()))
-
-
-def may_be_derived(name: str, type: str) -> bool:
-    """Return whether what is made of a command may be one: states may be those that wheels get."""
-    stem = _STATES.sub("", name.rstrip("/")) or name
-    return not is_measured(name) and may_be_command(stem, type)
 
 
 def _is_of_nav2(type: str) -> bool:

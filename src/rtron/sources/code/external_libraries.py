@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
+from typing import Any
 
 from rtron.sources.code import ir
 from rtron.sources.code.interpreter import abstract_values as av
@@ -72,12 +73,17 @@ class ExternalLibraries:
     def _bases(self) -> dict[str, str]:
         """The scopes of the classes of objects, with those of their last bases."""
         found = dict[str, str]()
-        for cls in {id(one.type): one.type for one in self.machine.instances}.values():
-            while isinstance(cls, av.ClassValue):
-                bases = [base for base in cls.bases if isinstance(base, av.ClassValue)]
-                if bases and self._class_scope(cls) != self._class_scope(bases[0]):
-                    found.setdefault(self._class_scope(cls), self._class_scope(bases[0]))
-                cls = bases[0] if bases else None
+        pending = [one.type for one in self.machine.instances if isinstance(one, av.Instance)]
+        seen = set[int]()
+        while pending:
+            cls = pending.pop()
+            if not isinstance(cls, av.ClassValue) or id(cls) in seen:
+                continue
+            seen.add(id(cls))
+            for base in [each for each in cls.bases if isinstance(each, av.ClassValue)][:1]:
+                pending.append(base)
+                if self._class_scope(cls) != self._class_scope(base):
+                    found.setdefault(self._class_scope(cls), self._class_scope(base))
         return found
 
     def _class_scope(self, cls: av.ClassValue) -> str:
@@ -190,7 +196,7 @@ class ExternalLibraries:
         return name.removesuffix("()") if is_named and not is_other else ""
 
 
-def _named(fields: Mapping[object, av.Value]) -> Iterator[tuple[str, av.Value]]:
+def _named(fields: Mapping[Any, av.Value]) -> Iterator[tuple[str, av.Value]]:
     for name, value in fields.items():
         if isinstance(name, str):
             yield name.rpartition("::")[2], value

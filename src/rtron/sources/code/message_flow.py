@@ -80,7 +80,6 @@ def _do_nothing(program: Program, callbacks: Collection[ir.Function]) -> bool:
     return is_inside and not any(map(_has_effect, nodes))
 
 
-
 def _has_effect(node: object) -> bool:
     """Return whether a part of a function may do something, beyond logging and own variables."""
     if isinstance(node, ir.Call):
@@ -161,5 +160,3 @@ class _Flow:
         self._led |= sent
         if not sent and (library := self.program.libraries.called(call, code.scope)):
             self.outputs[library] = None
-
-

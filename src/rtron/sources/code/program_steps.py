@@ -118,7 +118,7 @@ class Steps:
     def __init__(self, function: ir.Function, libraries: ExternalLibraries) -> None:
         self.function, self._libraries = function, libraries
         self.scope = libraries.scope(function)
-        self._mentions: dict[int, frozenset[str]] = {}
+        self._mentions: dict[int, tuple[object, frozenset[str]]] = {}
         is_cpp = libraries.machine.runtime.passes_by_reference
         nodes = list(ir_nodes(function.body))
         own = {each.name for each in function.params}
@@ -145,8 +145,8 @@ class Steps:
         if id(part) not in self._mentions:
             calls = (node for node in ir_nodes(part) if isinstance(node, ir.Call))
             functions = chain.from_iterable(map(self._results_of, calls))
-            self._mentions[id(part)] = mentioned_names(part).union(functions)
-        return self._mentions[id(part)]
+            self._mentions[id(part)] = part, mentioned_names(part).union(functions)
+        return self._mentions[id(part)][1]
 
     def _results_of(self, call: ir.Call) -> Iterator[str]:
         """Yield the function that a call calls, with its object's scope or its own."""
@@ -248,5 +248,3 @@ def last_name(part: ir.Expr) -> str:
 def mentioned_names(part: object) -> frozenset[str]:
     """Return the last names of all variables, members and functions in a part."""
     return frozenset(last_name(n) for n in ir_nodes(part) if isinstance(n, (ir.Attr, ir.Name)))
-
-

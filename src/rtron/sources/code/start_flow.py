@@ -25,12 +25,12 @@ _SETTING_UP = re.compile(
 class StartFlow:
     """Follows what runs when a program starts, and by timers, and depends on nothing it gets.
 
-    `kept` are, for each input, the members and the functions that tell it; `inputs` get it. Zeros,
+    `data` are, for each input, the members and the functions that hold it; `inputs` get it. Zeros,
     stops and what only prepares hardware are no motion.
     """
 
     program: Program
-    kept: Collection[tuple[Mapping[str, set[str]], set[str]]]
+    data: Collection[tuple[Mapping[str, set[str]], set[str]]]
     inputs: Collection[tuple[str, int, str]]
     _found: dict[str, Evidence] = field(default_factory=dict)
 
@@ -48,8 +48,8 @@ class StartFlow:
 
     def _calls(self, code: Steps) -> Iterator[ir.Function]:
         """Note what a function writes by itself, and yield what it calls by itself."""
-        told = (members.get(code.scope, set()) | results for members, results in self.kept)
-        names = set[str]().union(*told)
+        held = (members.get(code.scope, set()) | results for members, results in self.data)
+        names = set[str]().union(*held)
         ids = code.depending(code.made_of(names & code.names))
         for write in code.writes:
             is_set_up = any(_SETTING_UP.fullmatch(last_name(each)) for each in write.targets)
@@ -88,5 +88,6 @@ def _is_zero(value: ir.Expr) -> bool:
     """Return whether a value is a zero, or a name of what is off."""
     if isinstance(value, ir.SequenceExpr):
         return all(map(_is_zero, value.items))
-    is_number = isinstance(value, ir.Const) and not isinstance(value.value, (str, bytes))
-    return (is_number and not value.value) or bool(mentioned_names(value) & _OFF)
+    if isinstance(value, ir.Const):
+        return not isinstance(value.value, (str, bytes)) and not value.value
+    return bool(mentioned_names(value) & _OFF)

@@ -15,7 +15,16 @@ from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.node_sources import CPP, file_content, node_sources
 from rtron.sources.static.common.task import TaskKind
 from rtron.sources.workspace import Workspace
-from rtron.vocabulary import DESCRIPTORS, LIBRARY, UNKNOWN_OUTPUT, Evidence, InteractionGraph, Node, WiringFact, WiringFactKind
+from rtron.vocabulary import (
+    DESCRIPTORS,
+    LIBRARY,
+    UNKNOWN_OUTPUT,
+    Evidence,
+    InteractionGraph,
+    Node,
+    WiringFact,
+    WiringFactKind,
+)
 
 _LIBRARIES = {
     "serial port": r"\bserial\b|cfset[io]?speed|LibSerial|SerialPort|serial_port|serial_driver",
