@@ -230,3 +230,10 @@ def test_what_a_driver_tells_does_not_make_it_the_source_of_what_it_obeys():
 def test_states_of_joints_that_nobody_here_sends_are_open():
     text = "/board own own\n    sub /joint_states sensor_msgs/msg/JointState\n"
     assert last_commands(text, "/board") == {"/joint_states": Thing.SERVOS}
+
+
+def test_moveit_moves_nothing_where_its_execution_is_fake():
+    goals = "/move_group m third_party\n    server /move_group moveit_msgs/action/MoveGroup\n"
+    fake = "    pub /move_group/fake_controller_joint_states sensor_msgs/msg/JointState\n"
+    assert [mover.thing for mover in seen(goals)] == [Thing.ARM]
+    assert seen(goals + fake) == ()

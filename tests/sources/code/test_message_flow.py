@@ -80,6 +80,8 @@ def led(interface):
         ("self.mode = message.data", "if not self.mode: return\nself.drive(1)", ["motor"]),
         ("self.mode = message.data", f"if self.is_on(): self.drive(1)\n{REPORT}", ["motor"]),
         ("self.mode = message.data", "self.report.publish(self.mode)", ["report"]),
+        ("self.mode = message.data", "a, b = self.mode, 1\nself.drive(a)", ["motor"]),
+        ("self.mode = message.data", "for a in self.mode: self.drive(1)", ["motor"]),
     ],
 )
 def test_in_python(callback, timer, found):
@@ -194,3 +196,73 @@ def test_a_stream_that_a_message_is_written_to_does_something():
       std::bind(&N::on_order, this, std::placeholders::_1));
 """
     assert led(ros2_runs.cpp(body, members=members)) is None
+
+
+def test_a_method_of_ones_own_may_be_called_as_its_librarys():
+    text = PYTHON.replace("self.kit = Kit()", "self.kit = Wheel()").replace(
+        "class Node:",
+        """class Wheel:
+    def __init__(self):
+        self.kit = Kit()
+
+    def set_speed(self, speed):
+        self.kit.set_speed(speed)
+
+
+class Node:""",
+    )
+    text = text.format(
+        type="String", callback="        self.kit.set_speed(message.data)", timer="        pass"
+    )
+    (flow,) = told(ros1_runs.run_text(text))
+    assert flow.outputs == ("motor_board.Kit",)
+
+
+def test_what_a_function_writes_to_what_it_is_given():
+    members = """
+  void on_order(const std_msgs::msg::String & message) { mode_ = message.data; }
+  bool copy(std::string & found) { found = mode_; return true; }
+  void tick() {
+    std::string now;
+    copy(now);
+    std_msgs::msg::String m; m.data = now; motor_->publish(m);
+  }
+  std::string mode_;
+  rclcpp::Publisher<std_msgs::msg::String>::SharedPtr motor_;
+"""
+    body = """
+    motor_ = create_publisher<std_msgs::msg::String>("motor", 1);
+    auto sub = create_subscription<std_msgs::msg::String>("order", 1,
+      std::bind(&N::on_order, this, std::placeholders::_1));
+    auto timer = create_wall_timer(50ms, std::bind(&N::tick, this));
+"""
+    assert led(ros2_runs.cpp(body, members=members)) == ["motor"]
+
+
+def test_what_a_service_leads_to():
+    text = PYTHON.replace(
+        "rospy.Timer", "rospy.Service('go', Empty, self.on_order)\n        rospy.Timer"
+    )
+    text = text.format(type="String", callback="        self.drive(1)", timer="        pass")
+    requests = [each for each in told(ros1_runs.run_text(text)) if each.requests]
+    assert [(each.input, each.requests) for each in requests] == [(FlowInput.REQUEST, ("/ns/go",))]
+    assert len(requests[0].evidence) == 2
+
+
+@pytest.mark.parametrize(
+    ("callback", "timer", "moves"),
+    [
+        ("pass", "self.kit.turn(20)", True),
+        ("pass", "self.kit.servo[1].angle = 20", True),
+        ("pass", "self.kit.turn(0)", False),
+        ("pass", "self.kit.stop(20)", False),
+        ("pass", "self.kit.set_frequency(20)", False),
+        ("self.mode = message.data", "self.kit.turn(self.mode)", False),
+        ("self.mode = message.data", "if self.mode: self.kit.turn(20)", False),
+        ("self.kit.turn(message.data)", "pass", False),
+    ],
+)
+def test_what_moves_though_nothing_tells_it_to(callback, timer, moves):
+    flows = run(callback, timer).message_flows
+    started = [each.outputs for each in flows if each.input is FlowInput.START]
+    assert started == [("motor_board.Kit",)] * moves

@@ -24,6 +24,8 @@ from rtron.vocabulary import ActionRole, Service, Trust
 from rtron.vocabulary.inventory import NO_MOTION, Command, Means, Thing
 
 _OF_VEHICLES = (Thing.BASE, Thing.ARM, Thing.DEVICE, Thing.THRUSTERS)
+_FAKE = "/fake_controller_joint_states"
+"""What MoveIt sends where it only pretends to execute (package moveit_fake_controller_manager)."""
 _SERVOS = frozenset({"servo driver", "servo bus"})
 """Hardware that turns joints: a velocity for it need not move a base."""
 _OF_BASE = re.compile(
@@ -164,8 +166,10 @@ class AppCommands:
                 yield self._as_driven(moved, command)
 
     def _leads_nowhere(self, node: str) -> bool:
-        """Return whether a node commands by velocities alone that nobody obeys."""
+        """Return whether a node commands nobody: it pretends, or by velocities nobody obeys."""
         sent = {end.topic for end in self.app.graph.published_by(node)}
+        if any(topic.endswith(_FAKE) for topic in sent):
+            return True
         spare = sent & self._leaving.spare
         is_idle = bool(spare) and node not in self.drivers
         return is_idle and sent.isdisjoint((self.flow.commands | self._moving) - spare)
