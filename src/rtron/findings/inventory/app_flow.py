@@ -36,6 +36,8 @@ _SHOWN = re.compile(
     r"|sensor_msgs/CameraInfo"
 )
 """Types of what is told of a robot, whoever hears it."""
+_OF_ALL = re.compile(r"(?:std|geometry|sensor|nav|actionlib|action|trajectory)_msgs/")
+"""Packages of types that are of no firmware in particular."""
 
 
 @dataclass(frozen=True)
@@ -186,8 +188,11 @@ class AppFlow:
 
     def may_be_made(self, topic: str) -> bool:
         """Return whether a topic is called a command, or carries what firmware gets."""
-        is_raw = re.search(r"MultiArray$|geometry_msgs/Wrench", self.type(topic)) is not None
-        return is_raw or COMMAND_NAMES.search(topic) is not None
+        type = self.type(topic)
+        is_own = not _OF_ALL.match(type) and not self.app.readers(topic)
+        is_raw = type.endswith("MultiArray") or type.startswith("geometry_msgs/Wrench")
+        is_called = COMMAND_NAMES.search(topic) is not None
+        return is_raw or is_called or (is_own and bool(self.roles.firmware))
 
     def sent(self, node: str) -> frozenset[str]:
         """Return the topics that a node sends, those with a whole name."""
