@@ -132,6 +132,13 @@ def test_what_is_no_device_in_cpp(facts, text):
         ("sock.bind(('', 5000))", "TCP or UDP socket"),
         ("LINK = 'udpin:0.0.0.0:14550'", "MAVLink link"),
         ("pilot.connect(system_address='udp://:14540')", "MAVLink link"),
+        ("async with websockets.connect(url) as link:", "WebSocket client"),
+        ("link = websocket.WebSocketApp(url, on_message=heard)", "WebSocket client"),
+        ("link = socketio.Client()", "WebSocket client"),
+        ("import zmq", "ZeroMQ"),
+        ("import redis", "Redis"),
+        ("from firebase_admin import db", "cloud service"),
+        ("from telegram.ext import Application", "chat"),
     ],
 )
 def test_sockets(facts, line, how):
