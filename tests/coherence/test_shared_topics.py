@@ -1,8 +1,7 @@
 """What a later coordination node on a topic says in vain is refused; what counts passes."""
 
 import pytest
-from autorace import AUTORACE
-from home import HOME
+from app_graphs import AUTORACE, HOME
 
 from cpu_time import growth
 from rtron.errors import PlanError

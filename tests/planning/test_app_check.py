@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from home import HOME
+from app_graphs import HOME
 
 from rtron.planning import check_plan, propose_plan
 from rtron.risks import discover_risks

@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from autorace import AUTORACE
-from home import HOME
+from app_graphs import AUTORACE, HOME
 from plans import grcn, plan_of
 
 from rtron.planning import propose_plan

@@ -1,6 +1,6 @@
 """The AutoRace app: what the paper's tables say of it, as far as they agree with the algorithm."""
 
-from autorace import AUTORACE
+from app_graphs import AUTORACE
 
 from rtron.risks import discover_risks
 from rtron.vocabulary import Domain, RiskRole, Severity

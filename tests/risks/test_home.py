@@ -1,6 +1,6 @@
 """The Home app: what the paper's tables and text say of it must come out of the rules."""
 
-from home import HOME
+from app_graphs import HOME
 
 from rtron.risks import discover_risks
 from rtron.vocabulary import Domain, RiskKind, RiskRole, Severity, Sharing

@@ -3,8 +3,7 @@
 from pathlib import Path
 
 import pytest
-from autorace import AUTORACE
-from home import HOME
+from app_graphs import AUTORACE, HOME
 
 from rtron.planning import propose_plan
 from rtron.risks import default_lists, discover_risks

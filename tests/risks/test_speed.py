@@ -3,8 +3,7 @@
 from time import process_time
 
 import pytest
-from autorace import AUTORACE
-from home import HOME
+from app_graphs import AUTORACE, HOME
 from reference_algorithm import naive_risks
 
 from rtron.risks import discover_risks

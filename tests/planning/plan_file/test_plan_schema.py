@@ -5,8 +5,7 @@ import re
 
 import pytest
 import yaml
-from autorace import AUTORACE
-from home import HOME
+from app_graphs import AUTORACE, HOME
 from hypothesis import given
 from jsonschema import Draft202012Validator
 from test_write_plan import plans

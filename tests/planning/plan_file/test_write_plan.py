@@ -2,8 +2,7 @@
 
 import math
 
-from autorace import AUTORACE
-from home import HOME
+from app_graphs import AUTORACE, HOME
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 

@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from autorace import AUTORACE
-from home import HOME
+from app_graphs import AUTORACE, HOME
 from notation import graph_of
 
 from rtron.planning import check_plan, propose_plan, unguardable_topics

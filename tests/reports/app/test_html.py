@@ -4,9 +4,9 @@ from base64 import b64encode
 from dataclasses import replace
 from hashlib import sha256
 from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
+from app_graphs import AUTORACE
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_cases import CMD_VEL, CONTENDED, GRAPH, REPORT, SIGN, hears, report_of, speaks
@@ -16,7 +16,6 @@ from rtron.planning import propose_plan
 from rtron.reports.app.html import graph_to_html
 from rtron.risks import discover_risks
 from rtron.sanitize import sanitize
-from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import (
     SECOND,
     Area,
@@ -32,7 +31,6 @@ from rtron.vocabulary import (
     WatchedFlow,
 )
 
-FIXTURES = Path(__file__).parents[2] / "fixtures"
 EVIL = "</script><img src=x onerror=alert(1)><!--\"'&\u2028\x1b$title"
 
 
@@ -65,9 +63,8 @@ def page_of(graph=GRAPH, report=REPORT, plan=None):
 
 
 def autorace():
-    graph = read_graph(FIXTURES / "autorace.json")
-    report = discover_risks(graph)
-    return graph, report, propose_plan(graph, report)
+    report = discover_risks(AUTORACE)
+    return AUTORACE, report, propose_plan(AUTORACE, report)
 
 
 def named(items, name):

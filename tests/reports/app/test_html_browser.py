@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 from itertools import combinations
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+from app_graphs import AUTORACE
 from finding_cases import HIGH, LOW
 from report_cases import GRAPH, report_of, speaks
 
@@ -13,7 +13,6 @@ from chromium import open_chromium
 from rtron.planning import propose_plan
 from rtron.reports.app.html import graph_to_html
 from rtron.risks import discover_risks
-from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import Direction, Endpoint, Evidence, InteractionGraph, Node
 from rtron.vocabulary.inventory import Command, Means, Mover, Thing
 
@@ -22,8 +21,6 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
-
-FIXTURES = Path(__file__).parents[2] / "fixtures"
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +46,11 @@ def opened(chromium, tmp_path):
 @pytest.fixture(scope="module")
 def autorace_file(tmp_path_factory):
     """Write the page of an app with a plan and a finding, which most tests open."""
-    graph = read_graph(FIXTURES / "autorace.json")
-    report = discover_risks(graph)
+    report = discover_risks(AUTORACE)
     path = tmp_path_factory.mktemp("autorace") / "graph.html"
-    path.write_text(graph_to_html(graph, report, propose_plan(graph, report), [HIGH]), "utf-8")
+    path.write_text(
+        graph_to_html(AUTORACE, report, propose_plan(AUTORACE, report), [HIGH]), "utf-8"
+    )
     return path
 
 
@@ -393,7 +391,7 @@ def test_the_graph_opens_readable(screen, chromium, autorace_file, width, height
 
 def test_on_a_phone_a_findings_node_is_in_the_middle_above_its_details(screen, chromium, tmp_path):
     screen(390, 844)
-    graph, path = read_graph(FIXTURES / "autorace.json"), tmp_path / "addressed.html"
+    graph, path = AUTORACE, tmp_path / "addressed.html"
     report, finding = discover_risks(graph), replace(HIGH, nodes=(), topics=("/cmd_vel",))
     path.write_text(graph_to_html(graph, report, None, [finding], {}), encoding="utf-8")
     chromium.get("about:blank")

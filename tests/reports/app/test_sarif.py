@@ -3,6 +3,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from app_graphs import APPS
 from finding_cases import HIGH, LOW, MEDIUM, TRIAGE, UNUSED
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -17,7 +18,6 @@ from rtron.reports.app.sarif import (
     risks_to_sarif,
 )
 from rtron.risks import discover_risks
-from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import (
     Domain,
     Evidence,
@@ -53,9 +53,8 @@ def artifact(file, root=ROOT):
     return physical_location(Evidence(file=file, line=3), root)["artifactLocation"]
 
 
-@pytest.mark.parametrize("app", ["home", "autorace"])
-def test_the_paper_s_apps_are_valid_sarif(app):
-    graph = read_graph(FIXTURES / f"{app}.json")
+@pytest.mark.parametrize("graph", APPS, ids=lambda graph: graph.app)
+def test_the_paper_s_apps_are_valid_sarif(graph):
     report = discover_risks(graph)
     results = run_of(graph, report)["results"]
     assert len(results) == len(report.risks) > 20

@@ -1,14 +1,16 @@
 """The real service with a simulated guard, and Debian's chromium to look at it."""
 
+import json
 import shutil
 import time
 from pathlib import Path
 
 import httpx
 import pytest
+from app_graphs import AUTORACE
 from console_fleet import NAMES, Fleet, store_robots
 from console_guard import SimulatedGuard
-from console_robot import FIXTURE, plan
+from console_robot import plan
 from harness import wait_for
 from server_thread import bound_socket
 from service_app import PASSWORD, TLS, AccountFactory, serve_in_thread
@@ -17,6 +19,7 @@ from chromium import open_chromium
 from rtron.service.config import ServiceConfig
 from rtron.service.server.app import create_app
 from rtron.service.store.database import Database
+from rtron.sources.graph_json import graph_to_json
 
 
 class Console:
@@ -49,7 +52,8 @@ class Console:
 
     def upload(self, robot="turtle1", data=None):
         """Upload the robot's interaction graph."""
-        answer = self.call("PUT", f"/robots/{robot}/graph", content=data or FIXTURE.read_bytes())
+        data = data or json.dumps(graph_to_json(AUTORACE)).encode()
+        answer = self.call("PUT", f"/robots/{robot}/graph", content=data)
         assert answer.status_code == 200, answer.text
 
     def call(self, method, path, name="ada", **more):

@@ -4,11 +4,12 @@ import json
 import math
 import time
 from dataclasses import replace
-from pathlib import Path
+
+from app_graphs import AUTORACE, HOME
 
 from rtron.planning import propose_plan
 from rtron.risks import discover_risks
-from rtron.sources.graph_json import read_graph
+from rtron.sources.graph_json import graph_to_json
 from rtron.vocabulary import (
     Alarm,
     AlarmKind,
@@ -26,9 +27,7 @@ from rtron.vocabulary import (
 )
 
 SECOND = 1_000_000_000
-FIXTURE = Path(__file__).parents[2] / "fixtures" / "autorace.json"
-GRAPH = read_graph(FIXTURE)
-REPORT = discover_risks(GRAPH)
+REPORT = discover_risks(AUTORACE)
 RULES = (
     MissionRule(
         name="stop_at_red",
@@ -51,7 +50,7 @@ RULES = (
 
 def plan(app="autorace"):
     """Return AutoRace's plan with limits and rules of the mission."""
-    found = propose_plan(GRAPH, REPORT)
+    found = propose_plan(AUTORACE, REPORT)
     rsrcn = replace(
         found.rsrcn, policy=PolicyName.SAFE_CONSTRAIN, threshold=0.012, max_vel_limit=0.22
     )
@@ -61,8 +60,7 @@ def plan(app="autorace"):
 
 def large_graph():
     """Return two apps on one robot, 44 nodes that speak and 224 topics, as `rtron.graph/1`."""
-    graph = json.loads(FIXTURE.read_text())
-    other = json.loads(FIXTURE.with_name("home.json").read_text())
+    graph, other = graph_to_json(AUTORACE), graph_to_json(HOME)
     for node in other["nodes"]:
         node["name"] = f"/home{node['name']}"
     for topic in other["topics"]:

@@ -3,8 +3,9 @@
 import json
 
 import pytest
+from app_graphs import AUTORACE
 from console_page import ROBOT_VIEWS
-from console_robot import GRAPH, large_graph
+from console_robot import large_graph
 from selenium.webdriver.common.keys import Keys
 
 from rtron.functions.node_functions import with_functions
@@ -221,7 +222,7 @@ def test_an_override_counts_down_and_can_be_ended(guard, page):
 
 
 def test_the_graph_lights_what_belongs_to_a_node_and_shows_rates(console, guard, page):
-    console.upload(data=json.dumps(graph_to_json(with_functions(GRAPH))).encode())
+    console.upload(data=json.dumps(graph_to_json(with_functions(AUTORACE))).encode())
     page.login("ada", "robots/turtle1/graph")
     field = page.control("Search nodes and topics")
     field.send_keys("control_lane", Keys.ENTER)

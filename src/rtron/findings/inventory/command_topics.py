@@ -178,6 +178,8 @@ class CommandTopics:
         return topic in self._written and "device" in given
 
     def _is_output(self, end: Endpoint) -> bool:
+        if self.roles.is_sketch(end.node):
+            return not self.flows.is_unused(end.node, end.topic)
         given = self.flows.outputs.get((end.node, end.topic))
         is_named = self._things[end.topic] not in {None, Thing.DEVICE, Thing.MODE}
         if given == "device" and self.roles.is_actuating(end.node):

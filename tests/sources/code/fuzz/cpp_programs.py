@@ -1,16 +1,31 @@
 """Random programs in C++ whose endpoints are known, since they are written around them.
 
-A program is a row of pieces. Each piece makes endpoints by one construct of the language, and
-knows their names and kinds; what it writes but never runs has names of its own.
+A program is a row of pieces, each of which makes endpoints by one construct of the language. The
+constructs are the templates of `cpp_templates/`. A template begins with `== `, its name, and the
+endpoints that its text does not spell. What is above `--` stands in front of the program, the rest
+in its middle. `| ` begins a line that is one of several to choose from, `+ ` continues it; an
+empty line parts two such rows.
+
+- `@` makes a word the piece's own. `t@_1`, `t@_2` are names of endpoints that the program has,
+  `dead@` one that it has not. `TEXT(t@_1)` is a name in one of the ways of `names.txt`, where NAME
+  is written as it is, in two halves (LEFT, RIGHT), or as HEAD and NUMBER.
+- `MAKE(x)` makes the endpoint of a name, which is an expression, with the handle `h`. TYPE is the
+  type of what it makes, HANDLE the type of `h` as a parameter, MEMBER as a member.
+- `BLOCK` is what stands within one of `wrappers.txt`.
 """
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import count, groupby
+from pathlib import Path
 from random import Random
 from textwrap import indent
 
 MAX_PIECES = 8
 MAX_WRAPPERS = 3
+_TEMPLATES = Path(__file__).parent / "cpp_templates"
+_CONSTRUCTS = ["containers", "control_flow", "functions", "classes", "odd_places", "iteration"]
 
 
 @dataclass(frozen=True)
@@ -18,22 +33,25 @@ class Library:
     """How a client library is written: its types and calls, `{name}` stands for the name."""
 
     ros: int
-    handle: str
-    """The type of a parameter or variable through which endpoints are made."""
-    member: str
-    """The type of a member that holds it."""
+    words: dict[str, str]
+    """What words of a template stand for."""
     types: dict[str, str]
     calls: dict[str, str]
     messages: dict[str, str]
-    timer: str
     head: str
     main: str
 
 
 ROSCPP = Library(
     ros=1,
-    handle="ros::NodeHandle &",
-    member="ros::NodeHandle",
+    words={
+        "HANDLE": "ros::NodeHandle &",
+        "MEMBER": "ros::NodeHandle",
+        "TICK": "const ros::WallTimerEvent &",
+        "TIMER_FUNCTION": "boost::function<void(const ros::WallTimerEvent &)>",
+        "START_TIMER": "auto started@ = h.createWallTimer(ros::WallDuration(0.05), timer@, true);\n"
+        "kept.push_back(std::make_shared<ros::WallTimer>(started@));",
+    },
     types={
         "publish": "ros::Publisher",
         "subscribe": "ros::Subscriber",
@@ -52,15 +70,13 @@ ROSCPP = Library(
         "service": "roscpp/Empty",
         "service_client": "roscpp/Empty",
     },
-    timer="auto timer{id} = {h}.createWallTimer(ros::WallDuration(0.05), {callback}, true);\n"
-    "kept.push_back(std::make_shared<ros::WallTimer>(timer{id}));",
     head="""#include <ros/ros.h>
 #include <roscpp/Empty.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/Int32.h>
-{includes}
-void on_message(const std_msgs::Int32::ConstPtr &) {{}}
-bool on_request(roscpp::Empty::Request &, roscpp::Empty::Response &) {{ return true; }}
+#include <bits/stdc++.h>
+void on_message(const std_msgs::Int32::ConstPtr &) {}
+bool on_request(roscpp::Empty::Request &, roscpp::Empty::Response &) { return true; }
 """,
     main="""int main(int argc, char ** argv) {{
   ros::init(argc, argv, "fuzz");
@@ -73,8 +89,14 @@ bool on_request(roscpp::Empty::Request &, roscpp::Empty::Response &) {{ return t
 
 RCLCPP = Library(
     ros=2,
-    handle="rclcpp::Node *",
-    member="rclcpp::Node *",
+    words={
+        "HANDLE": "rclcpp::Node *",
+        "MEMBER": "rclcpp::Node *",
+        "TICK": "",
+        "TIMER_FUNCTION": "std::function<void()>",
+        "START_TIMER": "auto started@ = h->create_wall_timer(std::chrono::seconds(1), timer@);\n"
+        "kept.push_back(started@);",
+    },
     types={
         "publish": "rclcpp::Publisher<std_msgs::msg::Bool>::SharedPtr",
         "subscribe": "rclcpp::Subscription<std_msgs::msg::Int32>::SharedPtr",
@@ -96,18 +118,17 @@ RCLCPP = Library(
         "service_client": "std_srvs/srv/Empty",
         "action_client": "test_msgs/action/Fibonacci",
     },
-    timer="auto timer{id} = {h}->create_wall_timer(std::chrono::milliseconds(50), {callback});\n"
-    "kept.push_back(timer{id});",
     head="""#include <rclcpp/rclcpp.hpp>
 #include <rclcpp_action/rclcpp_action.hpp>
 #include <std_msgs/msg/bool.hpp>
 #include <std_msgs/msg/int32.hpp>
 #include <std_srvs/srv/empty.hpp>
 #include <test_msgs/action/fibonacci.hpp>
-{includes}
-void on_message(std_msgs::msg::Int32::SharedPtr) {{}}
+#include <bits/stdc++.h>
+void on_message(std_msgs::msg::Int32::SharedPtr) {}
 void on_request(
-  std::shared_ptr<std_srvs::srv::Empty::Request>, std::shared_ptr<std_srvs::srv::Empty::Response>) {{}}
+  std::shared_ptr<std_srvs::srv::Empty::Request>,
+  std::shared_ptr<std_srvs::srv::Empty::Response>) {}
 """,
     main="""class Fuzz : public rclcpp::Node {{
 public:
@@ -123,24 +144,6 @@ int main(int argc, char ** argv) {{
 """,
 )
 LIBRARIES = {"roscpp": ROSCPP, "rclcpp": RCLCPP}
-_INCLUDES = (
-    *("algorithm", "array", "cstring", "deque", "functional", "future", "iterator", "list", "map"),
-    *(
-        "memory",
-        "mutex",
-        "numeric",
-        "optional",
-        "queue",
-        "ranges",
-        "set",
-        "stack",
-        "sstream",
-        "stdexcept",
-        "string",
-        "string_view",
-    ),
-    *("thread", "tuple", "type_traits", "unordered_map", "utility", "variant", "vector", "chrono"),
-)
 _KEEP = """static std::vector<std::shared_ptr<void>> kept;
 template <class T> T keep(T made) {
   kept.push_back(std::make_shared<T>(made));
@@ -150,139 +153,114 @@ template <class T> T keep(T made) {
 
 
 @dataclass(frozen=True)
-class Endpoint:
-    """A kind of endpoint: its type in C++, and the expression that makes one of a name."""
+class Construct:
+    """A template: what it declares without spelling it, and its lines."""
 
-    kind: str
-    type: str
-    call: str
+    name: str
+    endpoints: tuple[str, ...]
+    top: tuple[str, ...]
+    body: tuple[str, ...]
 
-    def make(self, name: str, handle: str = "h") -> str:
-        """Return the expression; `name` is an expression too."""
-        return self.call.format(h=handle, name=name)
+    @property
+    def forms(self) -> int:
+        """How many programs have each of its alternatives once."""
+        return max((len(each) for each in _alternatives((*self.top, "", *self.body))), default=1)
 
-    def literal(self, name: str) -> str:
-        """Return the expression for a name that is written out."""
-        return self.make(f'"{name}"')
 
-    def numbered(self, prefix: str, number: str) -> str:
-        """Return the expression for a name that ends with a number, which is an expression."""
-        return self.make(f'"{prefix}" + std::to_string({number})')
+def read_templates(*files: str) -> dict[str, Construct]:
+    """Return the templates of some files by their names."""
+    found = {}
+    for file in files:
+        for text in (_TEMPLATES / f"{file}.txt").read_text().removeprefix("== ").split("\n== "):
+            head, *lines = text.splitlines()
+            name, _, endpoints = head.partition(": ")
+            at = lines.index("--") if "--" in lines else -1
+            top, body = lines[: max(at, 0)], lines[at + 1 :]
+            found[name] = Construct(name, tuple(endpoints.split()), tuple(top), tuple(body))
+    return found
+
+
+CONSTRUCTS = read_templates(*_CONSTRUCTS)
+WRAPPERS = read_templates("wrappers")
+_SPELLINGS = [*read_templates("names").values()]
+
+
+def _alternatives(lines: Sequence[str]) -> list[list[str]]:
+    """Return the alternatives of each row of lines that has some."""
+    rows = [[*row] for some, row in groupby(lines, lambda line: line[:2] in ("| ", "+ ")) if some]
+    texts = ("\n".join(row).removeprefix("| ").split("\n| ") for row in rows)
+    return [[each.replace("\n+ ", "\n") for each in text] for text in texts]
 
 
 @dataclass
 class Writer:
     """Writes one piece: `top` stands in front of the program, `body` in its middle."""
 
-    random: Random
     library: Library
+    random: Random
     id: int
+    form: int | None
     top: list[str] = field(default_factory=list)
     body: list[str] = field(default_factory=list)
     expected: dict[tuple[str, str], str] = field(default_factory=dict)
-    _count: int = 0
+    _numbers: count = field(default_factory=count)
 
-    @property
-    def handle(self) -> str:
-        """The type of the handle as a parameter."""
-        return self.library.handle
+    def write(self, construct: Construct) -> None:
+        """Add what a template says; a wrapper takes what there is of the body."""
+        kind = self.random.choice(list(self.library.calls))
+        own = f"_{self.id}_{next(self._numbers)}"
+        block = indent("\n".join(self.body), "  ")
+        texts = [self._chosen(lines) for lines in (construct.top, construct.body)]
+        for name in (*construct.endpoints, *re.findall(r"\bt@_\d+", "\n".join(texts))):
+            key = kind, f"/{name.replace('@', own)}"
+            self.expected[key] = self.library.messages[kind]
+        top, body = (self._filled(text, kind, own).replace("BLOCK", block) for text in texts)
+        self.top += [top] if top else []
+        is_wrapper = "BLOCK" in "".join(texts)
+        self.body = [body] if is_wrapper else [*self.body, body]
 
-    def endpoint(self, kind: str = "") -> Endpoint:
-        """Return a kind of endpoint, a random one unless it is named."""
-        kind = kind or self.random.choice(list(self.library.calls))
-        call = f"keep({self.library.calls[kind]})"
-        return Endpoint(kind, self.library.types[kind], call)
+    def _chosen(self, lines: Sequence[str]) -> str:
+        """Return the lines, with one of each row of alternatives."""
+        chosen = iter([self._choose(row) for row in _alternatives(lines)])
+        rows = groupby(lines, lambda line: line[:2] in ("| ", "+ "))
+        return "\n".join(next(chosen) if some else "\n".join(row) for some, row in rows)
 
-    def unused(self, prefix: str = "x") -> str:
-        """Return a name that nothing else in the program has."""
-        self._count += 1
-        return f"{prefix}{self.id}_{self._count}"
+    def _choose(self, row: list[str]) -> str:
+        return self.random.choice(row) if self.form is None else row[self.form % len(row)]
 
-    def expect(self, endpoint: Endpoint, name: str) -> None:
-        """Note that the program has an endpoint."""
-        self.expected[endpoint.kind, f"/{name}"] = self.library.messages[endpoint.kind]
+    def _filled(self, text: str, kind: str, own: str) -> str:
+        """Return a text with what its words stand for."""
+        for word, meaning in {**self.library.words, "TYPE": self.library.types[kind]}.items():
+            text = re.sub(rf"\b{word}\b", lambda _, meaning=meaning: meaning, text)
+        text = re.sub(r"TEXT\((\S+?)\)", lambda found: self._spelled(found[1], own), text)
+        return _with_calls(text, f"keep({self.library.calls[kind]})").replace("@", own)
 
-    def dead(self, endpoint: Endpoint) -> str:
-        """Return what makes an endpoint that the program never has."""
-        return endpoint.literal(f"dead{self.id}")
-
-    def names(self, endpoint: Endpoint, count: int) -> list[str]:
-        """Return names of endpoints that the program has."""
-        found = [self.unused("t") for _ in range(count)]
-        for name in found:
-            self.expect(endpoint, name)
-        return found
-
-    def text(self, name: str) -> str:
+    def _spelled(self, name: str, own: str) -> str:
         """Return an expression that gives a name, written in one of many ways."""
-        return self.random.choice(_SPELLINGS)(self, name)
-
-    def quoted(self, names: list[str]) -> str:
-        """Return names as a row of literals."""
-        return ", ".join(f'"{name}"' for name in names)
-
-
-def _split(name: str) -> tuple[str, str]:
-    return name[: len(name) // 2], name[len(name) // 2 :]
-
-
-def _literal(_: Writer, name: str) -> str:
-    return f'"{name}"'
-
-
-def _sum(_: Writer, name: str) -> str:
-    left, right = _split(name)
-    return f'std::string("{left}") + "{right}"'
+        name = name.replace("@", own)
+        head, _, number = name.rpartition("_")
+        parts = {"NAME": name, "LEFT": name[: len(name) // 2], "RIGHT": name[len(name) // 2 :]}
+        parts |= {"HEAD": f"{head}_", "NUMBER": number}
+        spelling = self.random.choice(_SPELLINGS)
+        top, body = (
+            re.sub(r"NAME|LEFT|RIGHT|HEAD|NUMBER", lambda found: parts[found[0]], text)
+            for text in (self._chosen(spelling.top), self._chosen(spelling.body))
+        )
+        own = f"_{self.id}_{next(self._numbers)}"
+        self.top += [top.replace("@", own)] if top else []
+        return body.replace("@", own)
 
 
-def _adjacent(_: Writer, name: str) -> str:
-    left, right = _split(name)
-    return f'"{left}" "{right}"'
-
-
-def _braced(_: Writer, name: str) -> str:
-    return f'std::string{{"{name}"}}'
-
-
-def _constant(writer: Writer, name: str) -> str:
-    known = writer.unused("K")
-    forms = ('static const char * const {} = "{}";', 'const std::string {} = "{}";')
-    forms += ('constexpr auto {} = "{}";', 'constexpr const char {}[] = "{}";', '#define {} "{}"')
-    writer.top.append(writer.random.choice(forms).format(known, name))
-    return known
-
-
-def _function(writer: Writer, name: str) -> str:
-    known = writer.unused("name")
-    left, right = _split(name)
-    writer.top.append(f'std::string {known}(std::string s = "{left}") {{ return s + "{right}"; }}')
-    return f"{known}()"
-
-
-def _number(_: Writer, name: str) -> str:
-    head, _, tail = name.rpartition("_")
-    return f'"{head}_" + std::to_string({tail})'
-
-
-def _ternary(writer: Writer, name: str) -> str:
-    return f'({writer.id} > -1 ? "{name}" : "dead_{name}")'
-
-
-def _enumerator(writer: Writer, name: str) -> str:
-    kind, (head, _, tail) = writer.unused("E"), name.rpartition("_")
-    writer.top.append(f"enum class {kind} {{ A = {tail}, B }};")
-    return f'"{head}_" + std::to_string(static_cast<int>({kind}::A))'
-
-
-def _stream(_: Writer, name: str) -> str:
-    left, right = _split(name)
-    return f'[] {{ std::ostringstream s; s << "{left}" << "{right}"; return s.str(); }}()'
-
-
-_SPELLINGS: tuple[Callable[[Writer, str], str], ...] = (
-    *(_literal, _sum, _adjacent, _braced, _constant, _function, _number, _ternary, _enumerator),
-    _stream,
-)
+def _with_calls(text: str, call: str) -> str:
+    """Fill in what MAKE(x) stands for; x has parentheses in pairs."""
+    while found := re.search(r"\bMAKE\(", text):
+        depth, end = 1, found.end()
+        while depth:
+            depth += {"(": 1, ")": -1}.get(text[end], 0)
+            end += 1
+        made = call.format(h="h", name=text[found.end() : end - 1])
+        text = text[: found.start()] + made + text[end:]
+    return text
 
 
 @dataclass(frozen=True)
@@ -308,29 +286,26 @@ class Program:
         return {key: type for piece in self.pieces for key, type in piece.expected.items()}
 
 
-Construct = Callable[[Writer], None]
-
-
 def write_program(
-    library: Library,
-    random: Random,
-    constructs: list[Construct],
-    wrappers: Sequence[Construct] = (),
+    library: Library, random: Random, constructs: Sequence[Construct], form: int | None = None
 ) -> Program:
-    """Return a program of these constructs, in this order, each within some of the wrappers."""
-    writers = [Writer(random, library, at) for at in range(len(constructs))]
+    """Return a program of these constructs, in this order, each within some of the wrappers.
+
+    With a `form`, it has that of each row of alternatives, and no wrappers.
+    """
+    writers = [Writer(library, random, at, form) for at in range(len(constructs))]
     for writer, construct in zip(writers, constructs, strict=True):
-        construct(writer)
-        for wrap in random.choices(wrappers, k=random.randint(0, MAX_WRAPPERS)) if wrappers else ():
-            wrap(writer)
-    includes = "\n".join(f"#include <{name}>" for name in _INCLUDES)
-    text = library.head.format(includes=includes) + _KEEP
+        writer.write(construct)
+        wrappers = random.randint(0, MAX_WRAPPERS) if form is None else 0
+        for wrapper in random.choices([*WRAPPERS.values()], k=wrappers):
+            writer.write(wrapper)
+    text = library.head + _KEEP
     lines: list[set[int]] = [set() for _ in writers]
     text = _add(text, [writer.top for writer in writers], lines)
     before, after = library.main.format(body="\0").split("\0")
     text = _add(text + before, [[indent("\n".join(w.body), "  ")] for w in writers], lines) + after
     pieces = zip(constructs, lines, writers, strict=True)
-    found = (Piece(made.__name__, frozenset(at), writer.expected) for made, at, writer in pieces)
+    found = (Piece(made.name, frozenset(at), writer.expected) for made, at, writer in pieces)
     return Program(library, text, tuple(found))
 
 

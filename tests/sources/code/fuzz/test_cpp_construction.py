@@ -8,11 +8,9 @@ import subprocess
 from random import Random
 
 import pytest
-from cpp_control_flow import plain
-from cpp_programs import ROSCPP, write_program
-from cpp_wrappers import WRAPPERS
+from cpp_programs import CONSTRUCTS, ROSCPP, write_program
 from harness import Ros1, wait_for
-from test_cpp_programs import CONSTRUCTS, NONE, SEED, faults, scan
+from test_cpp_programs import NONE, SEED, faults, scan
 
 PARTS = 6
 COMPILE_LIMIT_S = 240
@@ -52,8 +50,8 @@ def registered(ros):
 @pytest.mark.parametrize("part", range(PARTS))
 def test_a_compiled_program_has_what_it_says(part, tmp_path):
     random = Random(f"compiled {SEED} {part}")
-    constructs = [*CONSTRUCTS[part::PARTS], plain]
-    program = write_program(ROSCPP, random, constructs, WRAPPERS)
+    constructs = [*CONSTRUCTS.values()][part::PARTS]
+    program = write_program(ROSCPP, random, constructs)
     binary = compiled(program, tmp_path)
     expected = {key for key in program.expected if key[0] in SIDES}
     with Ros1(tmp_path) as ros:
