@@ -301,7 +301,7 @@ class AppFacts:
     @cached_property
     def _topics_of_type(self) -> dict[str, set[str]]:
         found: dict[str, set[str]] = defaultdict(set)
-        for topic in self.explicit_topics:
+        for topic in {end.topic for end in self.graph.endpoints}:
             for type in self.facts.topic(topic).types:
                 found[type].add(topic)
         return found
