@@ -3,10 +3,14 @@
 import os
 import shutil
 from contextlib import contextmanager
+from pathlib import Path
+from tempfile import mkdtemp
+from time import monotonic
 
 import pytest
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+REMOVAL_LIMIT_S = 10
 ARGUMENTS = (
     "--headless=new",
     "--disable-gpu",
@@ -30,8 +34,22 @@ def open_chromium(width=1600, height=1000):
     as_root = ("--no-sandbox",) if os.geteuid() == 0 else ()
     for argument in (*ARGUMENTS, f"--window-size={width},{height}", *as_root):
         options.add_argument(argument)
-    browser = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    with _folder_of_its_own() as folder:
+        service = webdriver.ChromeService(DRIVER, env=os.environ | {"TMPDIR": folder})
+        browser = webdriver.Chrome(options=options, service=service)
+        try:
+            yield browser
+        finally:
+            browser.quit()
+
+
+@contextmanager
+def _folder_of_its_own():
+    """Yield a folder for what a browser leaves behind; its processes end after the driver's."""
+    folder = mkdtemp(prefix="rtron-")
     try:
-        yield browser
+        yield folder
     finally:
-        browser.quit()
+        until = monotonic() + REMOVAL_LIMIT_S
+        while Path(folder).exists():
+            shutil.rmtree(folder, ignore_errors=monotonic() < until)

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, settings
 
 from example_budget import SHORT, WHOLE
 
-pytest_plugins = ["shared_fixtures"]
+pytest_plugins = ["shared_fixtures", "time_limits"]
 
 TESTS = Path(__file__).parent
 _NO_HELPERS = {"hardcases", "launch_double", "nodes"}

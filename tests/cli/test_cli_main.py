@@ -1,5 +1,6 @@
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -68,6 +69,28 @@ def test_a_usage_message_that_nobody_reads_is_no_error_of_ours():
     with os.fdopen(writer, "wb") as closed:
         ran = subprocess.run([sys.executable, "-c", code], stdout=-1, stderr=closed, check=False)
     assert (ran.returncode, ran.stdout) == (2, b"")
+
+
+def break_connection(_):
+    ours, theirs = socket.socketpair()
+    with ours:
+        theirs.close()
+        ours.sendall(b"x")
+
+
+def test_another_pipe_that_breaks_is_an_error(rtron, graph_file, monkeypatch):
+    monkeypatch.setattr(GraphFile, "read", break_connection)
+    ran = rtron("scan", graph_file)
+    assert (ran.code, ran.out) == (2, "")
+    assert "a connection ended: [Errno 32] Broken pipe" in ran.err
+
+
+def test_help_that_nobody_reads_is_no_error():
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "wb") as closed:
+        ran = subprocess.run([*MODULE, "scan", "-h"], stdout=closed, stderr=-1, check=False)
+    assert ran.stderr == b""
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])

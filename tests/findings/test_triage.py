@@ -96,3 +96,27 @@ def test_a_level_shows_its_findings_new_and_known():
     result = triage(GRAPH, [odd], (), (), Baseline({odd.fingerprint: odd.id}, frozenset()))
     assert at_level(result, FindingLevel.REGULAR).known == ()
     assert at_level(result, FindingLevel.PEDANTIC).known == (odd,)
+
+
+def of_one_cause():
+    """Return two findings that one namespace too much makes."""
+    return [
+        replace(CMD_VEL, subject=f"/r/{name}", meant=f"/{name}", topics=(f"/r/{name}",))
+        for name in ("cmd_vel", "arm")
+    ]
+
+
+def test_an_ignore_of_one_finding_leaves_the_other_of_its_cause():
+    first, other = of_one_cause()
+    result = triage(GRAPH, [first, other], (), [ignore(topic="/r/cmd_vel")])
+    assert (result.findings, [each for each, _ in result.ignored]) == ((other,), [first])
+    assert result.folds == {}
+
+
+def test_what_is_left_of_one_cause_is_no_news():
+    first, other = of_one_cause()
+    both = Baseline({each.fingerprint: each.id for each in (first, other)})
+    assert triage(GRAPH, [first, other], (), (), both).folds == {other.id: first.id}
+    for left, mended in ((first, other), (other, first)):
+        result = triage(GRAPH, [left], (), (), both)
+        assert (result.findings, result.known, result.gone) == ((), (left,), (mended.id,))

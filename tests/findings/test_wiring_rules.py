@@ -30,6 +30,7 @@ from rtron.vocabulary import (
     Service,
     ServiceClient,
     Severity,
+    UnresolvedCause,
     UnresolvedItem,
     WiringFact,
     WiringFactKind,
@@ -759,6 +760,21 @@ class TestMissingManagedNode:
         graph = replace(small_graph(text, services=self.offers("/slam")), **more)
         assert not found("missing_managed_node", graph)
 
+    @pytest.mark.parametrize(
+        ("cause", "count"),
+        [
+            (UnresolvedCause.ARGUMENT, 1),
+            (UnresolvedCause.UNSET_VARIABLE, 1),
+            (UnresolvedCause.MISSING_CODE, 0),
+            (UnresolvedCause.PARTLY_READ, 0),
+        ],
+    )
+    def test_without_a_manager_a_value_that_is_not_known_activates_nothing(self, cause, count):
+        text = self.ALONE + "  sub /map nav_msgs/OccupancyGrid\n"
+        note = UnresolvedItem(what="speed", why="?", cause=cause)
+        graph = small_graph(text, services=self.offers("/slam"), unresolved=(note,))
+        assert len(found("missing_managed_node", graph)) == count
+
     @pytest.mark.parametrize(("file", "count"), [("slam.py", 0), ("slam.cpp", 1)])
     def test_a_publisher_of_rclpy_needs_no_activation(self, file, count):
         text = self.ALONE + "  sub /map nav_msgs/OccupancyGrid\n"
@@ -775,10 +791,15 @@ class TestMissingManagedNode:
 
 class TestOverriddenParameter:
     def test_tells_both_values(self):
-        graph = with_fact("overridden_parameter", "/use_sim_time", "False", "True")
+        graph = with_fact("overridden_parameter", "/use_sim_time", "False", "True", "$(arg sim)")
         finding = the_finding("unread_parameter", graph)
         expected = "/use_sim_time is False, although the launch sets it to True"
         assert (finding.summary, finding.level) == (expected, FindingLevel.REGULAR)
+        assert "the default of its $(arg sim)" in finding.cause
+
+    def test_a_value_of_its_own_may_be_meant_to_come_last(self):
+        graph = with_fact("overridden_parameter", "/max_speed", "2.0", "1.0")
+        assert the_finding("unread_parameter", graph).level is FindingLevel.PEDANTIC
 
 
 class TestMissingPlugin:

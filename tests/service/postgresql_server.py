@@ -61,6 +61,11 @@ class PostgreSQL:
         settings += [f"-c unix_socket_directories={self._folder}", f"-p {self._port}"]
         self._pg_ctl("start", _START_S, "-l", "log", "-o", " ".join(settings))
 
+    @property
+    def socket_path(self):
+        """The server's socket in the file system."""
+        return self._folder / f".s.PGSQL.{self._port}"
+
     def stop(self):
         """End the server and remove its folder."""
         try:

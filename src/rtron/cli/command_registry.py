@@ -11,6 +11,9 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command, get_group
 
+from rtron.cli.support.outcome import STANDARD_OUTPUTS, is_unread
+from rtron.errors import SourceError
+
 COMMANDS = {
     "From an app to a guarded app": {
         "demo": "Attack a simulated robot, without the guard and with it.",
@@ -136,6 +139,16 @@ class CommandGroup(TyperGroup):
         super().__init__(**options | {"commands": commands})
         self._has_options = True
         self.help = _keep_lines(self.help or "")
+
+    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401 - likewise
+        """Run a command; typer would end without a word where any connection of it breaks."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError as error:
+            if any(map(is_unread, STANDARD_OUTPUTS)):
+                raise
+            help = "see whether what the command speaks to still runs"
+            raise SourceError(f"a connection ended: {error}", help=help) from error
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - likewise
         """Read the options of `rtron` itself only where some are given: typer loads pydantic."""

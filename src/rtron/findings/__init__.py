@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.folding import fold
 from rtron.findings.inventory import take_inventory
 from rtron.findings.motion import (
     arbiter,
@@ -105,14 +104,11 @@ def app_facts(graph: InteractionGraph, lists: RiskLists | None = None) -> AppFac
 
 
 def find_findings(app: AppFacts) -> tuple[Finding, ...]:
-    """Return the findings of an app, the worst first; those of one rule in order of subject.
-
-    Those of one cause are one.
-    """
+    """Return the findings of an app, the worst first; those of one rule in order of subject."""
     found = [
         finding
         for rule in FINDING_RULES
         for finding in sorted(rule.check(app), key=lambda each: each.subject)
     ]
     worst_last = list(Severity)
-    return fold(sorted(found, key=lambda each: -worst_last.index(each.severity)))
+    return tuple(sorted(found, key=lambda each: -worst_last.index(each.severity)))

@@ -1,8 +1,8 @@
-"""Findings of one cause as one: all their names differ by one namespace, or one part of a frame."""
+"""Findings of one cause, shown as one: their names differ by one namespace or part of a frame."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import takewhile
 from typing import TypeAlias
 
@@ -13,39 +13,22 @@ _Difference: TypeAlias = tuple[FindingLevel, bool, frozenset[tuple[str, ...]]]
 """The level, whether it is between namespaces, and what parts the two names."""
 
 
-@dataclass(slots=True)
-class _Groups:
-    """Findings with what is meant, those of one difference or name together, the worst first."""
-
-    _of: dict[object, list[Finding]] = field(default_factory=dict)
-
-    def add(self, finding: Finding) -> list[Finding]:
-        """Return the group of a finding, which is its last."""
-        keys = list(_keys(finding)) or [finding.id]
-        group = next((self._of[key] for key in keys if key in self._of), [])
-        group.append(finding)
-        self._of.update(dict.fromkeys(keys, group))
-        return group
-
-
 def fold(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Return the findings; the first of those with one cause tells of the others."""
-    groups, found = _Groups(), list[list[Finding]]()
+    """Return the findings as they are shown: the first of those with one cause tells of others."""
+    return tuple(_folded(*group) for group in _groups(findings))
+
+
+def folds(findings: Iterable[Finding]) -> dict[str, str]:
+    """Return the id of the finding that tells of another, by the id of the other."""
+    return {each.id: first.id for first, *others in _groups(findings) for each in others}
+
+
+def _groups(findings: Iterable[Finding]) -> Iterable[list[Finding]]:
+    """Return the findings, those whose names differ alike together."""
+    found: dict[object, list[Finding]] = {}
     for finding in findings:
-        group = groups.add(finding)
-        if len(group) == 1:
-            found.append(group)
-    return tuple(_folded(*group) for group in found)
-
-
-def _keys(finding: Finding) -> Iterator[object]:
-    """Yield what the findings of one cause share: the difference, and a name of one namespace."""
-    difference = _difference(finding)
-    if difference is not None:
-        yield difference
-        level, are_namespaces, _ = difference
-        if are_namespaces:
-            yield from ((level, name) for name in (finding.subject, finding.meant))
+        found.setdefault(_difference(finding) or finding.id, []).append(finding)
+    return found.values()
 
 
 def _difference(finding: Finding) -> _Difference | None:

@@ -9,7 +9,7 @@ from itertools import product
 from rtron.findings.app_facts import AppFacts, says_more
 from rtron.findings.inventory.things import is_harmless, thing_of, thing_of_node
 from rtron.findings.measurement_names import may_be_measured
-from rtron.findings.motion.arbiter import ARBITER_PACKAGES, is_one_stack
+from rtron.findings.node_kinds import ARBITER_PACKAGES, is_one_stack
 from rtron.vocabulary import Direction, normalise_type
 from rtron.vocabulary.inventory import Means
 from rtron.vocabulary.names import are_nested

@@ -9,6 +9,7 @@ from dataclasses import replace
 from fnmatch import fnmatchcase
 from itertools import chain
 
+from rtron.findings.folding import folds
 from rtron.findings.severity import shown_at
 from rtron.vocabulary import (
     Baseline,
@@ -43,8 +44,10 @@ def triage(
     used |= {id(each) for each in ignores if any(_ignores_risk(each, risk) for risk in risks)}
     settled = {topic for finding, _ in ignored for topic in finding.topics}
     found = {finding.fingerprint for finding in findings}
+    news = tuple(each for each in others if each.fingerprint not in earlier.findings)
+    known = tuple(each for each in others if each.fingerprint in earlier.findings)
     return Triage(
-        findings=tuple(each for each in others if each.fingerprint not in earlier.findings),
+        findings=news,
         risks=tuple(
             risk
             for risk in risks
@@ -53,9 +56,10 @@ def triage(
             and not any(_ignores_risk(each, risk) for each in ignores)
         ),
         ignored=tuple(ignored),
-        known=tuple(each for each in others if each.fingerprint in earlier.findings),
+        known=known,
         gone=tuple(id for print_, id in earlier.findings.items() if print_ not in found),
         unused=tuple(each for each in ignores if id(each) not in used),
+        folds=folds(news) | folds(known),
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import TypeAdapter
 
 import rtron
+from rtron.findings.folding import fold
 from rtron.functions.app_categories import AppProfile, app_profile
 from rtron.functions.interactions.typical_messages import is_informative
 from rtron.survey.app_listing import AppToScan
@@ -107,7 +108,7 @@ RESULT_ADAPTER: TypeAdapter[AppResult] = TypeAdapter(AppResult)
 def survey_app(app: AppToScan, graph: InteractionGraph) -> AppSurvey:
     """Return the numbers of an app's graph."""
     result = scan_graph(with_relative_evidence(graph, app.top))
-    findings = [each for each in result.findings if each.level is not FindingLevel.AUDITOR]
+    findings = [each for each in fold(result.findings) if each.level is not FindingLevel.AUDITOR]
     profile = app_profile(graph, app.name)
     return AppSurvey(
         nodes=len(graph.nodes),

@@ -104,7 +104,8 @@ class Baseline:
 class Triage:
     """The findings and risks that are news, and what became of the others.
 
-    `gone` are the ids of findings of an earlier scan that this one does not have any more.
+    `gone` are the ids of findings of an earlier scan that this one does not have any more. `folds`
+    has for each finding that another one tells of, new or known, the ids of both.
     """
 
     findings: tuple[Finding, ...]
@@ -113,3 +114,4 @@ class Triage:
     known: tuple[Finding, ...] = ()
     gone: tuple[str, ...] = ()
     unused: tuple[Ignore, ...] = ()
+    folds: Mapping[str, str] = field(default_factory=dict)

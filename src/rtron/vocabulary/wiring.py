@@ -28,7 +28,10 @@ class WiringFactKind(StringEnum):
     MALFORMED_PARAMETER_FILE = "malformed_parameter_file"
     """A file that others, nodes, are given, with values and none below `ros__parameters`."""
     OVERRIDDEN_PARAMETER = "overridden_parameter"
-    """A parameter that a launch file sets to others, and one within it later to the value."""
+    """A parameter that a launch file sets, and one within it later to the value.
+
+    The others are what it was, and the argument whose default the value is, if it is one.
+    """
     UNTYPED_CONTROLLER = "untyped_controller"
     """A controller that the value, a spawner, asks for, and that has no type; others have one."""
     MISSING_PLUGIN = "missing_plugin"

@@ -7,7 +7,7 @@ from itertools import chain
 from rtron.coherence import guards_nothing
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.node_roles import NodeRoles, unread_drivers
-from rtron.findings.motion.arbiter import arbiters
+from rtron.findings.node_kinds import arbiters
 from rtron.planning.problem import PlanProblem, ProblemLevel
 from rtron.vocabulary import Mode, Plan, Trust, UnguardedPath, build_streams
 from rtron.vocabulary.inventory import NO_MOTION, SIGNALS, Command, Means, Mover, Thing

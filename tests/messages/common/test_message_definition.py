@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 from rtron.errors import InputError
 from rtron.messages import DefinitionRegistry, Field, parse_definition
 from rtron.messages.common.definition_parser import MAX_DEPTH, MAX_FIELDS, MAX_TEXT, MAX_VALUES
-from rtron.messages.common.definition_registry import standard_text
+from rtron.messages.common.definition_registry import standard_names, standard_text
 from rtron.vocabulary import MessageDefinition
 
 STORES = [each for each in Stores if each is not Stores.EMPTY]
@@ -307,3 +307,12 @@ def test_the_standard_is_that_of_the_sourced_distribution(monkeypatch, distro, r
     monkeypatch.setenv("ROS_DISTRO", distro)
     found = DefinitionRegistry(ros=ros).find("sensor_msgs/Range")
     assert (found.find("variance") is not None) is has_variance
+
+
+def test_the_names_of_standard_messages_are_those_of_noetic_and_jazzy():
+    stores = map(get_typestore, (Stores.ROS1_NOETIC, Stores.ROS2_JAZZY))
+    types = {type for store in stores for type in store.types}
+    packages = {type.partition("/")[0] for type in types}
+    named = {f"{each}/msg/{name}" for each in packages for name in standard_names(each)}
+    assert named == types
+    assert standard_names("my_msgs") == frozenset()

@@ -5,7 +5,7 @@ from report_cases import CONTENDED, EVENT, REPORT, report_of
 
 from rtron.reports.app.risks_json import risks_to_json
 from rtron.sources.ignores.baseline_file import read_baseline
-from rtron.vocabulary import Domain
+from rtron.vocabulary import Domain, Triage
 
 
 def test_keys_are_those_of_the_contract():
@@ -61,6 +61,12 @@ def test_findings_say_whether_they_are_new_and_why_they_are_ignored():
     assert ignored["place"] == {"file": "rtron.toml", "line": 3}
     assert document["gone"] == ["no_server:/plan"]
     assert [each["rule"] for each in document["unused_ignores"]] == ["no_server"]
+
+
+def test_a_folded_finding_names_the_one_that_tells_of_it():
+    triage = Triage(findings=(HIGH, MEDIUM), known=(LOW,), folds={MEDIUM.id: HIGH.id})
+    found = {each["id"]: each["folded_under"] for each in risks_to_json(REPORT, triage)["findings"]}
+    assert found == {HIGH.id: "", MEDIUM.id: HIGH.id, LOW.id: ""}
 
 
 def test_a_report_is_the_baseline_of_the_next_scan(tmp_path):

@@ -240,6 +240,12 @@ def test_findings_come_first_with_what_they_say_and_where():
     assert HIGH.rule in {rule["id"] for rule in run["tool"]["driver"]["rules"]}
 
 
+def test_a_folded_finding_is_a_result_that_names_the_one_that_tells_of_it():
+    triage = Triage(findings=(HIGH, MEDIUM), folds={MEDIUM.id: HIGH.id})
+    results = run_of(triage=triage)["results"][:2]
+    assert [each["properties"].get("foldedUnder") for each in results] == [None, HIGH.id]
+
+
 def test_ignored_findings_are_suppressed_and_known_ones_unchanged():
     comment = replace(TRIAGE, ignored=((MEDIUM, UNUSED),))
     results = {r["properties"]["id"]: r for r in run_of(triage=TRIAGE)["results"]}

@@ -11,6 +11,7 @@ import pytest
 from sqlalchemy import make_url, text
 from sqlalchemy.exc import DBAPIError
 
+from rtron.errors import InputError
 from rtron.service.store.database import Database
 
 DESCRIPTORS = Path("/proc/self/fd")
@@ -84,3 +85,29 @@ def test_a_connection_in_use_ends_when_it_is_given_back_after_the_database_was_c
         database.close()
         assert len(open_sockets() - before) == 1
     assert open_sockets() == before
+
+
+def test_a_socket_of_the_machine(postgresql, database):
+    path = postgresql.socket_path
+    database.url = make_url(f"postgresql+pg8000://postgres@/postgres?unix_sock={path}")
+    with database.own_connection(60) as connection:
+        address = connection.exec_driver_sql("SELECT inet_client_addr()").scalar()
+    assert address is None
+    database.url = make_url(f"postgresql+pg8000://postgres@/postgres?unix_sock={path}.gone")
+    before = open_sockets()
+    with pytest.raises(DBAPIError, match="gone: "), database.own_connection(60):
+        pass
+    assert open_sockets() == before
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("sslmode=require&a=b", "unknown options: a, sslmode"),
+        ("unix_sock=/run/s", "a host and a socket"),
+    ],
+)
+def test_options_that_would_not_be_followed_are_refused(options, message):
+    with pytest.raises(InputError, match=message) as refused:
+        Database(f"postgresql://ann:secret@127.0.0.1:1/b?{options}")
+    assert "secret" not in str(refused.value)

@@ -9,6 +9,7 @@ it is missing, in a `try` with `except ImportError`, is one of several alternati
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[3] / "src" / "rtron"
@@ -47,6 +48,7 @@ Alternatives = frozenset[str]
 """The names of which a release must have one."""
 
 
+@cache
 def uses() -> dict[Alternatives, str]:
     """Return all that RTron uses, each with a place where."""
     found: dict[Alternatives, str] = {}

@@ -32,20 +32,19 @@ CONSTANTS = {
     "RMW_QOS_POLICY_RELIABILITY_RELIABLE": ("wire/ros2/discovery_info.py", "_RELIABLE"),
 }
 """Where the code has a constant of C."""
-_USES = uses()
 
 
 def lacking(release):
     """Return the uses that a release does not have, nor a replacement, each with its place."""
     return {
         " or ".join(sorted(names)): place
-        for names, place in _USES.items()
+        for names, place in uses().items()
         if all(TABLE["uses"].get(name, {}).get(release) == "absent" for name in names)
     }
 
 
 def test_the_table_names_all_that_is_used_and_nothing_else():
-    used = {name: place for names, place in _USES.items() for name in names}
+    used = {name: place for names, place in uses().items() for name in names}
     missing = {name: place for name, place in used.items() if name not in TABLE["uses"]}
     assert missing == {}, "look up in the sources of each release whether it has these"
     assert set(TABLE["uses"]) - set(used) == set()
@@ -63,7 +62,7 @@ def test_what_is_used_is_in_every_release(release):
 def test_a_use_that_a_release_lacks_is_found(monkeypatch):
     """Without its replacement, Humble would lack `rclpy.event_handler`."""
     name = "rclpy.event_handler.SubscriptionEventCallbacks"
-    monkeypatch.setitem(_USES, frozenset({name}), "somewhere.py:1")
+    monkeypatch.setitem(uses(), frozenset({name}), "somewhere.py:1")
     assert lacking("humble") == {name: "somewhere.py:1"}
     assert lacking("jazzy") == {}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import os
+import select
 import sys
 from dataclasses import dataclass
 from io import StringIO
@@ -30,6 +31,8 @@ OK, FINDINGS, BAD_INPUT = 0, 1, 2
 INTERRUPTED = 130
 """128 and the number of SIGINT, as shells have it."""
 STDOUT = Path("-")
+STANDARD_OUTPUTS = (1, 2)
+"""The numbers of standard output and standard error."""
 _FILE_WIDTH = 100
 
 
@@ -119,6 +122,13 @@ def _print(shown: str | Report | Markdown) -> bool:
         if isinstance(error, BrokenPipeError):
             return False
         raise _write_error(error, "standard output") from None
+
+
+def is_unread(descriptor: int) -> bool:
+    """Return whether a file leads to a reader that has gone."""
+    poll = select.poll()
+    poll.register(descriptor, 0)  # what is always told: POLLERR, POLLHUP
+    return bool(poll.poll(0))
 
 
 def discard_output(file: TextIO) -> None:

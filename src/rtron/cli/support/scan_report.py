@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from rtron.cli.support.outcome import FINDINGS, OK, STDOUT, Outcome, as_json, write_files
 from rtron.cli.support.progress import show_progress
 from rtron.errors import InputError
+from rtron.findings.folding import fold
 from rtron.findings.triage import at_level
 from rtron.reports.app.dot import graph_to_dot
 from rtron.reports.app.html import graph_to_html
@@ -99,6 +100,7 @@ def _is_unread(graph: InteractionGraph) -> bool:
 
 
 def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> Report:
+    triage = replace(triage, findings=fold(triage.findings))
     shown = at_level(triage, level)
     scan = Scan(
         result.graph,
@@ -115,7 +117,7 @@ def _text(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLe
 
 
 def _html(app: SelectedApp, result: ScanResult, triage: Triage, level: FindingLevel) -> str:
-    plan, findings = propose(result).plan, at_level(triage, level).findings
+    plan, findings = propose(result).plan, fold(at_level(triage, level).findings)
     lines = read_source_lines(findings, app.root)
     return graph_to_html(result.graph, result.report, plan, findings, lines, result.inventory)
 

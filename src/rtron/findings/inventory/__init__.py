@@ -20,8 +20,7 @@ from rtron.findings.inventory.node_roles import (
 from rtron.findings.inventory.stopping import Stopping, goes_on, stopping
 from rtron.findings.inventory.things import part_of_name, vagueness
 from rtron.findings.measurement_names import moves_nothing
-from rtron.findings.motion.network_bridge import bridges
-from rtron.findings.motion.several_publishers import moves
+from rtron.findings.node_kinds import bridges, moves
 from rtron.vocabulary.inventory import (
     NO_MOTION,
     SIGNALS,

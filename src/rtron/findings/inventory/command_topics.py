@@ -22,7 +22,7 @@ from rtron.findings.inventory.things import (
 )
 from rtron.findings.inventory.unheard_commands import UnheardCommands
 from rtron.findings.measurement_names import MEASURED_TYPES, may_be_measured
-from rtron.findings.motion.arbiter import arbiters, priorities
+from rtron.findings.node_kinds import arbiters, priorities
 from rtron.vocabulary import Direction, Domain, Endpoint, Ros1ActionTopic, normalise_type
 from rtron.vocabulary.inventory import SIGNALS, Command, Means, Thing
 from rtron.vocabulary.names import snake_case
@@ -178,6 +178,8 @@ class CommandTopics:
         return topic in self._written and "device" in given
 
     def _is_output(self, end: Endpoint) -> bool:
+        if self.roles.is_sketch(end.node):
+            return not self.flows.is_unused(end.node, end.topic)
         given = self.flows.outputs.get((end.node, end.topic))
         is_named = self._things[end.topic] not in {None, Thing.DEVICE, Thing.MODE}
         if given == "device" and self.roles.is_actuating(end.node):

@@ -11,7 +11,7 @@ from rtron.findings.inventory.forwarding import Forwarding
 from rtron.findings.inventory.node_roles import NodeRoles, may_drive_unread
 from rtron.findings.inventory.requests import actions, services
 from rtron.findings.inventory.things import COMMAND_NAMES, PARTS, thing_of, thing_of_node
-from rtron.findings.motion.network_bridge import bridges
+from rtron.findings.node_kinds import bridges
 from rtron.vocabulary import ActionRole, Trust, normalise_type
 from rtron.vocabulary.inventory import NO_MOTION, SWITCHES, Command, Means, Thing
 

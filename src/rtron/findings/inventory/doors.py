@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.network_bridge import bridges
+from rtron.findings.node_kinds import bridges
 from rtron.vocabulary import WiringFactKind
 
 

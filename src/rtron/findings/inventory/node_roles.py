@@ -6,8 +6,7 @@ from functools import cached_property
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.measurement_names import is_called_sensor, is_measured, may_be_measured
-from rtron.findings.motion.network_bridge import carriers
-from rtron.findings.motion.several_publishers import moves
+from rtron.findings.node_kinds import carriers, moves
 from rtron.vocabulary import Endpoint, Node, WiringFact, WiringFactKind, normalise_type
 from rtron.vocabulary.names import EMERGENCY_STOP, snake_case
 

@@ -18,10 +18,10 @@ clients need (`topics_glob`, `client_topic_whitelist`). Guard the motion topics.
 For servers that only show topics and listen on the local address.
 """
 
-from collections import defaultdict
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
+from rtron.findings.node_kinds import included_bridges
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (
     Certainty,
@@ -31,8 +31,7 @@ from rtron.vocabulary import (
     Node,
     UnresolvedItem,
 )
-from rtron.vocabulary.enums import HiddenPart
-from rtron.vocabulary.ros_packages import CARRIER_PACKAGES, NETWORK_BRIDGES
+from rtron.vocabulary.ros_packages import NETWORK_BRIDGES
 from rtron.wording import join_names
 
 _LINKS = {"mavros": ("gcs_url", "a ground station on its link commands the vehicle")}
@@ -55,7 +54,7 @@ def check(app: AppFacts) -> Iterator[Finding]:
             yield _view(app, node)
     for node in _linked_nodes(app):
         yield from _link(app, node)
-    for package, notes in _included_bridges(app).items():
+    for package, notes in included_bridges(app).items():
         yield _included(app, package, notes)
 
 
@@ -117,27 +116,6 @@ def _view(app: AppFacts, node: Node) -> Finding:
         nodes=(node.name,),
         evidence=app.evidence(app.graph.subscribed_by(node.name)),
     )
-
-
-def bridges(app: AppFacts) -> list[str]:
-    """Return the nodes that are bridges, and the packages of those that are only included."""
-    nodes = [node.name for node in app.graph.nodes if node.package in NETWORK_BRIDGES]
-    return [*nodes, *_included_bridges(app)]
-
-
-def carriers(app: AppFacts) -> frozenset[str]:
-    """Return the nodes that publish and subscribe for others, which are not nodes of the app."""
-    return frozenset(node.name for node in app.graph.nodes if node.package in CARRIER_PACKAGES)
-
-
-def _included_bridges(app: AppFacts) -> dict[str, list[UnresolvedItem]]:
-    """Return the packages of bridges that are included and not read, with what says so."""
-    started = {node.package for node in app.graph.nodes}
-    noted: dict[str, list[UnresolvedItem]] = defaultdict(list)
-    for note in app.graph.unresolved:
-        if note.package in NETWORK_BRIDGES.keys() - started and note.hides is HiddenPart.NODES:
-            noted[note.package].append(note)
-    return noted
 
 
 def _included(app: AppFacts, package: str, notes: list[UnresolvedItem]) -> Finding:

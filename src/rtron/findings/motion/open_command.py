@@ -23,7 +23,7 @@ from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.lost_commands import lost_commands
-from rtron.findings.motion.arbiter import arbiters, is_one_stack
+from rtron.findings.node_kinds import arbiters, is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 from rtron.wording import conjugate, join_names

@@ -23,7 +23,7 @@ import re
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.network_bridge import bridges
+from rtron.findings.node_kinds import bridges
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 from rtron.wording import conjugate, join_names

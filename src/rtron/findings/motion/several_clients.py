@@ -21,7 +21,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.motion.arbiter import is_one_stack
+from rtron.findings.node_kinds import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import ActionRole, Certainty, Consequence, Finding, FindingLevel
 from rtron.wording import both_or_all, join_names

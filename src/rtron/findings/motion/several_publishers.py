@@ -21,24 +21,16 @@ base that publishes its own input, and a `topic pub` of the launch that sends on
 PX4's, and commands that reach nobody, are `pedantic`.
 """
 
-import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.lost_commands import lost_commands
-from rtron.findings.motion.arbiter import arbiters, is_one_stack
+from rtron.findings.node_kinds import arbiters, is_one_stack, moves
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Finding, FindingLevel
 from rtron.wording import both_or_all, conjugate, join_names
 
-_MOVERS = frozenset(
-    {"base", "driver", "motor", "motors", "wheel", "wheels", "chassis", "controller", "drive"}
-    | {"serial", "rosserial", "firmware", "mcu", "vesc", "roboclaw", "arduino", "teensy"}
-    | {"kinematics", "differential", "sdk", "servo", "servos", "hardware", "relayboard"}
-    | {"arm", "gripper", "manipulator", "autopilot", "drone", "thruster", "thrusters"}
-)
-"""Words in the names of nodes and packages that move a robot."""
 _REQUESTS = ("px4_msgs/VehicleCommand",)
 _LIMITS = ("max_vel", "speed_limit", "velocity_limit")
 
@@ -120,12 +112,6 @@ def _command(app: AppFacts, topic: str) -> str:
         return "set and release the emergency stop"
     is_limit = any(word in topic for word in _LIMITS)
     return "set the robot's speed limit" if is_limit else "drive the robot"
-
-
-def moves(node: str, package: str) -> bool:
-    """Return whether a node and its package are called like what moves a robot."""
-    name = f"{node.rpartition('/')[2]}_{package}"
-    return not _MOVERS.isdisjoint(re.split("[_-]", name.lower()))
 
 
 def _missing_reader(app: AppFacts, maybe_readers: tuple[str, ...]) -> str:

@@ -19,8 +19,9 @@ Start the node, correct its name or namespace, or remove it from `node_names`. A
 Below `pedantic`, where something was not read, or where the launch starts no other node of the
 manager and no lifecycle node of a near name. A node that nobody activates is none where something
 was not read, where an event of a launch file, `ros2 lifecycle set` or a client of a name that is
-not known may be for it, and if it changes its own state. Without a manager, anything unresolved
-makes it none, and so does a publisher of rclpy, which publishes before it is active.
+not known may be for it, and if it changes its own state. Without a manager, whatever may start or
+be one makes it none: a process, code that was not followed. So does a publisher of rclpy, which
+publishes before it is active.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -33,6 +34,7 @@ from rtron.vocabulary import (
     Finding,
     Service,
     ServiceClient,
+    UnresolvedCause,
     WiringFactKind,
     fits_open_name,
 )
@@ -41,6 +43,13 @@ from rtron.wording import join_names
 
 _MANAGER = "nav2_lifecycle_manager"
 _CALLED = ("/change_state", "/get_state")
+_OF_VALUES = (
+    UnresolvedCause.ARGUMENT,
+    UnresolvedCause.UNSET_VARIABLE,
+    UnresolvedCause.RUN_TIME,
+    UnresolvedCause.INCOMPLETE_DESCRIPTION,
+)
+"""Why notes are made that are not about a program or its code."""
 
 
 def check(app: AppFacts) -> Iterator[Finding]:
@@ -63,7 +72,7 @@ def _not_activated(app: AppFacts, managed: Mapping[str, list[str]]) -> Iterator[
     """Yield a finding for the nodes whom nobody activates, neither the one manager nor another.
 
     Those of a manager's programs are left out; without one, those whose topics nobody reads, and
-    all where anything is unresolved, which may activate them.
+    all where something that was not read may activate them.
     """
     of_manager = [name for names in managed.values() for name in names]
     programs = {(app.nodes[each].package, app.nodes[each].executable) for each in of_manager}
@@ -71,7 +80,7 @@ def _not_activated(app: AppFacts, managed: Mapping[str, list[str]]) -> Iterator[
         each
         for each in _idle_nodes(app)
         if (app.nodes[each].package, app.nodes[each].executable) not in programs
-        and (of_manager or not (managed or app.graph.unresolved))
+        and (of_manager or not (managed or _may_be_managed(app)))
         and (of_manager or _is_read(app, each))
     ]
     if idle:
@@ -92,6 +101,11 @@ def _not_activated(app: AppFacts, managed: Mapping[str, list[str]]) -> Iterator[
             topics=[f"{name}{_CALLED[0]}" for name in idle],
             evidence=(*app.node_evidence(idle), *app.node_evidence(managed)),
         )
+
+
+def _may_be_managed(app: AppFacts) -> bool:
+    """Return whether something that was not read may be a manager, or ask for a state."""
+    return any(note.cause not in _OF_VALUES for note in app.graph.unresolved)
 
 
 def _idle_nodes(app: AppFacts) -> list[str]:

@@ -25,7 +25,7 @@ from functools import lru_cache
 from rtron.findings.app_facts import AppFacts, near_names, says_more
 from rtron.findings.lost_commands import lost_commands
 from rtron.findings.measurement_names import MEASURED_TYPES
-from rtron.findings.motion.arbiter import is_one_stack
+from rtron.findings.node_kinds import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (
     ROS2_ACTION_TOPICS,

@@ -17,7 +17,9 @@ Write the names that the node declares, or remove the parameters. Set a value be
 ## When it is silent
 
 Where the source was not read whole, the node has dynamic_reconfigure, or any node uses the
-parameter. Without a near name it is `pedantic`.
+parameter. Without a near name it is `pedantic`, and so is a value that a file within the launch
+sets later: a robot's own may be meant to come after the usual ones. It is not if that value is the
+default of an argument that the including file does not give.
 """
 
 from collections.abc import Iterator
@@ -29,6 +31,7 @@ from rtron.findings.wiring_groups import WiringGroup, fact_finding, wiring_group
 from rtron.vocabulary import Certainty, Finding, WiringFactKind
 from rtron.wording import conjugate, join_names
 
+_ARGUMENT = "$(arg "
 _READS = {1: "read", 2: "declare"}
 
 
@@ -63,12 +66,18 @@ def _without_node(group: WiringGroup) -> Finding:
 
 def _overridden(group: WiringGroup) -> Finding:
     name, value = group.subject, group.values[-1]
+    arguments = [each for each in group.others if each.startswith(_ARGUMENT)]
+    earlier = [each for each in group.others if each not in arguments]
+    default = f", the default of its {join_names(arguments)}" if arguments else ""
+    given = join_names(arguments, "it")
     return fact_finding(
         RULE.name,
         group,
-        summary=f"{name} is {value}, although the launch sets it to {join_names(group.others)}",
-        cause="a file that it includes later sets it, too, and the last value counts for all nodes",
-        remedy=f"set {name} behind the inclusion, or give it to the included file as an argument",
+        subject=f"{name}:overridden",
+        summary=f"{name} is {value}, although the launch sets it to {join_names(earlier)}",
+        cause=f"a file that it includes later sets it, too{default}: the last value counts",
+        remedy=f"set {name} behind the inclusion, or give {given} to the included file",
+        certainty=Certainty.LIKELY if arguments else Certainty.POSSIBLE,
     )
 
 

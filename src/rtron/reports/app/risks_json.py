@@ -40,11 +40,15 @@ def risks_to_json(
 
 
 def _triage(triage: Triage) -> dict[str, Any]:
-    """Return the findings, all but the ignored ones in one list: new ones and known ones."""
+    """Return the findings, all but the ignored ones in one list: new ones and known ones.
+
+    `folded_under` is the id of the finding that tells of this one in a text, if there is one.
+    """
     return {
         "findings": [
-            *(_finding(finding) | {"is_new": True} for finding in triage.findings),
-            *(_finding(finding) | {"is_new": False} for finding in triage.known),
+            _finding(finding) | {"is_new": is_new, "folded_under": triage.folds.get(finding.id, "")}
+            for is_new, findings in ((True, triage.findings), (False, triage.known))
+            for finding in findings
         ],
         "ignored": [_ignored(finding, ignore) for finding, ignore in triage.ignored],
         "gone": list(triage.gone),

@@ -127,17 +127,19 @@ def _finding_results(
     facts = dict(_facts(graph))
     states = {"baselineState": "new"}, {"baselineState": "unchanged"}
     new, unchanged = states if triage.known or triage.gone else ({}, {})
-    for finding in triage.findings:
-        yield _finding_result(finding, facts, root) | new
-    for finding in triage.known:
-        yield _finding_result(finding, facts, root) | unchanged
+    for state, findings in ((new, triage.findings), (unchanged, triage.known)):
+        for finding in findings:
+            yield _finding_result(finding, facts, root, triage.folds.get(finding.id, "")) | state
     for finding, ignore in triage.ignored:
         kind = "inSource" if ignore.is_comment else "external"
         suppression = {"kind": kind, "justification": sanitize(ignore.reason)}
         yield _finding_result(finding, facts, root) | {"suppressions": [suppression]}
 
 
-def _finding_result(finding: Finding, facts: _Facts, root: Path | None) -> dict[str, Any]:
+def _finding_result(
+    finding: Finding, facts: _Facts, root: Path | None, folded_under: str = ""
+) -> dict[str, Any]:
+    """Return a result; `folded_under` is the finding that tells of this one in a text."""
     first, *others = _locations(finding.evidence, facts, root)
     related = [{"id": number} | location for number, location in enumerate(others, start=1)]
     text = f"{finding.summary}: {finding.cause}. Remedy: {finding.remedy}"
@@ -154,6 +156,7 @@ def _finding_result(finding: Finding, facts: _Facts, root: Path | None) -> dict[
             "certainty": finding.certainty.value,
             "consequence": finding.consequence.value,
             "topics": [sanitize(topic) for topic in finding.topics],
+            **({"foldedUnder": sanitize(folded_under)} if folded_under else {}),
         },
     }
 

@@ -22,6 +22,9 @@ from rtron.service.store.notices import CHANNEL, SENDER, notice_channel
 from rtron.service.store.schema_migration import migrate
 
 _POSTGRESQL_PORT = 5432
+_SOCKET = "unix_sock"
+_OPTIONS = frozenset({_SOCKET, "application_name"})
+"""What a URL may add behind `?`."""
 _TLS_REQUEST = bytes.fromhex("00000008 04d2162f")
 """PostgreSQL's SSLRequest; the server answers with one byte, `S` if it speaks TLS."""
 _BUSY_TIMEOUT_S = 30
@@ -166,6 +169,12 @@ def _url(location: str | Path) -> URL:
         raise InputError("the URL of the database cannot be read", help=help) from None
     if url.get_backend_name() not in ("sqlite", "postgresql"):
         raise InputError(f"{url.get_backend_name()} is not supported", help="SQLite or PostgreSQL")
+    unknown = url.query.keys() - _OPTIONS
+    if unknown or (_SOCKET in url.query and url.host):
+        options = ", ".join(sorted(unknown))
+        wrong = f"unknown options: {options}" if unknown else "a host and a socket"
+        help = f"{_SOCKET}=PATH in place of a host, application_name; TLS is used where it is there"
+        raise InputError(f"the URL of the database has {wrong}", help=help)
     return url.set(drivername="postgresql+pg8000") if url.drivername == "postgresql" else url
 
 
@@ -197,18 +206,16 @@ def _connect_over_socket(
     pg8000 leaves its own open if the server does not answer, and reads all authorities of the
     machine for each connection (20 ms), though it trusts every server.
     """
-    if "host" not in parameters:
-        return None
-    place = (parameters["host"], parameters.get("port", _POSTGRESQL_PORT))
+    host, port = parameters.get("host", "localhost"), parameters.get("port", _POSTGRESQL_PORT)
+    path = parameters.pop(_SOCKET, "")
     try:
-        connected = socket.create_connection(place, parameters["timeout"])
+        connected = _connected(path or (host, port), parameters["timeout"])
     except OSError as error:
-        raise dialect.dbapi.InterfaceError(f"{place[0]}:{place[1]}: {error}") from None
-    connected.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        raise dialect.dbapi.InterfaceError(f"{path or f'{host}:{port}'}: {error}") from None
     try:
         connected.sendall(_TLS_REQUEST)
         if connected.recv(1) == b"S":
-            connected = _tls_context().wrap_socket(connected, server_hostname=place[0])
+            connected = _tls_context().wrap_socket(connected, server_hostname=host)
         parameters |= {"sock": connected, "ssl_context": False}
         return dialect.dbapi.Connection(*arguments, **parameters)
     except BaseException:
@@ -216,6 +223,22 @@ def _connect_over_socket(
         if (descriptor := connected.detach()) >= 0:
             os.close(descriptor)
         raise
+
+
+def _connected(place: str | tuple[str, int], timeout_s: float) -> socket.socket:
+    """Return a socket that is connected to the path of another one, or to a host's port."""
+    if isinstance(place, tuple):
+        connected = socket.create_connection(place, timeout_s)
+        connected.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        return connected
+    connected = socket.socket(socket.AF_UNIX)
+    try:
+        connected.settimeout(timeout_s)
+        connected.connect(place)
+    except OSError:
+        connected.close()
+        raise
+    return connected
 
 
 @cache

@@ -9,6 +9,9 @@ ENDPOINT_METHODS = frozenset(
         *("create_service", "create_client", "create_server", "create_generic_publisher"),
         *("create_generic_subscription", "create_generic_client", "create_generic_service"),
         *("create_camera_publisher", "create_camera_subscription"),
+        *("rclc_publisher_init_default", "rclc_publisher_init_best_effort"),
+        *("rclc_subscription_init_default", "rclc_subscription_init_best_effort"),
+        *("rclc_service_init_default", "rclc_client_init_default"),
     ]
 )
 """Those that are methods or functions."""

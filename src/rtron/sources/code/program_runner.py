@@ -67,6 +67,8 @@ from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.vocabulary import Evidence, UnresolvedCause
 
 _MISSING_CLASS_REASON = "its class is not in the sources"
+FIRMWARE_STARTS = ("setup", "loop", "main", "app_main", "appMain")
+"""What Arduino, mbed and STM32, ESP-IDF, and micro-ROS for FreeRTOS begin with."""
 _Start: TypeAlias = tuple[str, Callable[[], object]]
 """The file that a program starts in, and what runs it."""
 
@@ -118,15 +120,15 @@ def run_cpp(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) ->
 
 
 def run_sketch(sources: tuple[Path, ...], site: NodeSite, files: SourceProvider) -> NodeInterface:
-    """Return what a sketch of Arduino declares to rosserial: its globals, `setup` and `loop`."""
+    """Return what firmware declares: its globals, and what its board's framework calls."""
 
     def start(runtime: CppRuntime) -> _Start | None:
-        named = (runtime.symbols.functions.get(name, []) for name in ("setup", "loop"))
+        named = (runtime.symbols.functions.get(name, []) for name in FIRMWARE_STARTS)
         functions = [f for found in named for f in found if f.body is not None]
         run = partial(_call_each, runtime.machine, functions)
         return (functions[0].file, run) if functions else None
 
-    return _run_cpp_program(sources, site, files, start, ("setup", "the sketch has none"))
+    return _run_cpp_program(sources, site, files, start, ("setup", "the firmware has none"))
 
 
 def _call_each(machine: AbstractMachine, functions: Sequence[ir.Function]) -> None:

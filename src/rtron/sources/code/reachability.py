@@ -20,6 +20,7 @@ from rtron.sources.code.interpreter.execution.stack_frame import StackFrame
 from rtron.sources.code.ir import Function
 from rtron.sources.code.ir.references import called_names, written_names
 from rtron.sources.code.library_models.common.transforms import LOOK_UPS
+from rtron.sources.code.library_models.rclcpp.rclc import RCLC_FUNCTIONS
 from rtron.vocabulary import Evidence, UnresolvedCause
 
 ROS1_API = frozenset(
@@ -55,6 +56,7 @@ ROS2_CPP_API = _ROS2_API | {
     *("create_action_client", "ServiceClient", "ServiceServer", "LifecycleServiceClient"),
     *("SimpleActionServer", "declare_parameter_if_not_declared", "declare_or_get_parameter"),
     *("get_plugin_type_param", "add_parameter", "shared_from_this", "weak_from_this"),
+    *RCLC_FUNCTIONS,
 }
 """The same for ROS 2; parameters decide names there, so declaring one counts."""
 ROS2_PYTHON_API = _ROS2_API | {

@@ -53,3 +53,18 @@ def test_a_file_of_parameters_sets_it_back(overridden, tmp_path):
 )
 def test_what_is_set_to_one_value_or_may_be_is_not_found(overridden, parts):
     assert overridden(**parts) == []
+
+
+ARGUMENT = '<arg name="slow" default="false"/><param name="slow" value="$(arg slow)"/>'
+
+
+def test_the_default_of_an_argument_that_is_not_given(overridden):
+    before = '<param name="slow" value="true"/>'
+    assert overridden(before, ARGUMENT) == [("/slow", "True", "$(arg slow)", "False", 2, 1)]
+    assert overridden(before, ARGUMENT.replace("default", "value"))[0][1:3] == ("True", "False")
+
+
+def test_an_argument_that_is_given_is_meant(tmp_path, overridden):
+    (tmp_path / "middle.launch").write_text(f"<launch>{ARGUMENT}</launch>")
+    given = f'<include file="{tmp_path}/middle.launch"><arg name="slow" value="false"/></include>'
+    assert overridden('<param name="slow" value="true"/>', given)[0][1:3] == ("True", "False")

@@ -10,14 +10,21 @@ from model_cases import model_texts
 
 from rtron.sources.models import ROS2_LIBRARY, load_models
 
-LIBRARIES = {"ros1": load_models(), "ros2": load_models(ROS2_LIBRARY)}
+LIBRARIES = {"ros1": (), "ros2": (ROS2_LIBRARY,)}
 CASES = Path(__file__).parents[1] / "cases"
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
-each_library = pytest.mark.parametrize("models", LIBRARIES.values(), ids=LIBRARIES)
+
+@pytest.fixture(scope="module", params=LIBRARIES)
+def ros(request):
+    return request.param
 
 
-@each_library
+@pytest.fixture(scope="module")
+def models(ros):
+    return load_models(*LIBRARIES[ros])
+
+
 def test_every_expression_parses(models):
     for model in models.by_name.values():
         for kind, text in model_texts(model):
@@ -25,7 +32,6 @@ def test_every_expression_parses(models):
                 assert ast.parse(expression.strip(), mode="eval").body
 
 
-@each_library
 def test_every_literal_use_leads_to_a_model_that_gets_what_it_needs(models):
     for key, model in models.by_name.items():
         for entry in model.walk():
@@ -35,9 +41,7 @@ def test_every_literal_use_leads_to_a_model_that_gets_what_it_needs(models):
                 assert set(entry.passed) == set(used.needs), (key, entry.uses)
 
 
-@pytest.mark.parametrize("ros", LIBRARIES)
-def test_a_library_has_the_models_that_its_list_names(ros):
-    models = LIBRARIES[ros]
+def test_a_library_has_the_models_that_its_list_names(ros, models):
     found = {
         kind: {name for each, name in models.by_name if each == kind} for kind, _ in models.by_name
     }

@@ -43,7 +43,7 @@ class LoaderContext:
     """What holds at one element of a launch file.
 
     `passes_all_arguments` marks a file that got all arguments of its includer. `private` holds the
-    `~name` parameters that each following node gets.
+    `~name` parameters that each following node gets, `defaults` the arguments that nobody gives.
     """
 
     namespace: str = "/"
@@ -52,6 +52,7 @@ class LoaderContext:
     remaps: dict[str, str] = field(default_factory=dict)
     environ: list[tuple[str, str]] = field(default_factory=list)
     private: dict[str, PrivateParameter] = field(default_factory=dict)
+    defaults: set[str] = field(default_factory=set)
     passes_all_arguments: bool = False
     uncertainty: Uncertainty = Uncertainty.NONE
 
@@ -64,6 +65,7 @@ class LoaderContext:
             remaps=dict(self.remaps),
             environ=list(self.environ),
             private=dict(self.private),
+            defaults=set(self.defaults),
             uncertainty=min(self.uncertainty, Uncertainty.INHERITED),
         )
 
@@ -97,8 +99,9 @@ class LoaderContext:
     def declare_default(self, name: str, value: Argument | None) -> None:
         """Declare an argument, with its default if it has one."""
         self._declare_argument(name)
-        if value is not None:
-            self.arguments.setdefault(name, value)
+        if value is not None and name not in self.arguments:
+            self.arguments[name] = value
+            self.defaults.add(name)
 
     def declare_unknown(self, name: str, why: str) -> None:
         """Declare an argument of which no value can be known."""

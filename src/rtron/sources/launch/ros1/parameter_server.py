@@ -112,8 +112,10 @@ class LaunchParameters:
         value: ParameterValue,
         evidence: Evidence,
         uncertainty: Uncertainty = Uncertainty.NONE,
+        *,
+        argument: str = "",
     ) -> None:
-        """Set a parameter in a place of the launch.
+        """Set a parameter in a place of the launch, or to the default that an argument has there.
 
         Where conditions around it are not known, a name with two different values has no known
         one; where its own condition is not known, it has none. Raise UnresolvableError past
@@ -129,9 +131,11 @@ class LaunchParameters:
         setter, self._setters[key] = self._setters.get(key, ""), "".join(self.files[-1:])
         self.overridden.pop(key, None)
         if earlier is not None and setter in self.files[:-1]:
-            self._note_overridden(key, earlier, self._set[key])
+            self._note_overridden(key, earlier, self._set[key], argument)
 
-    def _note_overridden(self, name: str, earlier: Parameter, later: Parameter) -> None:
+    def _note_overridden(
+        self, name: str, earlier: Parameter, later: Parameter, argument: str
+    ) -> None:
         """Note what a file sets to one plain value, and one that it includes later to another."""
         values = earlier.value, later.value
         if values[0] != values[1] and all(isinstance(each, _PLAIN) for each in values):
@@ -140,7 +144,7 @@ class LaunchParameters:
                 kind=WiringFactKind.OVERRIDDEN_PARAMETER,
                 subject=name,
                 value=other[:_SHOWN],
-                others=(one[:_SHOWN],),
+                others=(one[:_SHOWN], *filter(None, [argument])),
                 evidence=(earlier.evidence, later.evidence),
             )
 

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rtron.sources.static.common.node_part import NodePart
-from rtron.sources.static.common.node_sources import CPP, node_sources
+from rtron.sources.static.common.node_sources import CPP, file_content, node_sources
+from rtron.sources.static.common.task import TaskKind
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, InteractionGraph, Node, WiringFact, WiringFactKind
 
@@ -129,6 +130,17 @@ def with_devices(graph: InteractionGraph, workspace: Workspace) -> InteractionGr
                 programs[program] = _places_of(node, workspace, files)
             facts += _facts(node.name, programs[program])
     return replace(graph, wiring=(*graph.wiring, *facts))
+
+
+def firmware(part: NodePart) -> Iterator[WiringFact]:
+    """Yield what the sketch behind a bridge shows; what runs on a board reaches its pins."""
+    if part.task is None or part.task.kind is not TaskKind.SKETCH:
+        return
+    places: _Places = {}
+    for path in part.task.sources:
+        places = _places(path, file_content(path)) | places
+    start = Evidence(file=str(part.task.sources[0]))
+    yield from _facts(part.owner, places | {(WiringFactKind.DEVICE, "firmware"): start})
 
 
 def last_messages(part: NodePart) -> Iterator[WiringFact]:

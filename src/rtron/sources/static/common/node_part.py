@@ -65,8 +65,7 @@ class NodePart:
     def is_unread(self) -> bool:
         """Whether neither source nor a model tells all that the node publishes and subscribes."""
         if self.model is not None:
-            is_firmware = self.task is not None and self.task.kind is TaskKind.SKETCH
-            return self.model.unread and not is_firmware
+            return self.model.unread
         interface = self.interface
         if interface.declarations:
             return False

@@ -25,7 +25,7 @@ _ALL: frozenset[str] = frozenset()
 """No names: a module as a whole is used."""
 _HEADERS = (".h", ".hpp", ".hh", ".hxx")
 _SOURCES = (".cpp", ".cc", ".cxx", ".c")
-CPP = (*_HEADERS, *_SOURCES)
+CPP = (*_HEADERS, *_SOURCES, ".ino")
 
 
 def node_sources(node: Node, workspace: Workspace) -> dict[Path, bytes]:

@@ -12,6 +12,7 @@ from rtron.sources.launch.ros1.reader import read_launches
 from rtron.sources.models.packages import known_packages
 from rtron.sources.static.common.app_node import AppNode, node_of_launch
 from rtron.sources.static.common.cache import hash_workspace, open_cache
+from rtron.sources.static.common.firmware import with_firmware
 from rtron.sources.static.common.interface_resolver import InterfaceResolver
 from rtron.sources.static.common.launch_paths import LaunchRequest
 from rtron.sources.static.common.node_part import NodePart
@@ -19,7 +20,6 @@ from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.ros1.assembly import Assembly
-from rtron.sources.static.ros1.firmware import with_firmware
 from rtron.sources.static.ros1.node_parameters import unread_parameters
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch, RuntimeLaunches
 from rtron.sources.static.ros1.simulation import Simulation

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from rtron.sources.static.common.app_node import AppNode, may_both_start
-from rtron.sources.static.common.devices import last_messages, message_flows
+from rtron.sources.static.common.devices import firmware, last_messages, message_flows
 from rtron.sources.static.common.endpoints import (
     ProcessRemaps,
     clock_subscription,
@@ -86,7 +86,8 @@ class Assembly(GraphBuilder):
         remaps = {**process_remaps, **dict(part.node.site.remaps)}
         is_python = part.task is not None and part.task.kind is TaskKind.PYTHON
         self._declare(part, ProcessRemaps(remaps, is_roscpp=not is_python))
-        self.add_wiring(*last_messages(part), *message_flows(part), *sent_once(part))
+        self.add_wiring(*firmware(part), *last_messages(part), *message_flows(part))
+        self.add_wiring(*sent_once(part))
         self.frames.add(part, remaps.get(TRANSFORMS, TRANSFORMS))
         self.remap_uses.add(part, part.owner, remaps, _declared_names(part))
 

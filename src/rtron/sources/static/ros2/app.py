@@ -14,6 +14,7 @@ from rtron.sources.launch.ros2.app import read_app_launch
 from rtron.sources.launch.ros2.result import AppLaunch
 from rtron.sources.models import ROS2_LIBRARY, ModelCatalog, load_models
 from rtron.sources.static.common.cache import hash_workspace, open_cache
+from rtron.sources.static.common.firmware import with_firmware
 from rtron.sources.static.common.interface_resolver import InterfaceResolver
 from rtron.sources.static.common.launch_paths import LaunchRequest
 from rtron.sources.static.common.scan_options import ScanOptions
@@ -72,7 +73,7 @@ def scan_ros2_app(
     assembly = Ros2Assembly(workspace=workspace)
     generated_files = _unique_generated_files(app_launches)
     with closing(_interface_resolver(workspace, scan_options, models)) as resolver:
-        parts = list(resolver.resolve_nodes(nodes))
+        parts = with_firmware(resolver.resolve_nodes(nodes), resolver)
         assembly.add_wiring(*duplicate_nodes(parts))
         parts += gazebo_servers.plugin_nodes.parts(parts)
         parts += gazebo_servers.parts(node_builder.gazebo_servers)

@@ -10,7 +10,7 @@ from itertools import islice
 
 from rtron.sources.declaration import CreatedNode, Declaration, GazeboTopic
 from rtron.sources.static.common.app_node import AppNode, may_both_start
-from rtron.sources.static.common.devices import last_messages, message_flows
+from rtron.sources.static.common.devices import firmware, last_messages, message_flows
 from rtron.sources.static.common.frames import FrameBroadcasters, node_name
 from rtron.sources.static.common.graph_builder import GraphBuilder
 from rtron.sources.static.common.node_part import NodePart
@@ -61,7 +61,8 @@ class Ros2Assembly(GraphBuilder):
                 self.add_entity(entity)
                 if isinstance(entity, Endpoint) and entity.direction is Direction.PUBLISH:
                     self.program_outputs.add(part, entity)
-        self.add_wiring(*last_messages(part), *message_flows(part), *sent_once(part))
+        self.add_wiring(*firmware(part), *last_messages(part), *message_flows(part))
+        self.add_wiring(*sent_once(part))
         for created in islice(_created_nodes(part), 1):
             self.frames.add(part, _remap_rules(created, part)(TRANSFORMS))
             self.frames.activated.update(_activated_nodes(created.name, part))

@@ -2,7 +2,8 @@
 
 It describes g++ on Linux with ROS Kinetic to Noetic, and gives words that the parser does not know
 a form it does: Qt's (https://doc.qt.io/qt-5/signalsandslots.html), Boost.Foreach's, CUDA's, and
-the registrations of plugins (ROS wiki: pluginlib, nodelet; gazebosim.org: plugins).
+the registrations of plugins (ROS wiki: pluginlib, nodelet; gazebosim.org: plugins). Types of
+messages that rosidl's macros give to C are texts.
 """
 
 PREDEFINED_MACROS = """
@@ -82,6 +83,9 @@ PREDEFINED_MACROS = """
 #define CLASS_LOADER_REGISTER_CLASS(type, base) PLUGINLIB_EXPORT_CLASS(type, base)
 #define RCLCPP_COMPONENTS_REGISTER_NODE(type) using PLUGINLIB_EXPORT_CLASS = exported<type>;
 #define RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE(t, m) using RCLCPP_ADAPTED = adapted<t, m>;
+#define ROSIDL_GET_MSG_TYPE_SUPPORT(package, folder, name) #package "/" #folder "/" #name
+#define ROSIDL_GET_SRV_TYPE_SUPPORT(package, folder, name) #package "/" #folder "/" #name
+#define ROSIDL_GET_ACTION_TYPE_SUPPORT(package, name) #package "/action/" #name
 #define BT_REGISTER_NODES(name) void BT_RegisterNodesFromPlugin(BT::BehaviorTreeFactory & name)
 #define CreateRosNodePlugin(type, name) void BT_RegisterRosNodeFromPlugin( \
   BT::BehaviorTreeFactory & factory, const BT::RosNodeParams & params) \

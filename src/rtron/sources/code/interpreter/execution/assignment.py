@@ -19,14 +19,8 @@ STAMPED = "frame_id"
 _CHILD_FRAME = "child_frame_id"
 """The field of an odometry that names the frame of its velocity (nav_msgs/Odometry)."""
 
-_PLUGIN_IDS = frozenset(
-    f"{kind}_id"
-    for kind in (
-        *("planner", "controller", "smoother"),
-        *("goal_checker", "progress_checker", "path_handler"),
-    )
-)
-"""The fields of goals that name a plugin of the server (nav2_msgs)."""
+_PLUGIN_ID = "_id"
+"""How the fields of goals end that name a plugin of the server (nav2_msgs)."""
 
 
 def assign(machine: AbstractMachine, target: ir.Expr, value: av.Value, frame: StackFrame) -> None:
@@ -94,7 +88,7 @@ def _assign_member(
         _note_stamp(machine, owners, value, at.evidence)
     elif target.name == _CHILD_FRAME and any(map(_is_odometry, owners)):
         _note_stamp(machine, (), value, at.evidence)
-    elif target.name in _PLUGIN_IDS and any(map(_is_goal, owners)):
+    elif target.name.endswith(_PLUGIN_ID) and any(map(_is_goal, owners)):
         _note_plugin_id(machine, target.name, value, at.evidence)
     for owner in owners:
         before = owner.fields.get(target.name) if isinstance(owner, _OBJECTS) else None

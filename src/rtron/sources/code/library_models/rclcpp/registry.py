@@ -24,6 +24,7 @@ from rtron.sources.code.library_models.rclcpp.nav2_util import NAV2_CLASSES, NAV
 from rtron.sources.code.library_models.rclcpp.node import COMPONENT_CLASSES, NODE_CLASSES
 from rtron.sources.code.library_models.rclcpp.parameters import PARAMETER_CLASSES
 from rtron.sources.code.library_models.rclcpp.pluginlib import HARDWARE_CLASSES, PLUGIN_CLASSES
+from rtron.sources.code.library_models.rclcpp.rclc import RCLC_FUNCTIONS
 from rtron.sources.code.library_models.ros2_common.parameter_types import PARAMETER_TYPE_CONSTANTS
 
 _INTERFACES = ("base", "clock", "graph", "logging", "parameters", "services", "timers", "topics")
@@ -91,6 +92,7 @@ RCLCPP_FUNCTIONS = {
         **TREE_FUNCTIONS,
         **ROS_TREE_FUNCTIONS,
         **NAV2_FUNCTIONS,
+        **RCLC_FUNCTIONS,
     }.items()
 }
 RCLCPP_CONSTANTS: dict[str, av.Value] = {

@@ -1,5 +1,7 @@
 """Sketches of Arduino: what the bridge of rosserial publishes, subscribes and serves for them."""
 
+from pathlib import Path
+
 import pytest
 from file_tree import write
 
@@ -7,6 +9,7 @@ from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros1.app import scan_app
 from rtron.sources.workspace import read_workspace
+from rtron.vocabulary import WiringFactKind
 
 SKETCH = """#include <ros.h>
 #include <geometry_msgs/Twist.h>
@@ -105,6 +108,69 @@ def test_several_sketches_that_hear_it_are_joined_with_a_note(app_sending):
     heard = {e.topic for e in found.endpoints if e.node == "/base/board" and not e.implicit}
     assert {"/base/cmd_vel", "/base/web_vel"} <= heard
     assert [node.unread for node in found.nodes if node.name == "/base/board"] == [True]
+
+
+@pytest.fixture
+def board_topics(scan):
+    """Return a function that tells the topics of each bridge of an app that uses three of them."""
+    node = "import rospy\nfrom geometry_msgs.msg import Twist\nrospy.init_node('nav')\n"
+    for name in ("drive_vel", "arm_vel"):
+        node += f"rospy.Publisher('/base/{name}', Twist)\n"
+    extra = '<node pkg="robot" type="nav.py" name="nav"/>'
+
+    def topics(sketches, bridges):
+        texts = {path: SKETCH.replace("cmd_vel", name) for path, name in sketches.items()}
+        found = scan({"robot/scripts/nav.py": node, **texts}, bridges, extra)
+        ends = [e for e in found.endpoints if e.topic.endswith("_vel") and e.node != "/nav"]
+        return {e.topic.removeprefix("/base/"): e.node.removeprefix("/base/") for e in ends}
+
+    return topics
+
+
+@pytest.mark.parametrize(
+    ("sketches", "expected"),
+    [
+        ({"arm/a.ino": "arm_vel", "b/b.ino": "drive_vel"}, {"arm_vel": "arm", "drive_vel": "x"}),
+        ({"a/a.ino": "arm_vel", "b/b.ino": "drive_vel"}, {"arm_vel": "x", "drive_vel": "arm"}),
+        ({"a/a.ino": "other_vel", "b/b.ino": "drive_vel"}, {"drive_vel": "x"}),
+    ],
+    ids=["by name", "one each", "of another app"],
+)
+def test_each_sketch_gets_a_bridge_of_several(board_topics, sketches, expected):
+    assert board_topics(sketches, ["x", "arm"]) == expected
+
+
+def test_sketches_for_one_purpose_are_behind_one_bridge(board_topics):
+    sketches = {"a/a.ino": "arm_vel", "b/b.ino": "drive_vel", "c/c.ino": "drive_vel"}
+    assert board_topics(sketches, ["x", "y"]) == {"arm_vel": "x", "drive_vel": "y"}
+
+
+@pytest.mark.parametrize("include", ["<ros.h>", '"ros.h"'])
+@pytest.mark.parametrize(
+    ("name", "start"), [("src/main.cpp", ""), ("src/board.c", "int main() { setup(); loop(); }")]
+)
+def test_firmware_may_be_in_any_source_file(scan, include, name, start):
+    found = scan({name: SKETCH.replace("<ros.h>", include) + start})
+    assert {e.topic for e in found.endpoints if not e.implicit} == {
+        "/base/left_ticks", "/base/cmd_vel"}  # fmt: skip
+
+
+def test_programs_of_one_folder_are_not_one(scan):
+    found = scan({"a/one.cpp": SKETCH, "a/two.cpp": SKETCH, "a/pins.cpp": "int pin = 2;\n"})
+    (note,) = [note for note in found.unresolved if note.what.startswith("firmware of")]
+    assert [Path(at.file).name for at in note.evidence] == ["one.cpp", "two.cpp"]
+
+
+def test_a_node_of_roscpp_is_no_firmware(scan):
+    found = scan({"a/node.cpp": SKETCH.replace("<ros.h>", "<ros/ros.h>")})
+    assert [node.unread for node in found.nodes] == [True]
+
+
+def test_firmware_reaches_hardware_and_shows_what_it_opens(scan):
+    found = scan({"a/a.ino": "#include <Wire.h> // import serial\n" + SKETCH})
+    shown = {(fact.kind, fact.value) for fact in found.wiring if fact.subject == "/base/board"}
+    assert (WiringFactKind.DEVICE, "firmware") in shown
+    assert (WiringFactKind.DEVICE, "serial port") not in shown
 
 
 @pytest.mark.parametrize(
