@@ -1,7 +1,7 @@
 """What the source of a node opens, and whether it looks at the age of commands."""
 
 import pytest
-from workspace_tree import package
+from file_tree import package
 
 from cpu_time import growth
 from rtron.sources.static.common import node_sources

@@ -1,6 +1,7 @@
 """Controllers of ros2_control whose source is in the workspace."""
 
 import pytest
+from file_tree import write
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
@@ -78,8 +79,7 @@ def launched(tmp_path):
     files = {"package.xml": MANIFEST, "CMakeLists.txt": CMAKE, "plugins.xml": PLUGINS}
     files |= {"src/light.hpp": HEADER, "src/light.cpp": LIGHT, "src/other.cpp": OTHER}
     files |= {"control.yaml": YAML}
-    for name, text in files.items():
-        (top / name).write_text(text)
+    write(top, files)
 
     def scan(more="", command=""):
         written = f'<executable cmd="{command}"/>' if command else ""
