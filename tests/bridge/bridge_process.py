@@ -5,6 +5,7 @@ import re
 import sys
 from pathlib import Path
 
+from file_tree import write
 from harness import LIMIT_S, wait_for
 from websockets.sync.client import connect
 
@@ -83,10 +84,7 @@ class BridgeProcess:
         self.rights = ros.folder / "bridge.yaml"
         self.plan.write_text(plan.format(ros=generation))
         self.rights.write_text(rights)
-        for name, text in services.items():
-            path = ros.folder / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
+        write(ros.folder, services)
         files = ("--plan", self.plan, "--rights", self.rights)
         self.process = ros.rtron("bridge", *files, "--port", "0")
         wait_for(lambda: _LISTENS.search(self.log) or self.process.ended, what="the bridge")

@@ -425,6 +425,18 @@ class TestLostCommand:
         assert finding.remedy == "remap /cmd_vel to /base/cmd_vel"
         assert (finding.severity, finding.level) == (Severity.MEDIUM, FindingLevel.REGULAR)
 
+    UNSTAMPED = LOST.replace(f"pub /cmd_vel {TWIST}", f"pub /base/cmd_vel_unstamped {TWIST}")
+
+    def test_a_command_may_lack_the_stamp_too(self):
+        text = self.UNSTAMPED.replace(f"/base/cmd_vel {TWIST}", f"/base/cmd_vel {STAMPED}")
+        finding = the_finding("lost_command", small_graph(text))
+        assert finding.cause.endswith("nobody publishes, and takes geometry_msgs/TwistStamped")
+        assert finding.remedy.endswith("to /base/cmd_vel, and send geometry_msgs/TwistStamped")
+        stamper = f"/stamper s own\n    pub /base/cmd_vel {STAMPED}\n"
+        assert not found("lost_command", small_graph(text + stamper))
+        accel = self.UNSTAMPED.replace(f"/base/cmd_vel {TWIST}", "/base/cmd_vel x/msg/Accel")
+        assert not found("lost_command", small_graph(accel))
+
     def test_what_a_bridge_carries_for_another_model_of_gazebo_is_not_meant(self):
         fact = WiringFact(kind=WiringFactKind.OTHER_MODEL, subject="/base/cmd_vel")
         for rule in ("lost_command", "unmatched_topic"):
@@ -501,7 +513,7 @@ class TestLostCommand:
         assert the_finding("several_publishers", small_graph(text)).level == level
 
     def test_another_type_is_another_topic(self):
-        text = self.LOST.replace(f"pub /cmd_vel {TWIST}", f"pub /cmd_vel {STAMPED}")
+        text = self.LOST.replace(f"pub /cmd_vel {TWIST}", "pub /cmd_vel x/msg/Accel")
         assert not found("lost_command", small_graph(text))
 
     def test_who_publishes_both_does_so_on_purpose(self):

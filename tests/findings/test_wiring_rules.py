@@ -15,7 +15,7 @@ from finding_graphs import (
 )
 from finding_pairs import FILTERED, MANAGER, ODOMETRY, SCAN, with_fact
 
-from rtron.findings.app_facts import is_near
+from rtron.findings.near_names import is_near
 from rtron.vocabulary import (
     Action,
     ActionRole,
@@ -135,6 +135,32 @@ class TestUnmatchedTopic:
         assert finding.remedy == "did you mean /odometry/filtered? Remap one to the other"
         assert (finding.certainty, finding.level) == (Certainty.LIKELY, FindingLevel.REGULAR)
         assert finding.topics == ("/odometry/filterd", "/odometry/filtered")
+
+    SEEN = """
+/camera usb_cam own
+    pub /camera/image_raw sensor_msgs/msg/Image
+    pub /camera/image_raw/compressed sensor_msgs/msg/CompressedImage
+    pub /camera/image_raw/compressedDepth sensor_msgs/msg/CompressedImage
+/project lane own
+    sub /camera/image_rect_color/compressed sensor_msgs/msg/CompressedImage
+    pub /camera/image_projected/compressed sensor_msgs/msg/CompressedImage
+"""
+
+    def test_the_only_image_of_a_camera_may_be_meant(self):
+        finding = the_finding("unmatched_topic", small_graph(self.SEEN))
+        assert finding.meant == "/camera/image_raw/compressed"
+        assert finding.remedy.endswith("/camera/image_raw/compressed may be another thing")
+        assert finding.level is FindingLevel.REGULAR
+
+    @pytest.mark.parametrize(
+        "more",
+        [
+            "/view view own\n    sub /camera/image_raw/compressed sensor_msgs/msg/CompressedImage",
+            "/thermal t own\n    pub /camera/thermal/compressed sensor_msgs/msg/CompressedImage",
+        ],
+    )
+    def test_an_image_that_others_read_or_one_of_several_is_not_meant(self, more):
+        assert not found("unmatched_topic", small_graph(f"{self.SEEN}{more}\n"))
 
     def test_what_is_only_recorded_counts_too(self):
         recorder = "/bag ros2bag third_party\n    sub /odometry/filterd \n"
@@ -874,7 +900,7 @@ def test_a_controller_without_a_type(others):
 
 
 @pytest.mark.parametrize(
-    ("meant", "said"), [("/odom", "in the wrong direction"), ("/m/odom", "which no plugin has")]
+    ("meant", "said"), [("/odom", "in the wrong direction"), ("/m/odom", "does not have")]
 )
 def test_a_bridge_past_its_plugin_or_the_other_way(meant, said):
     finding = the_finding(

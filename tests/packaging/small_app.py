@@ -1,5 +1,7 @@
 """A package of ROS 1 in which two nodes drive one base, for tools that scan a folder."""
 
+from file_tree import write
+
 LAUNCH_FILE = "robot/app.launch"
 _LAUNCH = """<launch>
 <node pkg="robot" type="drive.py" name="a"/>
@@ -7,6 +9,7 @@ _LAUNCH = """<launch>
 <node pkg="robot" type="base.py" name="base"/>
 </launch>"""
 _DRIVE = """#!/usr/bin/env python
+from file_tree import write
 import rospy
 from geometry_msgs.msg import Twist
 rospy.Publisher("cmd_vel", Twist, queue_size=1)
@@ -23,9 +26,5 @@ _FILES = {
 
 def write_app(folder):
     """Write the package into a folder; return the package's folder."""
-    for name, text in _FILES.items():
-        path = folder / "src" / "robot" / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        path.chmod(0o755)
+    write(folder / "src" / "robot", _FILES)
     return folder / "src"

@@ -4,6 +4,8 @@ import json
 import subprocess
 from pathlib import Path
 
+from file_tree import write
+
 from rtron.sources.launch.common.packages import find_packages
 
 DUMP = Path(__file__).with_name("roslaunch_dump.py")
@@ -65,23 +67,14 @@ def nodes_of_tree(tree):
     }
 
 
-def write_files(folder, files):
-    """Write files below a folder; a package folder is one with a `package.xml`."""
-    for name, text in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    return folder
-
-
 def package(name):
     return f"<package><name>{name}</name></package>"
 
 
 def both(ros, folder, case):
     """Write a case; return what ROS makes of it, and the arguments with which we read it."""
-    write_files(folder, {"app.launch": f"<launch>{case.body}</launch>", **case.files})
-    write_files(folder, {f"{name}/package.xml": package(name) for name in ("one", "two")})
+    write(folder, {"app.launch": f"<launch>{case.body}</launch>", **case.files})
+    write(folder, {f"{name}/package.xml": package(name) for name in ("one", "two")})
     environ = {"WHO": "me", **case.environ, "ROS_PACKAGE_PATH": str(folder)}
     path = folder / "app.launch"
     ours = (path, case.args, find_packages([], environ), environ)

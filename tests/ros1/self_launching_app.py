@@ -2,8 +2,9 @@
 
 import shutil
 
+from file_tree import write
 from harness import NODES
-from roslaunch_oracle import package, write_files
+from roslaunch_oracle import package
 
 CONTROLLER = """#!/usr/bin/python3
 import os
@@ -59,7 +60,7 @@ FILES = {
 
 def write_starting_app(folder, driver=None):
     """Write the packages below `folder`/src; return the launch file."""
-    write_files(folder, FILES)
+    write(folder, FILES)
     source = folder / "src"
     shutil.copy(NODES / "nav.py", source / "start_nav")
     shutil.copy(NODES / "rogue.py", source / "start_rogue")

@@ -1,5 +1,6 @@
 import pytest
-from survey_repositories import FILES, ROS2_FILES, write
+from file_tree import write
+from survey_repositories import FILES, ROS2_FILES
 
 
 @pytest.fixture(scope="session")

@@ -58,12 +58,3 @@ ROS2_FILES = {
     "me/app@def5678/turtle_app/package.xml": ROS2_MANIFEST.format("turtle_app", "turtle_base"),
     "me/app@def5678/turtle_app/launch/drive.launch.xml": TELEOP,
 }
-
-
-def write(top, files):
-    for name, text in files.items():
-        path = top / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        path.chmod(0o755)
-    return top

@@ -4,7 +4,8 @@ import os
 import shutil
 
 import pytest
-from survey_repositories import FILES, MANIFEST, write
+from file_tree import write
+from survey_repositories import FILES, MANIFEST
 
 from rtron.errors import InputError
 from rtron.sources.launch.ros1 import file_search

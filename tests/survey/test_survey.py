@@ -11,8 +11,9 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from file_tree import write
 from harness import lives, wait_for
-from survey_repositories import FILES, write
+from survey_repositories import FILES
 
 from rtron.cli.main import main
 from rtron.survey.results_file import results_file

@@ -3,12 +3,12 @@
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
-from difflib import SequenceMatcher
 from functools import cached_property
 from itertools import chain
 from typing import TypeAlias
 
 from rtron.findings.measurement_names import MEASURED_TYPES, is_called_sensor, moves_nothing
+from rtron.findings.near_names import MOST_COMPARED, are_beside, near_names
 from rtron.risks.graph_facts import GraphFacts, evidence_of
 from rtron.vocabulary import (
     Consequence,
@@ -28,18 +28,14 @@ from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.names import EMERGENCY_STOP, are_nested, snake_case
 from rtron.wording import join_names
 
-_NEAR_RATIO = 0.8
-_MOST_COMPARED = 200
-"""Among more names of one type a near one tells nothing, and comparing them takes long."""
 _UNKNOWN_TYPES = ("", "*", "topic_tools/ShapeShifter")
 """Not known, or any: ShapeShifter takes every type (ROS wiki: topic_tools)."""
 _COMMON_PACKAGES = ("std_msgs/", "geometry_msgs/", "sensor_msgs/", "nav_msgs/")
+_IMAGES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
 _INDIRECT_TYPES = frozenset({"sensor_msgs/Joy", "std_msgs/String", "sound_play/SoundRequest"})
 """Types of what a node may turn into motion, or into speech, but that moves nothing itself."""
 _ECHOES = ("prev_", "previous_", "last_", "current_")
 """How names begin that tell of a command afterwards."""
-_TRANSPORTS = ("/compressed", "/compressedDepth", "/theora", "/ffmpeg", "/zstd")
-"""What image_transport adds to a topic's name (ROS wiki: image_transport)."""
 _OF_PX4 = {Direction.SUBSCRIBE: "/fmu/in/", Direction.PUBLISH: "/fmu/out/"}
 """What the autopilot subscribes and publishes (PX4: uXRCE-DDS), whose firmware no scan reads."""
 _OpenName: TypeAlias = tuple[str, str]
@@ -143,7 +139,7 @@ class AppFacts:
         """The motion topics that the app's own obey; none where many make names tell little."""
         own = (topic for topic in self.motion_topics if not self._is_of_other_model(topic))
         obeyed = tuple(topic for topic in own if self.readers(topic))
-        return obeyed if len(obeyed) <= _MOST_COMPARED else ()
+        return obeyed if len(obeyed) <= MOST_COMPARED else ()
 
     def _is_of_other_model(self, topic: str) -> bool:
         return any(fact.subject == topic for fact in self._wiring[WiringFactKind.OTHER_MODEL])
@@ -259,7 +255,7 @@ class AppFacts:
         if is_open or self._is_of_other_model(topic):
             return []
         sent = [self._sent[type] for type in types if type in self._sent]
-        if sum(map(len, sent)) > _MOST_COMPARED:
+        if sum(map(len, sent)) > MOST_COMPARED:
             return []
         readers = set(self.readers(topic))
         others = list(chain.from_iterable(sent))
@@ -284,18 +280,28 @@ class AppFacts:
         return nested if len(nested) == 1 and is_unread and is_measured else []
 
     def _only_partner(self, topic: str) -> list[str]:
-        """Return the only other topic of its namespace with its own type, if nobody reads that."""
-        type, namespace = self.facts.topic(topic).type, topic.rpartition("/")[0]
-        of_type = () if type.startswith(_COMMON_PACKAGES) else self._topics_of_type.get(type, ())
-        beside = (each for each in of_type if each.rpartition("/")[0] == namespace)
-        other, *more = [each for each in beside if each != topic] or [topic]
-        is_made_of_it = {*self.publishers(other)} <= {*self.readers(topic)}
-        return [] if more or is_made_of_it or self.graph.subscribers(other) else [other]
+        """Return the only other topic of its namespace with its own type, if nobody reads that.
+
+        Of types that many packages use, only images count: a camera has a namespace of its own.
+        """
+        type = self.facts.topic(topic).type
+        is_own = not type.startswith(_COMMON_PACKAGES) or type in _IMAGES
+        of_type = self._topics_of_type.get(type, ()) if is_own else ()
+        beside = [
+            each
+            for each in of_type
+            if are_beside(each, topic) and not self._is_made_of(each, topic)
+        ]
+        return [each for each in beside[:1] if not (beside[1:] or self.graph.subscribers(each))]
+
+    def _is_made_of(self, output: str, topic: str) -> bool:
+        """Return whether only who reads a topic sends another one, or nobody."""
+        return {*self.publishers(output)} <= {*self.readers(topic)}
 
     @cached_property
     def _topics_of_type(self) -> dict[str, set[str]]:
         found: dict[str, set[str]] = defaultdict(set)
-        for topic in self.explicit_topics:
+        for topic in {end.topic for end in self.graph.endpoints}:
             for type in self.facts.topic(topic).types:
                 found[type].add(topic)
         return found
@@ -345,56 +351,3 @@ class AppFacts:
 def _is_unknown(type: str) -> bool:
     """Return whether a type is not known, or not its package: `msg::Map` of a using directive."""
     return type in _UNKNOWN_TYPES or type.startswith("msg/")
-
-
-def is_near(one: str, other: str) -> bool:
-    """Return whether two names may be meant for one: a namespace more or less, a slip.
-
-    So may one that the other says more about, as `data` and `data_compass` do.
-    """
-    (namespace, _, name), (other_namespace, _, other_name) = (
-        _without_transport(each).rpartition("/") for each in (one, other)
-    )
-    if namespace == other_namespace:
-        one, other = name, other_name
-        if name == other_name:
-            return False
-        if says_more(name, other_name):
-            return True
-    elif name == other_name:
-        if _is_within(namespace, other_namespace):
-            return True
-        one, other = namespace, other_namespace
-    shorter, longer = sorted((len(one), len(other)))
-    if 2 * shorter < _NEAR_RATIO * (shorter + longer):
-        return False
-    return SequenceMatcher(None, one, other).ratio() >= _NEAR_RATIO
-
-
-def _is_within(one: str, other: str) -> bool:
-    """Return whether one namespace is the other with more before or behind it."""
-    shorter, longer = sorted((one, other), key=len)
-    return longer.startswith(f"{shorter}/") or longer.endswith(shorter)
-
-
-def _without_transport(name: str) -> str:
-    ending = next((each for each in _TRANSPORTS if name.endswith(each)), "")
-    return name.removesuffix(ending)
-
-
-def says_more(one: str, other: str) -> bool:
-    """Return whether one of two names is the other with words before or behind it."""
-    return _is_qualified(one, other) or _is_qualified(other, one)
-
-
-def _is_qualified(longer: str, shorter: str) -> bool:
-    return len(shorter) > 2 and (  # noqa: PLR2004 - a part of two letters tells nothing
-        longer.startswith(f"{shorter}_") or longer.endswith(f"_{shorter}")
-    )
-
-
-def near_names(name: str, others: Collection[str]) -> list[str]:
-    """Return which of other names are near; none if there are so many that it tells nothing."""
-    if len(others) > _MOST_COMPARED:
-        return []
-    return sorted({other for other in others if is_near(name, other)})

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from itertools import product
 
-from rtron.findings.app_facts import AppFacts, says_more
+from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.things import is_harmless, thing_of, thing_of_node
 from rtron.findings.measurement_names import may_be_measured
+from rtron.findings.near_names import says_more
 from rtron.findings.node_kinds import ARBITER_PACKAGES, is_one_stack
 from rtron.vocabulary import Direction, normalise_type
 from rtron.vocabulary.inventory import Means
@@ -16,6 +17,7 @@ from rtron.vocabulary.names import are_nested
 
 _MOST_COMPARED = 200
 """Among more topics a pair tells nothing, and comparing them takes long."""
+_STAMPED = "Stamped"
 _PLAIN = "std_msgs/"
 """Types that say too little to join two topics by them."""
 _AMBIGUOUS = (
@@ -176,9 +178,23 @@ def are_twins(one: str, other: str) -> bool:
 
 def _may_be_meant(app: AppFacts, lost: str, obeyed: str) -> bool:
     """Return whether types fit, and no sender hears the obeyed topic, or sends both."""
-    sent, expected = app.types(lost, Direction.PUBLISH), app.types(obeyed, Direction.SUBSCRIBE)
-    publishers = set(app.publishers(lost))
+    sent, publishers = app.types(lost, Direction.PUBLISH), set(app.publishers(lost))
     publishes_both = publishers <= set(app.publishers(obeyed))
-    if publishes_both or app.open_readers(lost) or not sent.keys() & expected.keys():
+    if publishes_both or app.open_readers(lost) or not _has_fitting_type(app, lost, obeyed):
         return False
     return obeyed not in app.upstream_topics(publishers, sent.keys())
+
+
+def _has_fitting_type(app: AppFacts, lost: str, obeyed: str) -> bool:
+    """Return whether types are one, or differ in the stamp alone where nobody sends the other."""
+    sent, expected = app.types(lost, Direction.PUBLISH), app.types(obeyed, Direction.SUBSCRIBE)
+    if not other_type(app, lost, obeyed):
+        return bool(sent and expected)
+    unstamped = ({type.removesuffix(_STAMPED) for type in types} for types in (sent, expected))
+    return not app.publishers(obeyed) and not set.isdisjoint(*unstamped)
+
+
+def other_type(app: AppFacts, lost: str, obeyed: str) -> str:
+    """Return the type of an obeyed topic, nothing if a lost command has it, too."""
+    sent, expected = app.types(lost, Direction.PUBLISH), app.types(obeyed, Direction.SUBSCRIBE)
+    return "" if sent.keys() & expected.keys() else next(iter(expected), "")

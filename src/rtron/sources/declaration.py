@@ -286,10 +286,10 @@ class MistypedParameter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GazeboTopic:
-    """A topic on Gazebo's own side, of a bridge or, where that is empty, of a plugin.
+    """A topic on Gazebo's own side, of a bridge or, where that is empty, of a robot.
 
     `type` is without its package; the messages go to ROS, to Gazebo or, of a bridge, both ways.
-    `models` are the names that a plugin's model may have.
+    `models` are the names that the robot's model may have, and a `*` in `name` is not known.
     """
 
     name: str

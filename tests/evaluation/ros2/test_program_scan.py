@@ -1,6 +1,7 @@
 """All programs of a ROS 2 workspace, scanned without a launch."""
 
 import pytest
+from file_tree import write
 
 from evaluation.ros2.program_scan import ros2_programs, scan_programs
 from rtron.sources.declaration import NodeSite
@@ -41,21 +42,22 @@ def main():
 
 @pytest.fixture
 def folder(tmp_path):
-    for path, text in {
-        "p/package.xml": "<package><name>p</name><depend>q</depend></package>",
-        "p/CMakeLists.txt": CMAKE,
-        "p/made.cpp": NODE.format(cls="Made", name="made"),
-        "p/loaded.cpp": NODE.format(cls="Loaded", name="loaded"),
-        "p/main.cpp": MAIN,
-        "p/test/check.cpp": MAIN,
-        "p/scripts/tool.py": TOOL,
-        "q/package.xml": "<package><name>q</name></package>",
-        "q/setup.py": SETUP,
-        "q/q/__init__.py": "",
-        "q/q/run.py": RUN,
-    }.items():
-        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / path).write_text(text)
+    write(
+        tmp_path,
+        {
+            "p/package.xml": "<package><name>p</name><depend>q</depend></package>",
+            "p/CMakeLists.txt": CMAKE,
+            "p/made.cpp": NODE.format(cls="Made", name="made"),
+            "p/loaded.cpp": NODE.format(cls="Loaded", name="loaded"),
+            "p/main.cpp": MAIN,
+            "p/test/check.cpp": MAIN,
+            "p/scripts/tool.py": TOOL,
+            "q/package.xml": "<package><name>q</name></package>",
+            "q/setup.py": SETUP,
+            "q/q/__init__.py": "",
+            "q/q/run.py": RUN,
+        },
+    )
     return tmp_path
 
 

@@ -5,6 +5,7 @@ import re
 from collections import Counter
 from datetime import datetime, timezone
 
+from file_tree import write
 from harness import wait_for
 from ros2_plans import driving, written
 
@@ -62,8 +63,7 @@ class SecuredApp:
     def start_script(self):
         """Return the script through which a guarded launch starts each process."""
         enclaves = find_enclaves(self.keystore, self.graph, read_plan(self.plan))
-        for name, text in enclaves.texts().items():
-            (self.ros2.folder / name).write_text(text)
+        write(self.ros2.folder, enclaves.texts())
         script = self.ros2.folder / ENCLAVE_SCRIPT
         script.chmod(0o755)
         return script

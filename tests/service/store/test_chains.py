@@ -1,3 +1,8 @@
+import shutil
+from contextlib import ExitStack, closing
+from functools import cache
+from pathlib import Path
+
 import pytest
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 from service_app import SIGNER
@@ -9,6 +14,7 @@ from rtron.service.domain.hash_chain import GENESIS, DocumentSigner, Head, Witne
 from rtron.service.store.audit import record_event, record_repeatable
 from rtron.service.store.chain_check import all_chains, chain_links, check_database, snapshot
 from rtron.service.store.chains import chain_heads
+from rtron.service.store.database import Database
 from rtron.service.store.retention import RetentionLimits
 from rtron.service.store.tables import AuditRow, ChainLinkRow, ChainRow, EventRow, RobotRow
 from rtron.vocabulary import EventKind
@@ -51,9 +57,52 @@ def heads(database):
     return {name: [Witness(head, "of noon")] for name, head in found.items()}
 
 
+@pytest.fixture(scope="module")
+def original(request, migrated_file, tmp_path_factory):
+    """Fill a database once for each kind, and return its place."""
+
+    @cache
+    def fill_once(kind, fill):
+        if kind == "postgresql":
+            place = request.getfixturevalue("postgresql").new_database()
+        else:
+            place = Path(shutil.copy(migrated_file, tmp_path_factory.mktemp("original")))
+        with closing(Database(place)) as database:
+            fill(database)
+        return place
+
+    return fill_once
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def copied(request, original, tmp_path):
+    """Open a copy, in a database of each kind, of what a function fills."""
+    with ExitStack() as stack:
+
+        def copy(fill):
+            place = original(request.param, fill)
+            if request.param == "postgresql":
+                place = request.getfixturevalue("postgresql").copy_database(place)
+            else:
+                place = Path(shutil.copy(place, tmp_path))
+            return stack.enter_context(closing(Database(place)))
+
+        yield copy
+
+
 @pytest.fixture
-def filled(database):
+def filled(copied):
     """Give a database with a log and with events of two robots."""
+    return copied(log_and_events)
+
+
+@pytest.fixture
+def aged(copied):
+    """Give a database with 2,500 old events and two new ones."""
+    return copied(old_and_new)
+
+
+def log_and_events(database):
     for number in range(6):
         log(database, detail=number)
         log(database, action="stop", target="car1", reason=f"fire {number}")
@@ -61,7 +110,6 @@ def filled(database):
         robot = new_robot(database, name)
         events = [make_verdict(n, reason=f"too fast {n}", values={"v": n / 3}) for n in range(1, 7)]
         store_events(database, robot, events, robot=name)
-    return database
 
 
 def test_what_is_written_is_whole(filled):
@@ -335,7 +383,6 @@ def test_a_chain_that_is_gone_is_found_by_a_head_of_before(filled):
 
 
 def old_and_new(database):
-    """Make 2,500 old events and two new ones."""
     robot = new_robot(database)
     store_events(database, robot, [make_verdict(n) for n in range(1, 2501)], now=0)
     age_partitions(database)
@@ -346,14 +393,13 @@ def prune_old(database, refused=None):
     return sum(prune(database, RetentionLimits(max_days=1, max_bytes=1 << 40), 2 * DAY, refused))
 
 
-def test_the_retention_moves_the_beginning_and_signs_it(database):
-    old_and_new(database)
-    witnesses = heads(database)
-    assert prune_old(database) == 2500
-    report = next(each for each in check(database, witnesses).chains if "events" in each.chain)
+def test_the_retention_moves_the_beginning_and_signs_it(aged):
+    witnesses = heads(aged)
+    assert prune_old(aged) == 2500
+    report = next(each for each in check(aged, witnesses).chains if "events" in each.chain)
     assert (report.begin.number, report.end.number, report.compared) == (2500, 2502, 1)
-    assert faults(database, witnesses) == []
-    with database.session() as session:
+    assert faults(aged, witnesses) == []
+    with aged.session() as session:
         assert len(list(session.scalars(select(ChainLinkRow.entry_id)))) == 2
 
 
@@ -369,17 +415,16 @@ def test_a_chain_of_which_everything_is_deleted_goes_on(database):
         assert chain_heads(session)["events:robot"].number == 2
 
 
-def test_another_beginning_needs_the_key(database):
-    old_and_new(database)
-    prune_old(database)
-    assert [fault[:46] for fault in faults(database, keys=())] == [
+def test_another_beginning_needs_the_key(aged):
+    prune_old(aged)
+    assert [fault[:46] for fault in faults(aged, keys=())] == [
         "events:robot: entries 1 to 2500 are missing",
         "events:robot: where it begins is not proven: i",
     ]
-    with database.session() as session:
+    with aged.session() as session:
         chain = next(each for each in all_chains(session) if each.anchor)
         chain.anchor = {**chain.anchor, "number": 2501}
-    assert "where it begins is not proven: its signature is wrong" in faults(database)[-1]
+    assert "where it begins is not proven: its signature is wrong" in faults(aged)[-1]
 
 
 def test_events_that_were_changed_to_look_old_stay(database):
@@ -394,17 +439,16 @@ def test_events_that_were_changed_to_look_old_stay(database):
     ]
 
 
-def test_the_retention_signs_nothing_over_a_gap_and_keeps_what_is_behind_it(database):
-    old_and_new(database)
-    change(database, delete(EventRow).where(EventRow.id == 1500))
+def test_the_retention_signs_nothing_over_a_gap_and_keeps_what_is_behind_it(aged):
+    change(aged, delete(EventRow).where(EventRow.id == 1500))
     gap = "entry 1500 is gone, only its hash is left"
-    fitting = 1499 if database.is_sqlite else 0
+    fitting = 1499 if aged.is_sqlite else 0
     for deleted in (fitting, 0):
         refused = {}
-        assert prune_old(database, refused) == deleted
+        assert prune_old(aged, refused) == deleted
         assert refused == {"events:robot": gap if fitting == 0 else "entry 1500 is missing"}
-        assert faults(database) == [f"events:robot: {gap}"]
-        report = next(each for each in check(database).chains if each.chain == "events:robot")
+        assert faults(aged) == [f"events:robot: {gap}"]
+        report = next(each for each in check(aged).chains if each.chain == "events:robot")
         assert report.begin.number == fitting
 
 
@@ -520,15 +564,14 @@ def test_a_refused_chain_keeps_its_events_and_on_postgresql_their_partition(data
     assert list(refused) == ["events:robot"]
 
 
-def test_a_beginning_may_be_signed_by_another_key_that_is_trusted(database):
-    old_and_new(database)
-    prune_old(database)
-    age_partitions(database)
-    store_events(database, 1, [make_verdict(2503)], now=4 * DAY)
+def test_a_beginning_may_be_signed_by_another_key_that_is_trusted(aged):
+    prune_old(aged)
+    age_partitions(aged)
+    store_events(aged, 1, [make_verdict(2503)], now=4 * DAY)
     successor = DocumentSigner(Ed25519PrivateKey.generate(), [SIGNER.public_key])
     limits = RetentionLimits(max_days=1, max_bytes=1 << 40)
-    assert sum(prune(database, limits, 4 * DAY, signer=successor)) == 2
-    assert check(database, keys=successor.trusted_keys).is_whole
+    assert sum(prune(aged, limits, 4 * DAY, signer=successor)) == 2
+    assert check(aged, keys=successor.trusted_keys).is_whole
 
 
 def test_events_of_before_the_chains_are_not_held_against_them(database):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtron.sources.gazebo import Sensor, plugin_library, read_plugins
+from rtron.sources.gazebo import plugin_library, read_plugins
 from rtron.sources.xacro import parse_element
 from rtron.vocabulary import Evidence
 
@@ -38,7 +38,9 @@ def test_the_plugins_of_a_urdf():
     assert drive.evidence == Evidence(file="robot.urdf", line=5)
     assert (drive.sensor, drive.link) == (None, "")
     assert (eyes.filename, eyes.link) == ("eyes", "camera_link")
-    assert eyes.sensor == Sensor(type="multicamera", name="eyes", cameras=("left", "right"))
+    sensor = eyes.sensor
+    expected = ("multicamera", "eyes", ("left", "right"))
+    assert (sensor.type, sensor.name, sensor.cameras) == expected
     assert (bare.filename, bare.name) == ("", "")
 
 

@@ -1,6 +1,7 @@
 """A small catkin workspace: C++, Python, a nodelet, shell, and nodes that start others."""
 
 import pytest
+from file_tree import write
 
 MANIFEST = """<package format="2"><name>{name}</name><version>1.0.0</version>
 <description>d</description><maintainer email="a@b.c">m</maintainer><license>BSD</license>
@@ -115,9 +116,5 @@ roslaunch $PACKAGE x.launch
 def folder(tmp_path):
     """Return the folder of the workspace."""
     top = tmp_path / "src"
-    for name, text in FILES.items():
-        path = top / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        path.chmod(0o755 if "scripts" in name else 0o644)
+    write(top, FILES)
     return top

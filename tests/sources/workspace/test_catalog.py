@@ -4,7 +4,8 @@ import os
 from pathlib import Path
 
 import pytest
-from workspace_tree import package, workspace
+from file_tree import package
+from workspace_tree import workspace
 
 from rtron.sources.workspace import ProgramLanguage, program_digest, read_workspace
 from rtron.sources.workspace.package_files import is_in_build_files, list_files

@@ -1,7 +1,8 @@
 """Programs of Python packages whose setup.py puts its entry points together."""
 
 import pytest
-from workspace_tree import package, workspace
+from file_tree import package
+from workspace_tree import workspace
 
 from rtron.sources.workspace.python_package import read_python_package
 

@@ -2,27 +2,13 @@
 
 from pathlib import Path
 
+from file_tree import write
+
 from rtron.sources.workspace import PackageContents, Workspace
 from rtron.sources.workspace.cmake.evaluator import evaluate_package
 from rtron.sources.workspace.package_files import list_files
 
 HEAD = "project(pkg)\n"
-
-
-def write(folder: Path, files: dict[str, str]) -> Path:
-    """Write files below a folder, their folders too; a text that begins with `#!` may run."""
-    for name, text in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        path.chmod(0o755 if text.startswith("#!") else 0o644)
-    return folder
-
-
-def package(folder: Path, files: dict[str, str], extra: str = "") -> Path:
-    """Write a package named as its folder; `extra` stands in its manifest."""
-    manifest = f"<package><name>{folder.name}</name>{extra}</package>"
-    return write(folder, {"package.xml": manifest, **files})
 
 
 def evaluate_cmake(folder: Path, cmake: str, sources: str = "a.cpp b.cpp c.cpp") -> PackageContents:

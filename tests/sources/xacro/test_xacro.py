@@ -1,6 +1,7 @@
 """Every feature against the real xacro."""
 
 import pytest
+from file_tree import write
 
 pytest.importorskip("xacro", reason="the real xacro is not installed")
 
@@ -17,9 +18,7 @@ ARGS = {"given": "yes"}
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("xacro")
-    for name, text in FILES.items():
-        (folder / name).parent.mkdir(exist_ok=True)
-        (folder / name).write_text(text)
+    write(folder, FILES)
     for name, body in CASES.items():
         (folder / f"{name}.urdf.xacro").write_text(ROBOT.replace("{}", body))
     return folder

@@ -4,8 +4,8 @@
 
 Nobody subscribes to a topic that commands motion, and a node obeys another topic of its type, which
 the publisher likely means: the same name in another namespace, a similar name beside it, or the
-only obeyed topic of the same actuator that nobody publishes. What the publisher commands, such as a
-stop, never happens.
+only obeyed topic of the same actuator that nobody publishes. In the first two cases the types may
+differ in their stamp. What the publisher commands, such as a stop, never happens.
 
 For example, `/collision_monitor` publishes `/cmd_vel`, and `/wheel_controller` obeys `/wheel_cmd`.
 
@@ -23,7 +23,7 @@ counts, and is `pedantic`.
 from collections.abc import Iterator
 
 from rtron.findings.app_facts import AppFacts
-from rtron.findings.lost_commands import lost_commands
+from rtron.findings.lost_commands import lost_commands, other_type
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import Certainty, Consequence, Direction, Finding, FindingLevel
 from rtron.wording import conjugate, join_names
@@ -39,16 +39,18 @@ def _finding(app: AppFacts, topic: str, obeyed: str) -> Finding:
     publishers, readers = app.publishers(topic), app.readers(obeyed)
     maybe_read = app.may_have_other_end(topic, Direction.SUBSCRIBE)
     others = "" if app.publishers(obeyed) else ", which nobody publishes"
+    type = other_type(app, topic, obeyed)
+    takes, send = (f", and {verb} {type}" if type else "" for verb in ("takes", "send"))
     return make_finding(
         RULE.name,
         topic,
         summary=f"what {join_names(publishers)} {conjugate(publishers, 'command')} on {topic} "
         "reaches nobody",
         cause=f"no node of this launch subscribes it{app.unread_hint if maybe_read else ''}; "
-        f"{join_names(readers)} {conjugate(readers, 'obey')} {obeyed}{others}",
+        f"{join_names(readers)} {conjugate(readers, 'obey')} {obeyed}{others}{takes}",
         remedy=f"find out who should obey {topic}; {obeyed} may be another thing"
         if maybe_read
-        else f"remap {topic} to {obeyed}",
+        else f"remap {topic} to {obeyed}{send}",
         consequence=Consequence.FAILURE,
         certainty=Certainty.POSSIBLE if maybe_read else Certainty.LIKELY,
         level=FindingLevel.PEDANTIC if maybe_read else FindingLevel.REGULAR,

@@ -1,23 +1,24 @@
-"""A bridge to Gazebo carries a topic past its plugin, or in the wrong direction.
+"""A bridge to Gazebo carries a topic past the robot, or in the wrong direction.
 
 ## What it finds
 
-On ROS 2 an entry of `ros_gz_bridge` names a topic of Gazebo that no plugin of the spawned robots
-has, while a plugin's topic of its type is bridged by nobody. Or the entry carries a plugin's topic
-the other way, or the clock both ways. The bridge starts without a fault, and nothing arrives.
+On ROS 2 an entry of `ros_gz_bridge` names a topic of Gazebo that no plugin or sensor of the spawned
+robots has, while one of its type is bridged by nobody. Or the entry carries a plugin's topic the
+other way, or the clock both ways. The bridge starts without a fault, and nothing arrives.
 
 For example, the bridge writes to `/model/bot/cmd_vel`, and DiffDrive's `<topic>` is `cmd_vel`.
 
 ## What to do
 
-Give the entry the plugin's name. From Gazebo to ROS the sign is `[` or `GZ_TO_ROS`, from ROS to
-Gazebo `]` or `ROS_TO_GZ`. `@` carries both ways; Gazebo gives no time while somebody else does.
+Give the entry the name that the robot has, or the sensor a `<topic>`. From Gazebo to ROS the sign
+is `[` or `GZ_TO_ROS`, from ROS to Gazebo `]` or `ROS_TO_GZ`. `@` carries both ways; Gazebo gives no
+time while somebody else does.
 
 ## When it is silent
 
-For sensors, and where more than one name is left over on a side. Names are not compared where the
-bridge's namespace tells of another model, such as one of a world file, and where a robot has a
-plugin whose topics are not known.
+Where more than one name is left over on a side, and for contacts and forces. Names are not compared
+where the bridge's namespace tells of another model, such as one of a world file, and where a robot
+has a plugin whose topics are not known.
 """
 
 from collections.abc import Iterator
@@ -40,13 +41,13 @@ def _finding(group: WiringGroup) -> Finding:
     return fact_finding(
         RULE.name,
         group,
-        summary=f"{bridges} {connect} Gazebo's {topic}, which no plugin has"
+        summary=f"{bridges} {connect} Gazebo's {topic}, which the robot does not have"
         if is_other_name
         else f"{bridges} {connect} Gazebo's {topic} in the wrong direction",
-        cause=f"a plugin of the robot has {meant}, which nobody bridges"
+        cause=f"the robot has {meant}, which nobody bridges"
         if is_other_name
         else "who sends it is on the other side",
-        remedy=f"write {meant} in the bridge, or {topic} in the plugin"
+        remedy=f"write {meant} in the bridge, or {topic} as <topic> in the robot"
         if is_other_name
         else "write the other sign, [ or ], or the other direction",
         nodes=group.others,
@@ -55,7 +56,7 @@ def _finding(group: WiringGroup) -> Finding:
 
 RULE = FindingRule(
     name="bridge_mismatch",
-    title="A bridge to Gazebo carries a topic past its plugin, or in the wrong direction",
+    title="A bridge to Gazebo carries a topic past the robot, or in the wrong direction",
     consequence="failure: likely",
     since="0.1.0",
     check=check,

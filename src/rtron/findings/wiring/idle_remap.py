@@ -24,7 +24,8 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import NamedTuple
 
-from rtron.findings.app_facts import AppFacts, is_near
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.near_names import is_near
 from rtron.findings.rule import FindingRule
 from rtron.findings.wiring_groups import WiringGroup, fact_finding, wiring_groups
 from rtron.vocabulary import Certainty, Direction, Finding, WiringFact, WiringFactKind

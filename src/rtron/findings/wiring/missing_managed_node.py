@@ -26,7 +26,8 @@ publishes before it is active.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from rtron.findings.app_facts import AppFacts, near_names
+from rtron.findings.app_facts import AppFacts
+from rtron.findings.near_names import near_names
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (
     Certainty,

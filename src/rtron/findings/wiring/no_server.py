@@ -27,9 +27,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
-from rtron.findings.app_facts import AppFacts, near_names
+from rtron.findings.app_facts import AppFacts
 from rtron.findings.inventory.things import thing_of_node
 from rtron.findings.lost_commands import are_twins
+from rtron.findings.near_names import near_names
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.findings.wiring.missing_managed_node import is_managing
 from rtron.vocabulary import (

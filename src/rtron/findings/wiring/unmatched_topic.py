@@ -22,9 +22,10 @@ costmap is. See also `lost_command` and `incomplete_launch`.
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
-from rtron.findings.app_facts import AppFacts, near_names, says_more
+from rtron.findings.app_facts import AppFacts
 from rtron.findings.lost_commands import lost_commands
 from rtron.findings.measurement_names import MEASURED_TYPES
+from rtron.findings.near_names import near_names, says_more
 from rtron.findings.node_kinds import is_one_stack
 from rtron.findings.rule import FindingRule, make_finding
 from rtron.vocabulary import (

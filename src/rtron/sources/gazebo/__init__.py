@@ -6,6 +6,7 @@ from rtron.sources.gazebo.plugins import (
     Sensor,
     plugin_library,
     read_plugins,
+    read_sensors,
 )
 from rtron.sources.gazebo.world import GazeboWorld, model_folders, read_world
 
@@ -17,5 +18,6 @@ __all__ = [
     "model_folders",
     "plugin_library",
     "read_plugins",
+    "read_sensors",
     "read_world",
 ]

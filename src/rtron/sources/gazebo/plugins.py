@@ -17,11 +17,13 @@ PluginValue: TypeAlias = "str | dict[str, PluginValue] | list[PluginValue]"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensor:
-    """A sensor that carries a plugin; `cameras` are the names of its one or more cameras."""
+    """A sensor; `cameras` are the names of its one or more cameras, `topic` is empty if unset."""
 
     type: str
     name: str
     cameras: tuple[str, ...] = ()
+    topic: str = ""
+    evidence: Evidence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,6 +80,17 @@ def read_plugins(root: XmlElement) -> tuple[GazeboPlugin, ...]:
     )
 
 
+def read_sensors(root: XmlElement) -> tuple[Sensor, ...]:
+    """Return the sensors of a URDF, or of an SDF without its includes."""
+    found, waiting = list[Sensor](), [root]
+    while waiting:
+        element = waiting.pop()
+        if element.tag == "sensor":
+            found.append(_read_sensor(element))
+        waiting.extend(element.elements())
+    return tuple(found)
+
+
 def read_plugins_below(element: XmlElement, context: PluginContext) -> Iterator[GazeboPlugin]:
     """Yield the plugins within an element, in document order."""
     waiting = [(child, context) for child in reversed(list(element.elements()))]
@@ -114,6 +127,8 @@ def _read_sensor(element: XmlElement) -> Sensor:
         type=element.attributes.get("type", ""),
         name=element.attributes.get("name", ""),
         cameras=tuple(cameras),
+        topic=topic.text if (topic := element.find("topic")) else "",
+        evidence=element.evidence,
     )
 
 

@@ -1,6 +1,7 @@
 import json
 
 import pytest
+from file_tree import write
 
 LAUNCH = """\
 <launch>
@@ -153,15 +154,15 @@ roslaunch.parent.ROSLaunchParent("", [here.replace("core/nodes", "nav/nav.launch
 
 def test_a_launch_file_that_a_node_starts_is_guarded_in_a_copy(instrument, launch_file, tmp_path):
     base, planner = LAUNCH.splitlines()[4], LAUNCH.splitlines()[3]
-    for name, text in {
-        "core/package.xml": "<package><name>core</name></package>",
-        "core/nodes/start": STARTER,
-        "nav/package.xml": "<package><name>nav</name></package>",
-        "nav/nav.launch": f"<launch>{planner}</launch>",
-    }.items():
-        path = tmp_path / "ws" / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
+    write(
+        tmp_path / "ws",
+        {
+            "core/package.xml": "<package><name>core</name></package>",
+            "core/nodes/start": STARTER,
+            "nav/package.xml": "<package><name>nav</name></package>",
+            "nav/nav.launch": f"<launch>{planner}</launch>",
+        },
+    )
     (tmp_path / "ws/core/nodes/start").chmod(0o755)
     starter = '<node pkg="core" type="start" name="start"/>'
     launch_file.write_text(f"<launch>{starter}{base}</launch>")

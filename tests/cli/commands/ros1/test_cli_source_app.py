@@ -6,6 +6,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
+from file_tree import write
 
 from rtron.cli.support.options import complete_launch
 from rtron.sources.declaration import NodeSite
@@ -43,11 +44,7 @@ FILES = {
 def folder(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
-    for name, text in FILES.items():
-        path = tmp_path / "robot" / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        path.chmod(0o755)
+    write(tmp_path / "robot", FILES)
     return tmp_path / "robot"
 
 

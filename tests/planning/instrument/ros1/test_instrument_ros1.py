@@ -1,10 +1,11 @@
 """A guarded launch as ROS's own loader reads it: the original, the guard, the plan's remaps."""
 
 import pytest
+from file_tree import write
 from guarded_launch import assert_guarded, split_guard
 from launch_cases import CASES, INCLUDES, Case
 from plans import grcn, plan_of
-from roslaunch_oracle import both, write_files
+from roslaunch_oracle import both
 
 from rtron.planning.instrument import instrument_ros1, write_guarded_launch
 from rtron.planning.instrument.common.guarded_launch import GuardFiles
@@ -118,7 +119,7 @@ def test_another_choice_of_a_changed_file_is_refused(ros, tmp_path):
     """Else the nodes of that file would be started without a guard before them."""
     guard_and_load(ros, tmp_path, ROBOT, EVERYTHING)
     environ = {"ROS_PACKAGE_PATH": str(tmp_path)}
-    write_files(tmp_path, {"one/launch/none__camera.launch": "<launch/>"})
+    write(tmp_path, {"one/launch/none__camera.launch": "<launch/>"})
     guarded = ros.load(tmp_path / "guarded" / "app.launch", {"sensor": "none"}, environ)
     assert "none__camera.launch" in guarded["error"]
 

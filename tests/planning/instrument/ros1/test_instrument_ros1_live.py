@@ -8,9 +8,10 @@ from contextlib import contextmanager
 from xmlrpc.client import ServerProxy
 
 import pytest
+from file_tree import write
 from harness import lives, wait_for
 from plans import grcn, plan_of
-from roslaunch_oracle import package, write_files
+from roslaunch_oracle import package
 
 from rtron.planning.instrument import instrument_ros1, write_guarded_launch
 from rtron.planning.instrument.common.guarded_launch import GuardFiles
@@ -113,7 +114,7 @@ def anonymised(node):
 
 @pytest.mark.ros1
 def test_plain_roslaunch_starts_the_guarded_app_and_the_guard(master, environ, tmp_path):
-    write_files(tmp_path, APP)
+    write(tmp_path, APP)
     (tmp_path / "app" / "node").chmod(0o755)
     tree = read_launch(tmp_path / "app.launch", {}, find_packages([tmp_path]), {})
     out, started = tmp_path / "guarded" / "app.launch", tmp_path / "started"

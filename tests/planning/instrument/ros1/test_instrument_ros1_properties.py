@@ -4,12 +4,12 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from file_tree import write
 from guarded_launch import assert_guarded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from launch_strategies import launches
 from plans import grcn, plan_of
-from roslaunch_oracle import write_files
 
 from example_budget import examples
 from rtron.planning.instrument import instrument_ros1, write_guarded_launch
@@ -32,7 +32,7 @@ def plans(draw, nodes):
 @given(files=launches(), data=st.data())
 def test_any_guarded_launch_is_the_original_but_for_the_plans_remaps(ros, files, data):
     with tempfile.TemporaryDirectory() as folder:
-        app = write_files(Path(folder), files) / "app.launch"
+        app = write(Path(folder), files) / "app.launch"
         tree = read_launch(app, {}, {}, {})
         plan = data.draw(plans([node.name for node in tree.nodes()]))
         out = Path(folder, "elsewhere", "guarded.launch")

@@ -5,8 +5,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from file_tree import write
 from plans import grcn, plan_of
-from roslaunch_oracle import package, write_files
+from roslaunch_oracle import package
 
 from rtron.errors import InputError
 from rtron.planning.instrument import RuntimeLaunchTree, instrument_ros1, write_guarded_launch
@@ -43,14 +44,14 @@ class App:
         self.folder = folder
         self.out = folder / "out" / "guarded.launch"
         self.started = []
-        write_files(folder, FILES)
+        write(folder, FILES)
 
     @property
     def overlay(self):
         return self.out.with_suffix(".d") / "overlay"
 
     def write(self, name, text):
-        write_files(self.folder, {name: text})
+        write(self.folder, {name: text})
         return self
 
     def start(self, name, by="/start", program="ws/core/nodes/start", **args):
@@ -140,8 +141,8 @@ def test_a_file_that_stays_as_it_is_is_found_beside_the_program(app):
 
 
 def test_packages_behind_links_are_laid_out_as_they_really_lie(app):
-    write_files(app.folder, {"git/far/package.xml": package("far")})
-    write_files(app.folder, {"git/far/x.launch": f"<launch>{NODE.format('a')}</launch>"})
+    write(app.folder, {"git/far/package.xml": package("far")})
+    write(app.folder, {"git/far/x.launch": f"<launch>{NODE.format('a')}</launch>"})
     (app.folder / "ws/far").symlink_to(app.folder / "git/far")
     app.start("ws/far/x.launch").written()
     assert targets(app, "git/far/x.launch") == {"/a": [(T, "/rtron/cmd_vel/flow1")]}

@@ -13,6 +13,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from file_tree import write
 from harness import wait_for
 
 from rtron.planning.instrument.ros2.enclaves import ENCLAVE_SCRIPT, Enclaves
@@ -83,8 +84,7 @@ def start(folder, keystore):
         of_nodes={"/nav": "/nav", "/nav/inner": "/nav/inner", "/teleop_*": "/base"},
         of_programs={"p/x": "/base"},
     )
-    for name, text in enclaves.texts().items():
-        (folder / name).write_text(text)
+    write(folder, enclaves.texts())
     (folder / ENCLAVE_SCRIPT).chmod(0o755)
     for path in (folder, *folder.rglob("*")):
         os.chown(path, *(2 * [NOBODY if AS_USER else -1]), follow_symlinks=False)

@@ -2,6 +2,7 @@
 
 import pytest
 import ros2_runs
+from file_tree import write
 from ros2_runs import UNLAUNCHED, settings, site
 
 from rtron.sources.code.frontends.parameter_library import generated_code
@@ -37,15 +38,16 @@ NAMES = ["/ns/camera", "/ns/near", "/ns/far", '/ns/out"put']
 
 
 def workspace(tmp_path, build, program, description=DESCRIPTION):
-    for name, text in {
-        "package.xml": "<package><name>robot</name></package>",
-        "config/driver.yaml": description,
-        "robot/__init__.py": "",
-        **build,
-        **program,
-    }.items():
-        (tmp_path / "robot" / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / "robot" / name).write_text(text)
+    write(
+        tmp_path / "robot",
+        {
+            "package.xml": "<package><name>robot</name></package>",
+            "config/driver.yaml": description,
+            "robot/__init__.py": "",
+            **build,
+            **program,
+        },
+    )
     return WorkspaceSources(read_ros2_workspace([tmp_path]))
 
 

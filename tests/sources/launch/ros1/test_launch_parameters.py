@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from file_tree import write
 from launch_cases import NODE, included
 
 from rtron.errors import InputError
@@ -23,8 +24,7 @@ def launch(tmp_path):
     """Return a function that writes a launch file, with other files beside it, and reads it."""
 
     def read(body, args=None, packages=None, describe=None, files=None):
-        for name, text in (files or {}).items():
-            (tmp_path / name).write_text(text)
+        write(tmp_path, (files or {}))
         path = tmp_path / "app.launch"
         path.write_text(f"<launch>{body}</launch>")
         return read_launch(path, args or {}, packages or {}, {}, describe=describe)

@@ -5,7 +5,8 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from roslaunch_oracle import RosLoader, nodes_of_tree, package, started, write_files
+from file_tree import write
+from roslaunch_oracle import RosLoader, nodes_of_tree, package, started
 from test_launch_ros1_parameters import leaves, our_leaves
 
 from rtron.errors import InputError
@@ -43,7 +44,7 @@ def difference(tree, dump):
 
 def test_apps_start_and_set_what_they_do_in_ros(tmp_path, monkeypatch):
     monkeypatch.setattr(param_tag, "_command_output", lambda *_: OUTPUT)
-    write_files(tmp_path, {"xacro/package.xml": package("xacro")})
+    write(tmp_path, {"xacro/package.xml": package("xacro")})
     found, differences = Counter(), {}
     with RosLoader() as ros:
         for repo in sorted(Path(os.environ["RTRON_APPS"]).glob("*/*")):

@@ -5,11 +5,12 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from file_tree import write
 from hypothesis import given, settings
 from launch_cases import CASES, INCLUDES, Case
 from launch_parameter_cases import DOUBTED, PARAMETERS, REFUSED_PARAMETERS, UNRESOLVED_PARAMETERS
 from launch_parameter_files import launches_with_parameters
-from roslaunch_oracle import both, nodes_of_tree, started, write_files
+from roslaunch_oracle import both, nodes_of_tree, started
 
 from example_budget import examples
 from rtron.errors import InputError
@@ -110,7 +111,7 @@ LAUNCHES = (
 @pytest.mark.parametrize("bodies", LAUNCHES)
 def test_later_launches_find_what_earlier_ones_set(ros, tmp_path, bodies):
     files = {f"{n}.launch": f"<launch>{body}</launch>" for n, body in enumerate(bodies)}
-    write_files(tmp_path, files)
+    write(tmp_path, files)
     server = {}
     for name in files:
         dump = ros.ask({"path": str(tmp_path / name), "args": {}, "environ": {}, "before": server})
@@ -124,7 +125,7 @@ def test_later_launches_find_what_earlier_ones_set(ros, tmp_path, bodies):
 @given(files=launches_with_parameters())
 def test_any_launch_sets_the_parameters_that_ros_sets(ros, files):
     with tempfile.TemporaryDirectory() as folder:
-        path = write_files(Path(folder), files) / "app.launch"
+        path = write(Path(folder), files) / "app.launch"
         dump = ros.load(path, {})
         tree = read_launch(path, {}, {}, {})
     assert "error" not in dump, dump

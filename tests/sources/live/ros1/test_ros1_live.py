@@ -7,8 +7,9 @@ from xmlrpc.client import Fault, dumps
 
 import pytest
 from faulty_nodes import garbage, never_answer, saying, stranger
+from file_tree import write
 from harness import LIMIT_S, NODES, ROS_PYTHON, Ros1, free_port, named, wait_for
-from roslaunch_oracle import package, write_files
+from roslaunch_oracle import package
 
 from rtron.errors import SourceError
 from rtron.sources.live.ros1.source import Ros1LiveSource
@@ -51,7 +52,7 @@ def register(ros1, node, uri):
 
 
 def test_a_running_app_is_read(ros1):
-    app = write_files(ros1.folder, {"talk/package.xml": package("talk")})
+    app = write(ros1.folder, {"talk/package.xml": package("talk")})
     script = app / "talk" / "scripts" / "string_endpoints.py"
     script.parent.mkdir()
     script.write_text((NODES / "string_endpoints.py").read_text())

@@ -22,6 +22,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from file_tree import write
 from model_cases import URDF, frames, names, ros2_node_site, site, told
 
 from rtron.sources.declaration import DeclarationKind
@@ -166,8 +167,7 @@ LOOKS = {
 @pytest.mark.parametrize(("ros", "case"), [*read_cases()])
 def test_a_model_declares_what_its_case_says(ros, case, tmp_path):
     case = filled(case, {"of": case.get("of", ""), "here": str(tmp_path)})
-    for name, text in case.get("files", {}).items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, case.get("files", {}))
     model, found = declared(ros, case)
     expected = {key: value for key, value in case.items() if key in LOOKS}
     expected |= {key: sorted(expected[key]) for key in ALONE.keys() & expected.keys()}

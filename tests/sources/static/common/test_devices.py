@@ -1,7 +1,7 @@
 """What the source of a node opens, and whether it looks at the age of commands."""
 
 import pytest
-from workspace_tree import package
+from file_tree import package
 
 from cpu_time import growth
 from rtron.sources.static.common import node_sources
@@ -132,6 +132,13 @@ def test_what_is_no_device_in_cpp(facts, text):
         ("sock.bind(('', 5000))", "TCP or UDP socket"),
         ("LINK = 'udpin:0.0.0.0:14550'", "MAVLink link"),
         ("pilot.connect(system_address='udp://:14540')", "MAVLink link"),
+        ("async with websockets.connect(url) as link:", "WebSocket client"),
+        ("link = websocket.WebSocketApp(url, on_message=heard)", "WebSocket client"),
+        ("link = socketio.Client()", "WebSocket client"),
+        ("import zmq", "ZeroMQ"),
+        ("import redis", "Redis"),
+        ("from firebase_admin import db", "cloud service"),
+        ("from telegram.ext import Application", "chat"),
     ],
 )
 def test_sockets(facts, line, how):

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from file_tree import write
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import content_hash, read_regular_file
@@ -25,15 +26,15 @@ LIMIT = 60
 
 
 def package(folder):
-    for name, text in {
-        "package.xml": MANIFEST,
-        "a.launch.xml": LAUNCH,
-        "CMakeLists.txt": "include(x.cmake)\nadd_executable(talker src/talker.cpp)\n",
-        "src/main.cpp": '#include "p/x.hpp"\n',
-    }.items():
-        path = folder / "p" / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
+    write(
+        folder / "p",
+        {
+            "package.xml": MANIFEST,
+            "a.launch.xml": LAUNCH,
+            "CMakeLists.txt": "include(x.cmake)\nadd_executable(talker src/talker.cpp)\n",
+            "src/main.cpp": '#include "p/x.hpp"\n',
+        },
+    )
     return folder / "p"
 
 

@@ -1,6 +1,7 @@
 """Plugins of the workspace in nodes of models: costmap layers, planners, controllers."""
 
 import pytest
+from file_tree import write
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros1.app import scan_app
@@ -88,8 +89,7 @@ def write_package(folder, sources, bases):
         files[f"{kind}.cpp"] = text
         files[f"{kind}.xml"] = CLASS.format(kind, kind.capitalize(), bases[kind])
         files["CMakeLists.txt"] += f"add_library({kind} {kind}.cpp)\n"
-    for name, text in files.items():
-        (folder / name).write_text(text)
+    write(folder, files)
 
 
 def own_names(graph):

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import pytest
+from file_tree import package
 from notation import graph_of
-from workspace_tree import package
 
 from cpu_time import growth
 from rtron.sources.static.common import node_sources, unread_publishers

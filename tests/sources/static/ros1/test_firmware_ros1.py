@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from file_tree import write
 
 from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.static.common.scan_options import ScanOptions
@@ -43,9 +44,7 @@ def scan(tmp_path):
             "robot/package.xml": manifest,
             "robot/launch/a.launch": f"<launch>{nodes}</launch>",
         }
-        for name, text in {**files, **sketches}.items():
-            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-            (tmp_path / name).write_text(text)
+        write(tmp_path, {**files, **sketches})
         path = find_launch_file("robot/a.launch", read_workspace([tmp_path], {}))
         return scan_app([tmp_path], [(path, {})], {}, ScanOptions(workers=1)).graph
 

@@ -1,6 +1,7 @@
 import shutil
 
 import pytest
+from file_tree import write
 
 from rtron.errors import InputError
 from rtron.sources.static.common.launch_paths import find_launch_file
@@ -79,9 +80,7 @@ actionlib.SimpleActionClient("arm/go", MoveBaseAction)
 
 @pytest.mark.parametrize(("type", "target"), [("caller", "/real"), ("caller.py", "/arm/go")])
 def test_a_remap_of_the_name_of_an_action_counts_in_roscpp_alone(folder, type, target):
-    for name, text in CALLERS.items():
-        (folder / "robot" / name).write_text(text)
-        (folder / "robot" / name).chmod(0o755)
+    write(folder / "robot", CALLERS)
     cmake = folder / "robot/CMakeLists.txt"
     cmake.write_text(cmake.read_text() + "\nadd_executable(caller src/caller.cpp)\n")
     remap = '<remap from="arm/go" to="/real"/>'

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from file_tree import package
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros1.message_traffic import read_traffic
@@ -27,14 +28,7 @@ int main(int argc, char** argv) {
 @pytest.fixture
 def make(tmp_path):
     def make_package(name, files):
-        for file, text in {
-            "package.xml": f"<package><name>{name}</name></package>",
-            **files,
-        }.items():
-            path = tmp_path / name / file
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
-            path.chmod(0o755)
+        package(tmp_path / name, files)
         return tmp_path
 
     return make_package

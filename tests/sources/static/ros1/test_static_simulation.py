@@ -1,4 +1,5 @@
 import pytest
+from file_tree import write
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros1.app import scan_app
@@ -22,8 +23,7 @@ DESCRIPTION = '<param name="robot_description" textfile="{folder}/r.urdf"/>'
 
 @pytest.fixture
 def scanned(tmp_path):
-    for name, text in {"r.urdf": URDF, "w.world": WORLD, "arm.yaml": CONTROLLERS}.items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, {"r.urdf": URDF, "w.world": WORLD, "arm.yaml": CONTROLLERS})
 
     def scan(*elements):
         body = "".join(elements).replace("{folder}", str(tmp_path))

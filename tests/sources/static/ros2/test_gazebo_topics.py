@@ -146,3 +146,40 @@ def test_a_name_that_depends_on_the_world(mismatched):
     assert mismatched(states, library=library, elements="<topic>joints</topic>") == [
         ("/states", "/joints", "/bridge")
     ]
+
+
+SENSOR = """<topic>cmd_vel</topic></plugin></gazebo>
+<gazebo reference="laser"><sensor name="eye" type="{}">{}</sensor></gazebo>
+<gazebo><plugin filename="gz-sim-sensors-system" name="s">"""
+SCAN = "{}@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan"
+SCOPED = "/world/hall/model/bot/link/base/sensor/eye/scan"
+
+
+@pytest.mark.parametrize(
+    ("topic", "bridged", "expected"),
+    [
+        ("<topic>r/scan</topic>", "/scan", [("/scan", "/r/scan", "/bridge")]),
+        ("<topic>scan</topic>", "/scan", []),
+        ("", "/scan", [("/scan", "/world/*/model/bot/link/*/sensor/eye/scan", "/bridge")]),
+        ("", SCOPED, []),
+        ("", "/truck/scan", []),
+    ],
+)
+def test_a_bridge_past_a_sensor(mismatched, topic, bridged, expected):
+    elements = SENSOR.format("gpu_lidar", topic)
+    assert mismatched(SCAN.format(bridged), elements=elements) == expected
+
+
+def test_a_sensor_whose_topics_are_not_known(mismatched):
+    image = "/image@sensor_msgs/msg/Image[gz.msgs.Image"
+    assert mismatched(image, elements=SENSOR.format("camera", "<topic>eye</topic>"))
+    other = SENSOR.format("camera", "<topic>eye</topic></sensor><sensor type='segmentation'>")
+    assert not mismatched(image, elements=other)
+
+
+def test_a_camera_with_depth_sends_two_images(mismatched):
+    elements = SENSOR.format("rgbd_camera", "<topic>eye</topic>")
+    depth = "/eye/depth_image@sensor_msgs/msg/Image[gz.msgs.Image"
+    assert not mismatched(depth, elements=elements)
+    wrong = "/eye@sensor_msgs/msg/Image[gz.msgs.Image"
+    assert mismatched(depth, wrong, elements=elements) == [("/eye", "/eye/image", "/bridge")]

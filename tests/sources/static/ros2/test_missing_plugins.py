@@ -15,15 +15,17 @@ LAUNCH = """<launch><push_ros_namespace namespace="r"/>
 <node pkg="own" exec="client" name="client"/></launch>"""
 SETUP = 'from setuptools import setup\nsetup(name="own", entry_points={"console_scripts": '
 SETUP += '["client = own.client:main"]})\n'
+FOLLOW = "goal.controller_id = 'FollowPath'"
 CLIENT = """import rclpy
 from rclpy.node import Node
 from nav2_msgs.action import FollowPath
+from nav2_simple_commander.robot_navigator import BasicNavigator
 class Client(Node):
     def __init__(self):
         super().__init__("client")
         self.controller_id = "Mine"
         goal = FollowPath.Goal()
-        goal.controller_id = {}
+        {}
 def main():
     rclpy.init()
     rclpy.spin(Client())
@@ -38,9 +40,7 @@ def missing(tmp_path):
     (tmp_path / "setup.py").write_text(SETUP)
     (tmp_path / "own/__init__.py").touch()
 
-    def scan(
-        planner="Straight", inside="", goal="'FollowPath'", planners="Straight", distro="iron"
-    ):
+    def scan(planner="Straight", inside="", goal=FOLLOW, planners="Straight", distro="iron"):
         (tmp_path / "own/client.py").write_text(CLIENT.format(goal))
         (tmp_path / "tree.xml").write_text(TREE.format(planner, inside))
         file = f'<param name="default_nav_to_pose_bt_xml" value="{tmp_path}/tree.xml"/>'
@@ -87,11 +87,26 @@ def test_a_selector_has_a_default(missing):
     assert found == [("/r/goal_checker_id/precise", "/r/control", "goal_checker")]
 
 
-@pytest.mark.parametrize("goal", ["'Follow'", "'Fol' + 'low'"])
+@pytest.mark.parametrize(
+    "goal",
+    [
+        "goal.controller_id = 'Follow'",
+        "goal.controller_id = 'Fol' + 'low'",
+        "BasicNavigator().followPath(None, controller_id='Follow')",
+    ],
+)
 def test_a_controller_that_a_goal_asks_for(missing, goal):
     assert missing(goal=goal) == [("/r/controller_id/Follow", "/r/control", "FollowPath")]
 
 
-@pytest.mark.parametrize("goal", ["''", "unknown()"])
+@pytest.mark.parametrize(
+    "goal",
+    [
+        "goal.controller_id = ''",
+        "goal.controller_id = unknown()",
+        "BasicNavigator().followPath(None, controller_id='')",
+        "BasicNavigator().followPath(None, other_id='Follow')",
+    ],
+)
 def test_a_goal_whose_id_is_empty_or_not_known(missing, goal):
     assert missing(goal=goal) == []

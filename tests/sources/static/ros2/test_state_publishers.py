@@ -4,7 +4,7 @@ from dataclasses import replace
 from time import process_time
 
 import pytest
-from workspace_tree import package
+from file_tree import package
 
 from rtron.sources.static.ros2.state_publishers import with_state_publishers
 from rtron.sources.workspace import Workspace

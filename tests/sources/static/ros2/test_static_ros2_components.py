@@ -1,6 +1,7 @@
 """What a container's arguments are for (rclcpp_components: ComponentManager; rcl: node)."""
 
 import pytest
+from file_tree import write
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
@@ -67,8 +68,7 @@ LAUNCH = """<launch>
 def scanned(tmp_path):
     """Return the graph of a launch file around the component."""
     files = {"package.xml": MANIFEST, "CMakeLists.txt": CMAKE, "cell.cpp": CELL, "box.cpp": OWN_BOX}
-    for name, text in files.items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, files)
 
     def scan(text):
         launch = tmp_path / "app.launch.xml"

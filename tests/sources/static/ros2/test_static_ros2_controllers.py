@@ -1,6 +1,7 @@
 """Controllers of ros2_control whose source is in the workspace."""
 
 import pytest
+from file_tree import write
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
@@ -78,8 +79,7 @@ def launched(tmp_path):
     files = {"package.xml": MANIFEST, "CMakeLists.txt": CMAKE, "plugins.xml": PLUGINS}
     files |= {"src/light.hpp": HEADER, "src/light.cpp": LIGHT, "src/other.cpp": OTHER}
     files |= {"control.yaml": YAML}
-    for name, text in files.items():
-        (top / name).write_text(text)
+    write(top, files)
 
     def scan(more="", command=""):
         written = f'<executable cmd="{command}"/>' if command else ""
@@ -156,3 +156,11 @@ def test_the_section_of_a_controller_that_nothing_loads_is_for_it(launched, tmp_
     assert [f.subject for f in launched().wiring if f.kind == kind] == ["/spawner_lam"]
     yaml.write_text(yaml.read_text().replace("second:", "spawner_lam:"))
     assert not [fact for fact in launched().wiring if fact.kind == kind]
+
+
+@pytest.mark.parametrize(("manager", "time"), [("", False), ("--controller-manager /sim", None)])
+def test_who_does_not_know_the_manager_does_not_know_the_time(launched, manager, time):
+    graph = launched(f"--controller-type diff_drive_controller/DiffDriveController {manager}")
+    name = "/sim/lamp" if manager else "/lamp"
+    times = {p.node: p.value for p in graph.parameters if p.name == "use_sim_time"}
+    assert times.get(name) is time

@@ -1,6 +1,7 @@
 """Plugins of Gazebo in the robots that a launch of ROS 2 spawns."""
 
 import pytest
+from file_tree import write
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
@@ -69,8 +70,7 @@ def launched(tmp_path):
     (top / "package.xml").write_text("<package><name>robot</name></package>")
 
     def scan(files):
-        for name, text in files.items():
-            (top / name).write_text(text)
+        write(top, files)
         launch = top / next(iter(files))
         return scan_ros2_app([top], [(launch, {})], {}, ScanOptions(workers=1))
 

@@ -1,6 +1,7 @@
 """Gazebo's server as a launch of ROS 2 starts it: its system plugins, and what its world holds."""
 
 import pytest
+from file_tree import write
 
 from rtron.errors import InputError
 from rtron.sources.static.common.scan_options import ScanOptions
@@ -27,13 +28,14 @@ INIT = "-s libgazebo_ros_init.so"
 def simulated(tmp_path):
     """Return the graph of an app that starts a server with some words."""
     top = tmp_path / "app"
-    for name, text in {
-        "package.xml": "<package><name>app</name></package>",
-        "worlds/app.world": WORLD,
-        "models/bot/model.sdf": BOT,
-    }.items():
-        (top / name).parent.mkdir(parents=True, exist_ok=True)
-        (top / name).write_text(text)
+    write(
+        top,
+        {
+            "package.xml": "<package><name>app</name></package>",
+            "worlds/app.world": WORLD,
+            "models/bot/model.sdf": BOT,
+        },
+    )
     (tmp_path / "outside.world").write_text(WORLD)
     launch = top / "app.launch.xml"
 

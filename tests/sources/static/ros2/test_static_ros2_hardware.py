@@ -1,6 +1,7 @@
 """Hardware components of ros2_control: the nodes that they make in their manager's process."""
 
 import pytest
+from file_tree import write
 
 from rtron.sources.launch.ros2.substitutions.substitution import MAX_COMMAND_OUTPUT
 from rtron.sources.static.common.scan_options import ScanOptions
@@ -50,8 +51,7 @@ def launched(tmp_path):
     """Return the graph of a launch with a controller manager and a robot description."""
     files = {"package.xml": MANIFEST, "plugins.xml": PLUGINS, "arm.cpp": ARM}
     files["CMakeLists.txt"] = "add_library(arm arm.cpp)\n"
-    for name, text in files.items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, files)
 
     def scan(nodes, plugin="own/Arm", more="", told="told", cache=None):
         (tmp_path / "arm.urdf").write_text(URDF.format(plugin=plugin, more=more, told=told))

@@ -1,6 +1,7 @@
 """Well-known nodes of ROS 2 in launch files, without their source."""
 
 import pytest
+from file_tree import write
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
@@ -17,8 +18,7 @@ def launched(tmp_path):
     (top / "package.xml").write_text("<package><name>robot</name></package>")
 
     def scan(files, environ=None):
-        for name, text in files.items():
-            (top / name).write_text(text)
+        write(top, files)
         launch = top / next(iter(files))
         return scan_ros2_app([top], [(launch, {})], environ or {}, ScanOptions(workers=1))
 

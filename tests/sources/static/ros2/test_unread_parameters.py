@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from file_tree import write
 
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.ros2.app import scan_ros2_app
@@ -42,9 +43,7 @@ def scanned(tmp_path):
             lines = [f"self.declare_parameter({each!r}, 1.0)" for each in declared] + [more]
             body = "\n".join(f"        {line}" for line in lines)
             files[f"app/{name}.py"] = NODE.format(name=name, body=body)
-        for name, text in files.items():
-            (tmp_path / name).parent.mkdir(exist_ok=True)
-            (tmp_path / name).write_text(text)
+        write(tmp_path, files)
         (tmp_path / "p.yaml").write_text(given if isinstance(given, str) else "")
         launch = tmp_path / "app.launch.py"
         words = repr(str(tmp_path / "p.yaml")) if isinstance(given, str) else repr(given)
@@ -295,8 +294,7 @@ def test_a_parameter_file_that_its_package_lacks_is_missing(tmp_path, name, file
     path = str((package / name).resolve())
     launch = package / "app.launch.py"
     launch.write_text(LAUNCH.replace("{given}", repr(path)))
-    for file, text in {"package.xml": MANIFEST, **files}.items():
-        (package / file).write_text(text)
+    write(package, {"package.xml": MANIFEST, **files})
     graph = scan_ros2_app([tmp_path], [(launch, {})], {}, ScanOptions(workers=1))
     missing = [note for note in graph.unresolved if note.why.endswith("is no file")]
     assert [note.missing for note in missing] == [path if is_missing else ""]

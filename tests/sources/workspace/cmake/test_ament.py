@@ -1,7 +1,8 @@
 """Packages of ROS 2: components, entry points, plugins, targets of ament_cmake_auto."""
 
 import pytest
-from workspace_tree import evaluate_cmake, package, sources, workspace
+from file_tree import package
+from workspace_tree import evaluate_cmake, sources, workspace
 
 from rtron.sources.workspace import ProgramLanguage, Workspace
 from rtron.sources.workspace.python_package import read_python_package

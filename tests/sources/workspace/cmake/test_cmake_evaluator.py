@@ -1,9 +1,10 @@
 """Which sources make which target, as a CMakeLists.txt decides."""
 
 import pytest
+from file_tree import write
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from workspace_tree import evaluate_cmake, sources, write
+from workspace_tree import evaluate_cmake, sources
 
 from rtron.sources.workspace.cmake.evaluator import evaluate_package
 from rtron.sources.workspace.package_contents import TargetKind

@@ -5,7 +5,8 @@ import subprocess
 
 import pytest
 from cmake_programs import random_program
-from workspace_tree import evaluate_cmake, write
+from file_tree import write
+from workspace_tree import evaluate_cmake
 
 from example_budget import examples
 

@@ -69,7 +69,16 @@ _SOCKETS = {
     r"|udp::endpoint\(\s*udp|QTcpServer",
     "MAVLink link": r"[\"'](?:udpin|tcpin):/{0,2}(?!127\.|localhost)|[\"']udp://:14\d{3}\b",
     "gRPC server": r"grpc\.(?:aio\.)?server\(|grpc::ServerBuilder",
+    "WebSocket client": r"websockets\.(?:sync\.client\.)?connect\(|\bWebSocketApp\("
+    r"|websocket\.create_connection\(|socketio\.(?:Async)?Client\(|\.ws_connect\("
+    r"|websocketpp/client|\bix::WebSocket\b|\bQWebSocket\b",
+    "ZeroMQ": r"(?:import|from) zmq\b|\bzmq(?:_addon)?\.h",
+    "Redis": r"(?:import|from) redis\b|\bhiredis/|\bsw/redis",
+    "cloud service": r"\bfirebase_admin|\bpyrebase|\bAWSIoTPythonSDK|\bawsiot|\bazure\.iot"
+    r"|(?:import|from) (?:boto3|pubnub|ably)\b",
+    "chat": r"\btelebot\b|(?:import|from) (?:telegram|discord|aiogram|slack_(?:bolt|sdk))\b",
 }
+"""What others than nodes may command a program through, also where it calls them itself."""
 _OPERATORS = {
     "joystick": r"pygame\.joystick|from pygame import joystick|\binputs import get_gamepad"
     r"|\bevdev\b|/dev/input/|linux/joystick\.h|SDL_Joystick|SDL_GameController|\bhidapi\b",

@@ -145,15 +145,16 @@ class ControllerParts:
         return self.files.workspace.plugins(_PLUGIN_BASE)
 
     def _site(self, request: _ControllerRequest) -> NodeSite:
-        settings = request.manager_node.site.settings if request.manager_node else ()
+        manager = request.manager_node.site if request.manager_node else None
         spawner = request.spawner.node.site
         files = _option_values(spawner.args, _FILES)
         return NodeSite(
             name=expand_name(request.name, request.manager),
             ros=2,
             environ=spawner.environ,
+            parameters_complete=manager is not None and manager.parameters_complete,
             settings=(
-                *settings,
+                *(manager.settings if manager else ()),
                 *(
                     setting
                     for path in files

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from rtron.errors import InputError
 from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.declaration import NodeInterface, NodeSite, ParameterSetting
-from rtron.sources.gazebo import GazeboPlugin, read_plugins
+from rtron.sources.gazebo import GazeboPlugin, Sensor, read_plugins, read_sensors
 from rtron.sources.models import ModelCatalog, plugin_interface
 from rtron.sources.models.common.arguments import option
 from rtron.sources.models.common.node_site import resolve_ros2_site
@@ -19,7 +19,7 @@ from rtron.sources.models.common.plugin_element import plugin_element
 from rtron.sources.models.common.schema import Model, NodeRole
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.ros2.endpoints import parameter_file_settings
-from rtron.sources.static.ros2.gazebo_topics import plugin_topics
+from rtron.sources.static.ros2.gazebo_topics import plugin_topics, sensor_topics
 from rtron.sources.static.ros2.spawned_model import SpawnedModel, find_spawned_model
 from rtron.sources.xacro import parse_element
 from rtron.vocabulary import UnresolvedCause
@@ -53,13 +53,13 @@ class GazeboPluginNodes:
     def _spawned_parts(self, spawner: NodePart, parts: tuple[NodePart, ...]) -> Iterator[NodePart]:
         try:
             spawned = find_spawned_model(spawner, parts, self.files)
-            model, plugins = _plugins(spawned) if spawned is not None else ("", ())
+            model, plugins, sensors = _parts(spawned) if spawned is not None else ("", (), ())
         except InputError as error:
             what = f"what {spawner.node.name} spawns"
             yield replace(spawner, model=None).with_missing_note(what, str(error))
             return
         given = option(spawner.node.site.args, "-name --name") or ""
-        topics = tuple(plugin_topics(plugins, given, model))
+        topics = (*plugin_topics(plugins, given, model), *sensor_topics(sensors, given, model))
         if topics:
             nodes = spawner.interface.nodes
             yield replace(spawner, interface=NodeInterface(nodes=nodes, gazebo_topics=topics))
@@ -122,13 +122,17 @@ class GazeboPluginNodes:
             yield from parameter_file_settings(str(path).strip(), self.files)
 
 
-def _plugins(spawned: SpawnedModel) -> tuple[str, tuple[GazeboPlugin, ...]]:
-    """Return the name of the robot and its plugins."""
+def _parts(
+    spawned: SpawnedModel,
+) -> tuple[str, tuple[GazeboPlugin, ...], tuple[Sensor, ...]]:
+    """Return the name of the robot, its plugins and its sensors."""
     root = parse_element(spawned.text, spawned.location.file)
-    name, plugins = (root.find("model") or root).attributes.get("name", ""), read_plugins(root)
-    if spawned.is_file:
-        return name, plugins
-    return name, tuple(replace(plugin, evidence=spawned.location) for plugin in plugins)
+    name = (root.find("model") or root).attributes.get("name", "")
+    plugins, sensors = read_plugins(root), read_sensors(root)
+    if not spawned.is_file:
+        plugins = tuple(replace(each, evidence=spawned.location) for each in plugins)
+        sensors = tuple(replace(each, evidence=spawned.location) for each in sensors)
+    return name, plugins, sensors
 
 
 def _ros_element(plugin: GazeboPlugin) -> Mapping[str, object]:

@@ -1,15 +1,16 @@
-"""Topics on Gazebo's own side: what a bridge carries, against what the robots' plugins have.
+"""Topics on Gazebo's own side: what a bridge carries, against what the robots have.
 
-Names and defaults: gz-sim (src/systems/*/*.cc, `Configure`); the clock: src/SimulationRunner.cc,
-which does not publish it where another does.
+Names and defaults: gz-sim (src/systems/*/*.cc, `Configure`) and gz-sensors; the clock:
+src/SimulationRunner.cc, which does not publish it where another does.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fnmatch import fnmatchcase
 
 from rtron.sources.declaration import GazeboTopic
-from rtron.sources.gazebo import GazeboPlugin
+from rtron.sources.gazebo import GazeboPlugin, Sensor
 from rtron.vocabulary import WiringFact, WiringFactKind
 
 _SYSTEM = re.compile(r"(?:gz-sim|ignition-gazebo)\d*-(.+)-system")
@@ -24,7 +25,37 @@ _OUTPUTS = {
     "joint-state-publisher": ("topic", "Model", ""),
 }
 """The element with a topic's name, its type, and its name without the element, if it is known."""
+_LIDAR = (("LaserScan", "scan", ""), ("PointCloudPacked", "scan/points", "/points"))
+_SENSORS: Mapping[str, tuple[tuple[str, str, str], ...]] = {
+    **dict.fromkeys(("gpu_lidar", "gpu_ray"), _LIDAR),
+    **dict.fromkeys(("navsat", "gps"), (("NavSat", "navsat", ""),)),
+    "imu": (("IMU", "imu", ""),),
+    "magnetometer": (("Magnetometer", "magnetometer", ""),),
+    "air_pressure": (("FluidPressure", "air_pressure", ""),),
+    "altimeter": (("Altimeter", "altimeter", ""),),
+    **dict.fromkeys(("contact", "force_torque", "air_speed"), ()),
+    "camera": (("Image", "image", ""),),
+    "depth_camera": (
+        ("Image", "depth_image", ""),
+        ("PointCloudPacked", "depth_image/points", "/points"),
+    ),
+    "rgbd_camera": tuple(
+        (type, name, f"/{name}")
+        for type, name in (
+            ("Image", "image"),
+            ("Image", "depth_image"),
+            ("PointCloudPacked", "points"),
+        )
+    ),
+}
+"""What sensors send: the type, the name below the sensor's, and what stands behind a `<topic>`."""
+_OTHER_SENSORS = tuple((type, "", "") for type in ("Image", "PointCloudPacked"))
+"""What those of other types may send, under names that are not known."""
+_SCOPE = "world/*/model/{}/link/*/sensor/{}/{}"
+"""What a sensor's topic is called without one; fixed joints move it to another link."""
 _CLOCK, _UNKNOWN = "Clock", "/"
+_MOST_COMPARED = 200
+"""Of more names it does not matter which fit."""
 _WITHOUT = re.compile(
     r"(?:lib)?(?:gz_|ign_|gazebo_ros|(?:gz-sim|ignition-gazebo)"
     r"(?!.*(?:tracked-vehicle|multicopter-control|drive-to-pose)))"
@@ -58,6 +89,22 @@ def plugin_topics(
                 )
 
 
+def sensor_topics(sensors: Iterable[Sensor], given: str, called: str) -> Iterator[GazeboTopic]:
+    """Yield the topics of a model's sensors, as above; a name has a `*` for what is not known."""
+    for sensor in sensors:
+        for type, name, behind in _SENSORS.get(sensor.type, _OTHER_SENSORS):
+            scoped = _SCOPE.format(given or called or "*", sensor.name, name)
+            topic = f"{sensor.topic}{behind}" if sensor.topic else scoped
+            yield GazeboTopic(
+                name=gazebo_name(topic) if name else _UNKNOWN,
+                type=type,
+                to_ros=True,
+                to_gazebo=False,
+                models=frozenset({given, called} - {""}),
+                evidence=(sensor.evidence,),
+            )
+
+
 def gazebo_name(name: str) -> str:
     """Return the full name of a topic of Gazebo, where a name without a slash is the same."""
     return f"/{name.strip().strip('/')}"
@@ -66,6 +113,7 @@ def gazebo_name(name: str) -> str:
 def mismatched_bridges(topics: Sequence[GazeboTopic]) -> Iterator[WiringFact]:
     """Yield what bridges carry past the plugin, in the wrong direction, or for another model."""
     bridged, of_plugins = [t for t in topics if t.bridge], [t for t in topics if not t.bridge]
+    are_driven = any(each.to_gazebo for each in of_plugins)
     for carried in bridged:
         if carried.type == _CLOCK and carried.to_gazebo:
             yield _fact(carried, replace(carried, to_gazebo=False))
@@ -73,7 +121,7 @@ def mismatched_bridges(topics: Sequence[GazeboTopic]) -> Iterator[WiringFact]:
             is_same = (carried.name, carried.type) == (other.name, other.type)
             if is_same and not _is_its_way(other, carried):
                 yield _fact(carried, other)
-        if of_plugins and _is_of_another(carried.name, of_plugins):
+        if are_driven and _is_of_another(carried.name, of_plugins):
             kind, others = WiringFactKind.OTHER_MODEL, (carried.bridge,)
             fact = WiringFact(kind=kind, subject=carried.name, others=others)
             yield replace(fact, evidence=carried.evidence)
@@ -93,7 +141,10 @@ def _is_its_way(other: GazeboTopic, carried: GazeboTopic) -> bool:
 def _unmatched(plugins: list[GazeboTopic], bridged: list[GazeboTopic]) -> Iterator[WiringFact]:
     """Yield a fact where one name of a bridge and one of a plugin are left over."""
     known, used = {each.name for each in plugins}, {each.name for each in bridged}
-    lost, unbridged = sorted(used - known), sorted(known - used)
+    if max(len(known), len(used)) > _MOST_COMPARED:
+        return
+    lost = [name for name in used if not any(fnmatchcase(name, each) for each in known)]
+    unbridged = [each for each in known if not any(fnmatchcase(name, each) for name in used)]
     is_only = len(lost) == len(unbridged) == 1 and _UNKNOWN not in known
     if is_only and not _is_of_another(lost[0], plugins):
         (other,) = [each for each in plugins if each.name == unbridged[0]][:1]

@@ -3,7 +3,7 @@
 from rtron.sources.code import ir
 from rtron.sources.code.frontends.cpp import lower_cpp
 
-A, B, C, D = ir.Name("a"), ir.Name("b"), ir.Name("c"), ir.Name("d")
+A, B, C = ir.Name("a"), ir.Name("b"), ir.Name("c")
 INT, FOO = ir.TypeRef("int"), ir.TypeRef("Foo")
 
 
@@ -28,8 +28,3 @@ def expression(text):
     one = statement(f"{text};")
     assert isinstance(one, ir.Evaluate)
     return one.value
-
-
-def initial(text):
-    """The value a variable begins with."""
-    return statement(text).value

@@ -1,6 +1,7 @@
 """Modules that a workspace makes of C++ for Python (pybind11)."""
 
 import pytest
+from file_tree import write
 from ros2_runs import site
 
 from rtron.sources.code.program_runner import run_python
@@ -11,14 +12,15 @@ CMAKE = "project(fast_drive)\npybind11_add_module(_drive src/drive.cpp)\n"
 
 
 def notes(tmp_path, script, cpp):
-    for name, text in {
-        "package.xml": "<package><name>fast_drive</name></package>",
-        "CMakeLists.txt": CMAKE,
-        "src/drive.cpp": cpp,
-        "script.py": script,
-    }.items():
-        (tmp_path / "fast_drive" / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / "fast_drive" / name).write_text(text)
+    write(
+        tmp_path / "fast_drive",
+        {
+            "package.xml": "<package><name>fast_drive</name></package>",
+            "CMakeLists.txt": CMAKE,
+            "src/drive.cpp": cpp,
+            "script.py": script,
+        },
+    )
     files = WorkspaceSources(read_ros2_workspace([tmp_path]))
     found = run_python(tmp_path / "fast_drive" / "script.py", site(), files)
     return [(note.what, note.why, note.evidence[0].line) for note in found.unresolved]

@@ -1,6 +1,7 @@
 """What an import of Python brings: modules of the own package, and of folders in it (PEP 328)."""
 
 import pytest
+from file_tree import write
 from ros2_runs import explicit_declarations, site
 
 from rtron.sources.code.program_runner import run_python
@@ -40,10 +41,7 @@ TAKEN = "from .inner.parts import make\n"
 )  # fmt: skip
 def test_a_module_of_the_own_package_is_imported(tmp_path, imported, used, files):
     files = {"n.py": MAIN.format(imported=imported, used=used), **files}
-    for name, text in files.items():
-        path = tmp_path / "p" / "p" / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
+    write(tmp_path / "p" / "p", files)
     workspace = Workspace({"p": tmp_path / "p"}, [tmp_path])
     program = tmp_path / "p" / "p" / "n.py"
     found = run_python(program, site(), WorkspaceSources(workspace), "main")

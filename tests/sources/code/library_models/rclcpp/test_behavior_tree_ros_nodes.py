@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from file_tree import write
 from ros2_runs import UNLAUNCHED, explicit_declarations, site
 
 from rtron.sources.code.program_runner import run_cpp
@@ -74,8 +75,7 @@ def run(tmp_path: Path, engine: str, tree: str, library: str = "", **given):
         "nodes.cpp": library,
         "main.xml": f'<root><BehaviorTree ID="M"><Sequence>{tree}</Sequence></BehaviorTree></root>',
     }
-    for name, text in files.items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, files)
     found = read_ros2_workspace([tmp_path])
     sources = found.executable("trees", "engine").sources
     return run_cpp(sources, site(**given), WorkspaceSources(found))

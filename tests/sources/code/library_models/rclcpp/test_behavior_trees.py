@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from file_tree import write
 from ros2_runs import UNLAUNCHED, names, site
 
 from rtron.sources.code.library_models.rclcpp.behavior_tree_xml import MAX_NODES
@@ -86,8 +87,7 @@ def engine(tmp_path: Path, loads: str = LOADS, xml: str = XML, library: str = TR
         "engine.cpp": ENGINE % loads,
         "main.xml": xml,
     }
-    for name, text in {"package.xml": "<package><name>trees</name></package>", **files}.items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, {"package.xml": "<package><name>trees</name></package>", **files})
     found = read_ros2_workspace([tmp_path])
     sources = found.executable("trees", "engine").sources
     return run_cpp(sources, site(**given), WorkspaceSources(found))

@@ -1,6 +1,7 @@
 """Lifecycle nodes, plugins and behaviour trees."""
 
 import pytest
+from file_tree import write
 from ros2_runs import UNLAUNCHED, implicit_declarations, names, run_text, settings, site
 
 from rtron.sources.code.program_runner import run_cpp
@@ -104,22 +105,23 @@ namespace layers { Helper::Helper(rclcpp::Node * node) {
 
 @pytest.fixture
 def workspace(tmp_path):
-    for path, text in {
-        "core/package.xml": CORE,
-        "core/include/core/layer.hpp": BASE,
-        "host/package.xml": "<package><name>host</name></package>",
-        "host/CMakeLists.txt": HOST_CMAKE,
-        "host/host.cpp": HOST,
-        "layers/package.xml": "<package><name>layers</name></package>",
-        "layers/CMakeLists.txt": PLUGINS_CMAKE,
-        "layers/plugins.xml": PLUGINS,
-        "layers/include/layers/helper.hpp": HELPER,
-        "layers/src/static.cpp": STATIC,
-        "layers/src/moving.cpp": MOVING,
-        "layers/src/helper.cpp": HELPER_SOURCE,
-    }.items():
-        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / path).write_text(text)
+    write(
+        tmp_path,
+        {
+            "core/package.xml": CORE,
+            "core/include/core/layer.hpp": BASE,
+            "host/package.xml": "<package><name>host</name></package>",
+            "host/CMakeLists.txt": HOST_CMAKE,
+            "host/host.cpp": HOST,
+            "layers/package.xml": "<package><name>layers</name></package>",
+            "layers/CMakeLists.txt": PLUGINS_CMAKE,
+            "layers/plugins.xml": PLUGINS,
+            "layers/include/layers/helper.hpp": HELPER,
+            "layers/src/static.cpp": STATIC,
+            "layers/src/moving.cpp": MOVING,
+            "layers/src/helper.cpp": HELPER_SOURCE,
+        },
+    )
     return read_ros2_workspace([tmp_path])
 
 

@@ -1,6 +1,7 @@
 """A program that loads nodelets into itself with nodelet::Loader (ROS wiki: nodelet)."""
 
 import pytest
+from file_tree import write
 
 from rtron.sources.code.program_runner import run_cpp, run_nodelet
 from rtron.sources.code.workspace_sources import WorkspaceSources
@@ -32,8 +33,7 @@ auto main(int argc, char** argv) -> int {
 @pytest.fixture
 def run(tmp_path):
     """Return what the program /robot/program declares and notes, by the body of its main."""
-    for name, text in FILES.items():
-        (tmp_path / name).write_text(text)
+    write(tmp_path, FILES)
     workspace = Workspace(find_packages([tmp_path], {}), [tmp_path])
 
     def run(body):

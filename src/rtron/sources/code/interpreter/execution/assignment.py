@@ -88,8 +88,8 @@ def _assign_member(
         _note_stamp(machine, owners, value, at.evidence)
     elif target.name == _CHILD_FRAME and any(map(_is_odometry, owners)):
         _note_stamp(machine, (), value, at.evidence)
-    elif target.name.endswith(_PLUGIN_ID) and any(map(_is_goal, owners)):
-        _note_plugin_id(machine, target.name, value, at.evidence)
+    elif any(map(_is_goal, owners)):
+        note_plugin_id(machine, target.name, value, at.evidence)
     for owner in owners:
         before = owner.fields.get(target.name) if isinstance(owner, _OBJECTS) else None
         new = value if len(owners) == 1 or before is None else av.join([before, value])
@@ -104,9 +104,9 @@ def _is_goal(message: av.Value) -> bool:
     return made_by.endswith("Goal")
 
 
-def _note_plugin_id(machine: AbstractMachine, field: str, value: av.Value, place: Evidence) -> None:
-    """Note the plugin that a goal asks its server for, if it is known."""
-    if isinstance(value, av.Scalar) and value.value:
+def note_plugin_id(machine: AbstractMachine, field: str, value: av.Value, place: Evidence) -> None:
+    """Note the plugin that a goal asks its server for, if the field names one that is known."""
+    if field.endswith(_PLUGIN_ID) and isinstance(value, av.Scalar) and value.value:
         namespace = machine.recorder.site.name.rpartition("/")[0]
         name = f"{namespace}/{field}/{value.value}"
         machine.recorder.add_plugin_id(PluginId(name=name, evidence=place, is_request=True))

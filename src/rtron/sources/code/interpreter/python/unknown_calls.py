@@ -5,6 +5,7 @@ from collections.abc import Callable
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.interpreter.execution.arguments import Arguments
+from rtron.sources.code.interpreter.execution.assignment import note_plugin_id
 from rtron.sources.code.interpreter.execution.calls import callee_name
 from rtron.vocabulary import UnresolvedCause
 
@@ -45,8 +46,13 @@ def note_unknown_call(
     is_known: Callable[[str], bool],
     is_foreign_package: Callable[[str], bool],
 ) -> None:
-    """Note a call of what is not known, if it makes an endpoint by its name or by what it gets."""
+    """Note a call of what is not known, if it makes an endpoint by its name or by what it gets.
+
+    One that gets the id of a plugin sends a goal, as those of nav2_simple_commander do.
+    """
     name = callee_name(called)
+    for keyword, value in arguments.keywords.items():
+        note_plugin_id(machine, keyword, value, arguments.evidence)
     makes = name.rpartition(".")[2] in _MAKERS and len(arguments.all_values) >= _MIN_ARGUMENTS
     if makes and isinstance(called, (av.Unknown, av.ExternalSymbol)):
         first = next((v for v in arguments.all_values if av.is_text(v)), av.Unknown())
