@@ -106,7 +106,7 @@ class AppFlow:
         return {topic: nodes for topic, nodes in found if nodes}
 
     def _ending(self, topic: str) -> Iterator[str]:
-        is_report = topic in self._reports
+        is_report = self.is_report(topic)
         is_vague = is_report and self.named.get(topic) in {None, *VAGUE}
         for node in filter(self.roles.obeys, self.app.readers(topic)):
             is_seen = not is_vague and self._moves(node, topic)
@@ -206,6 +206,10 @@ class AppFlow:
                 found[end.node].add(end.topic)
         return {node: frozenset(topics) for node, topics in found.items()}
 
+    def is_report(self, topic: str) -> bool:
+        """Return whether those alone send a topic that obey something else."""
+        return topic in self._reports
+
     @cached_property
     def _reports(self) -> frozenset[str]:
         """What those alone send that obey something else, as drivers do."""
@@ -283,7 +287,7 @@ class AppFlow:
     def _is_answer(self, topic: str) -> bool:
         """Return whether those alone send a topic that obey commands: it tells how they do."""
         senders = self.app.publishers(topic)
-        return topic in self._reports or (bool(senders) and self.obeying_nodes.issuperset(senders))
+        return self.is_report(topic) or (bool(senders) and self.obeying_nodes.issuperset(senders))
 
     @cached_property
     def _subscribed(self) -> dict[str, frozenset[str]]:

@@ -62,7 +62,8 @@ class AppCommands:
 
     @cached_property
     def _last_topics(self) -> tuple[tuple[Thing, Command], ...]:
-        topics = {*self.flow.obeying, *self._leaving.topics, *self._leaving.switches}
+        leaving = self._leaving
+        topics = {*self.flow.obeying, *leaving.topics, *leaving.lost, *leaving.switches}
         commands = ((self.thing(topic), self.forwarding.command(topic)) for topic in sorted(topics))
         return tuple(chain.from_iterable(self._by_part(*self._as_driven(*c)) for c in commands))
 

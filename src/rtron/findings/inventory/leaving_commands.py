@@ -66,6 +66,25 @@ class LeavingCommands:
             velocities - self.flow.obeying.keys() - self.flow.commands if is_driven else ()
         )
 
+    @cached_property
+    def lost(self) -> frozenset[str]:
+        """The velocities of which nodes make something else, not seen to reach hardware."""
+        known = self.flow.commands | self.spare
+        return frozenset(
+            topic
+            for topic in self.app.motion_topics
+            if self.flow.type(topic).startswith(TWIST)
+            and self.flow.named.get(topic) not in {None, *NO_MOTION}
+            and not (topic in known or self.flow.is_report(topic))
+            and any(self._makes_other(node, topic) for node in self.app.readers(topic))
+        )
+
+    def _makes_other(self, node: str, topic: str) -> bool:
+        """Return whether a node makes of a topic what others hear, and no other velocity."""
+        led = self.flow.led(node, topic)
+        heard = any(map(self.app.readers, led))
+        return self.roles.obeys(node) and heard and led.isdisjoint(self.app.motion_topics)
+
     def _may_leave(self, topic: str) -> bool:
         """Return whether nodes of one's own send what may order a part of the robot to move.
 

@@ -21,6 +21,7 @@ from rtron.vocabulary import Durability, QoS, Reliability
         ('create_publisher<std_msgs::msg::Bool>("t", 1)', "publish /ns/t std_msgs/msg/Bool"),
         ('create_subscription<std_msgs::msg::Bool>("t", 1, [](auto m) {})',
          "subscribe /ns/t std_msgs/msg/Bool"),
+        ('create_publisher<a_msgs::msg::GoRequest>("t", 1)', "publish /ns/t a_msgs/msg/GoRequest"),
         ('create_service<std_srvs::srv::Empty>("s", [](auto a, auto b) {})',
          "service /ns/s std_srvs/srv/Empty"),
         ('create_client<std_srvs::srv::Empty>("s")', "service_client /ns/s std_srvs/srv/Empty"),

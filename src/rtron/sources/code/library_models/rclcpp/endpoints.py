@@ -79,7 +79,7 @@ def _declare_endpoint(
         endpoints.note_unknown_node(machine, kind.value, name, rest)
         return av.Unknown(kind.value)
     plain = type
-    for ending in _REQUEST_SUFFIXES:
+    for ending in _REQUEST_SUFFIXES if kind not in {_PUBLISH, _SUBSCRIBE} else ():
         plain = plain.removesuffix(ending)
     overridable = QosOverrides(machine, kind, node, rest)
     qos = overridable.effective_qos(
