@@ -83,7 +83,7 @@ def _parse(body: bytes) -> tuple[tuple[Any, ...], str | None]:
 def _expat_parser(target: _ShallowUnmarshaller) -> expat.XMLParserType:
     """Return a parser that refuses a DTD, without which there are no entities.
 
-    defusedxml's does so too, but loads an HTTP server and pydoc: a tenth of a guard's start.
+    defusedxml's does so too, but loads an HTTP server and pydoc: a twentieth of a guard's start.
     """
     parser = expat.ParserCreate()
     parser.StartElementHandler = target.start
