@@ -40,7 +40,7 @@ _LIBRARIES = {
     "EtherCAT": r"ethercat\.h|\becrt\.h|\bsoem",
     "servo bus": r"dynamixel_sdk|lx16a|scservo|SCServo|feetech|herkulex",
     "moteus": r"\bmoteus",
-    "VESC": r"vesc_(?:interface|packet)|pyvesc",
+    "VESC": r"vesc_(?:interface|packet)|pyvesc|VescUart",
     "Roboteq": r"[Rr]oboteq",
     "motor controller": r"roboclaw|odrive|phidget22"
     r"|sabertooth|tmc\d{4}|Rosmaster_Lib|[Mm]otor_?(?:HAT|hat)\b"
@@ -105,6 +105,11 @@ Boards get a limit by them that have none by default: `enable_watchdog` of ODriv
 documentation), `BUS_WATCHDOG` of Dynamixel (its e-manual), `enableFailsafe` of Phidgets (its API)
 and `SetTimeout` of RoboClaw (its user manual, command 14).
 """
+_TIMERS = re.compile(
+    rb"\belapsed(?:Millis|Micros)\b|\b(?:Timeout|Ticker|Timer)\s+\w+\s*[;({]|xQueueReceive|xTimer\w+"
+    rb"|esp_timer_\w+|\buxr_millis|\bwdt_\w+|esp_task_wdt|\bIWDG|\bTimer1\.|\bMsTimer2"
+)
+"""What ends commands in firmware by its hardware or its system: mbed, Teensy, FreeRTOS, ESP-IDF."""
 _COMMENTS = {
     True: re.compile(
         rb"\"\"\".*?(?:\"\"\"|\Z)|'{3}.*?(?:'{3}|\Z)"
@@ -163,8 +168,18 @@ def firmware(part: NodePart) -> Iterator[WiringFact]:
     places: _Places = {}
     for path in part.task.sources:
         places = _places(path, file_content(path)) | places
+    if timed := next(filter(None, map(_first_timer, part.task.sources)), None):
+        places = {(WiringFactKind.COMMAND_AGE, "age of a command"): timed} | places
     start = Evidence(file=str(part.task.sources[0]))
     yield from _facts(part.owner, places | {(WiringFactKind.DEVICE, "firmware"): start})
+
+
+def _first_timer(path: Path) -> Evidence | None:
+    """Return the first place in a file of firmware of a timer that may end commands."""
+    text = _COMMENTS[False].sub(_without_comment, file_content(path))
+    found = _TIMERS.search(text)
+    line = text.count(b"\n", 0, found.start()) + 1 if found else 0
+    return Evidence(file=str(path), line=line) if found else None
 
 
 def last_messages(part: NodePart) -> Iterator[WiringFact]:

@@ -39,7 +39,7 @@ _NOT_OF_THE_APP = frozenset(
     ]
 )
 """Folders of Arduino's libraries, whose sketches are examples, of tests, and of what is past."""
-_MAX_SKETCHES, _MAX_BRIDGES = 16, 4
+_MAX_SKETCHES, _MAX_BRIDGES, _MAX_FILES = 8, 4, 60
 _ARDUINO = ".ino"
 _SOURCES = (_ARDUINO, ".cpp", ".cc", ".c")
 _INCLUDES = {
@@ -47,9 +47,12 @@ _INCLUDES = {
     2: re.compile(rb'^[ \t]*#[ \t]*include[ \t]*[<"](?:rclc/|micro_ros_)\w+\.h[>"]', re.MULTILINE),
 }
 """How a program gets the client library of rosserial, and of micro-ROS."""
+_NAMES = "|".join(FIRMWARE_STARTS)
 _START = re.compile(
-    rf"^[ \t]*(?:void|int)[ \t]+(?:{'|'.join(FIRMWARE_STARTS)})[ \t]*\(".encode(), re.MULTILINE
+    rf'^(?:extern[ \t]+"C"[ \t]+)?(?:void|int)[ \t]+(?:{_NAMES})[ \t]*\('.encode(), re.MULTILINE
 )
+_QUOTED = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*[<"]([\w./-]+)[">]', re.MULTILINE)
+_LIBRARIES = ("lib", "include", "libraries")
 _ENDS = {
     DeclarationKind.PUBLISH: DeclarationKind.SUBSCRIBE,
     DeclarationKind.SUBSCRIBE: DeclarationKind.PUBLISH,
@@ -90,7 +93,8 @@ def with_firmware(parts: Sequence[NodePart], resolver: InterfaceResolver) -> lis
     bridges = [_Bridge(part) for part in found[:_MAX_BRIDGES]]
     sketches = list(islice(_sketches(resolver.workspace.folders, found), _MAX_SKETCHES))
     if len(found) == len(sketches) == 1:
-        bridges[0].add(sketches[0], _read_sketch(found[0], sketches[0], resolver), set())
+        ((sketch, [read]),) = _read_sketches(found, sketches, resolver)
+        bridges[0].add(sketch, read, set())
     else:
         _distribute(sketches, bridges, parts, resolver)
     if not sketches:
@@ -106,8 +110,7 @@ def _distribute(
     resolver: InterfaceResolver,
 ) -> None:
     """Give each sketch that exchanges topics with the app to the bridge that it fits best."""
-    for sketch in sketches:
-        read = [_read_sketch(bridge.part, sketch, resolver) for bridge in bridges]
+    for sketch, read in _read_sketches([bridge.part for bridge in bridges], sketches, resolver):
         topics = [_exchanged(each, parts) for each in read]
         ranks = [b.fitness(sketch, t) if t else () for b, t in zip(bridges, topics, strict=True)]
         if any(ranks):
@@ -117,7 +120,7 @@ def _distribute(
 
 def _exchanged(bridge: NodePart, parts: Iterable[NodePart]) -> set[str]:
     """Return what a bridge with a sketch hears of others of the app, or sends to them."""
-    own = {(each.kind, each.name) for each in bridge.interface.declarations}
+    own = {(each.kind, _topic(bridge, each)) for each in bridge.interface.declarations}
     others = (
         (_ENDS[each.kind], _topic(part, each))
         for part in parts
@@ -139,13 +142,26 @@ def _words(name: str) -> set[str]:
     return set(re.findall(r"[a-z]{3,}", name.lower())) - {"ino", "cpp", "src", "main"}
 
 
-def _read_sketch(bridge: NodePart, sketch: _Sketch, resolver: InterfaceResolver) -> NodePart:
+def _read_sketches(
+    bridges: Sequence[NodePart], sketches: Sequence[_Sketch], resolver: InterfaceResolver
+) -> Iterator[tuple[_Sketch, list[NodePart]]]:
+    """Yield each sketch with what it declares behind each bridge."""
+    pairs = [(bridge, sketch) for sketch in sketches for bridge in bridges]
+    read = iter(resolver.resolve_parts([_with_task(*pair) for pair in pairs]))
+    for sketch in sketches:
+        yield sketch, [_with_own(next(read), bridge) for bridge in bridges]
+
+
+def _with_task(bridge: NodePart, sketch: _Sketch) -> NodePart:
     task = InterpretationTask(kind=TaskKind.SKETCH, sources=sketch, site=bridge.node.site)
-    (read,) = resolver.resolve_parts([replace(bridge, model=None, known_model=None, task=task)])
+    return replace(bridge, model=None, known_model=None, task=task)
+
+
+def _with_own(read: NodePart, bridge: NodePart) -> NodePart:
+    """Return what a sketch declares, and what the bridge declares itself."""
     declared = (*bridge.interface.declarations, *read.interface.declarations)
-    interface = replace(read.interface, declarations=declared)
-    owner = next((made.name for made in interface.nodes), bridge.owner)
-    return replace(read, owner=owner, interface=interface)
+    owner = next((made.name for made in read.interface.nodes), bridge.owner)
+    return replace(read, owner=owner, interface=replace(read.interface, declarations=declared))
 
 
 def _with_notes(
@@ -159,7 +175,9 @@ def _with_notes(
     if not bridge.read and any(each.read for each in bridges):
         return [bridge.part]
     what = f"firmware of {bridge.part.node.name}"
-    return [_with_note(bridge.part, what, _OPEN, sketches), *bridge.read]
+    others = (replace(each.interface, last_messages=()) for each in bridge.read)
+    read = [replace(p, interface=i) for p, i in zip(bridge.read, others, strict=True)]
+    return [_with_note(bridge.part, what, _OPEN, sketches), *read]
 
 
 def _with_note(part: NodePart, what: str, why: str, sketches: Iterable[_Sketch]) -> NodePart:
@@ -174,17 +192,42 @@ def _sketches(folders: Iterable[Path], bridges: Sequence[NodePart]) -> Iterator[
     listings = (listing for top in folders for listing in walk(top)) if bridges else ()
     for folder, inner, names in islice(listings, MAX_FOLDERS):
         inner[:] = sorted(n for n in inner if n.lower() not in _NOT_OF_THE_APP and n[0] != ".")
-        files = [Path(folder) / name for name in sorted(names) if name.endswith(_SOURCES)]
-        yield from _programs(files, _INCLUDES[bridges[0].node.site.ros])
+        paths = (Path(folder) / name for name in sorted(names) if name.endswith(_SOURCES))
+        files = [path for path in paths if not path.is_symlink()]
+        yield from _programs(files[:_MAX_FILES], _INCLUDES[bridges[0].node.site.ros])
 
 
 def _programs(files: Sequence[Path], include: re.Pattern[bytes]) -> Iterator[_Sketch]:
-    """Yield the programs of a folder: all its files where one starts, else each that starts."""
+    """Yield the programs of a folder: a sketch of Arduino is all of it, else each that starts."""
     contents = {file: file_content(file) for file in files}
-    if not any(map(include.search, contents.values())):
-        return
+    joining = [file for file, text in contents.items() if include.search(text)]
     starts = [file for file, text in contents.items() if _START.search(text)]
-    if len(starts) > 1 and starts[0].suffix != _ARDUINO:
-        yield from ((file,) for file in starts if include.search(contents[file]))
-    elif starts:
-        yield tuple(sorted(files, key=lambda f: (f.suffix != _ARDUINO, f.stem != f.parent.name)))
+    is_own_header = bool(joining) and (joining[0].parent / "ros.h").exists()
+    if not (joining and starts) or is_own_header:
+        return
+    alone = [file for file in starts if file in joining]
+    if len(alone) > 1 and all(file.suffix != _ARDUINO for file in files):
+        yield from (_with_libraries([file]) for file in alone)
+    else:
+        order = sorted(files, key=lambda f: (f.suffix != _ARDUINO, f.stem != f.parent.name))
+        yield _with_libraries(order)
+
+
+def _with_libraries(files: Sequence[Path]) -> _Sketch:
+    """Return a program with the sources of the libraries that lie beside it, by what it includes.
+
+    They lie in `lib`, `include` (docs.platformio.org: Project) and `libraries` (Arduino's
+    sketchbook), beside the folder or above it.
+    """
+    folder = files[0].parent
+    included = {name for file in files for name in _QUOTED.findall(file_content(file))}
+    stems = {name.decode().rpartition("/")[2].partition(".")[0] for name in included}
+    places = [at / name for at in (folder, folder.parent) for name in _LIBRARIES]
+    found = [
+        Path(inner) / name
+        for place in places
+        for inner, _, names in islice(walk(place), _MAX_FILES)
+        for name in sorted(names)
+        if name.endswith((*_SOURCES, ".h", ".hpp")) and name.partition(".")[0] in stems
+    ]
+    return (*files, *(path for path in found if not path.is_symlink()))[:_MAX_FILES]

@@ -93,7 +93,8 @@ def _init_functions() -> Iterator[tuple[str, _Function]]:
     """Yield the functions that initialise an entity; one that takes a quality has none known."""
     for entity, kind in _KINDS.items():
         is_topic = kind in {DeclarationKind.PUBLISH, DeclarationKind.SUBSCRIBE}
-        yield f"rclc_{entity}_init", partial(_init_endpoint, kind, None)
+        for library in ("rclc", "rcl"):
+            yield f"{library}_{entity}_init", partial(_init_endpoint, kind, None)
         for ending, profile in _QUALITIES.items():
             qos = QOS_PROFILES[profile] if is_topic else None
             yield f"rclc_{entity}_init_{ending}", partial(_init_endpoint, kind, qos)
