@@ -110,7 +110,8 @@ class AppFlow:
         is_vague = is_report and self.named.get(topic) in {None, *VAGUE}
         for node in filter(self.roles.obeys, self.app.readers(topic)):
             is_seen = not is_vague and self._moves(node, topic)
-            if is_seen or (not is_report and self._may_end(node, topic)):
+            may_be_seen = not (is_report or self.roles.is_sensor(node))
+            if is_seen or (may_be_seen and self._may_end(node, topic)):
                 yield node
 
     def _moves(self, node: str, topic: str) -> bool:
@@ -128,8 +129,8 @@ class AppFlow:
             is_feedback = self._is_measured(topic) and not self._only_measures(node, way.device)
             return not (is_feedback or _SHOWN.match(type))
         part = thing_of(topic, type, Means.TOPIC) or thing_of_node(way.library)
-        is_last = not way.led & self.named.keys()
-        return bool(way.library) and is_last and part not in {None, *VAGUE}
+        is_part = part not in {None, *VAGUE}
+        return bool(way.library) and is_part and not self._hands_on(node, topic)
 
     def _is_measured(self, topic: str) -> bool:
         """Return whether a type is of what was measured; joints may be moved by their states."""
@@ -148,24 +149,28 @@ class AppFlow:
 
         Its source was not read, or it opens hardware and leads a command nowhere else.
         """
-        if self.roles.is_sensor(node):
-            return False
         thing, way = self.named.get(topic), self.programs.way(node, topic)
         is_driver = self.roles.drives(node) or self.roles.is_called_driver(node)
         if part_of_states(topic, self.type(topic)) and self.roles.moves_hardware(node):
             is_sent = any(map(self.roles.drives, self.app.publishers(topic)))
             return not is_sent and (way is None or way.is_unknown)
-        if way is not None:
-            is_lost = way.is_used and not way.led & self.named.keys()
-            is_named = thing is not None and (thing not in VAGUE or self.roles.drives(node))
-            return is_named and is_lost and (is_driver or self.roles.may_drive(node))
+        if way is not None and (not way.is_used or self._hands_on(node, topic)):
+            return False
         if is_driver:
             is_beside = thing is None and may_be_command(topic, self.type(topic))
             return thing is not None or (is_beside and self._is_driving(node))
-        if not self.app.is_motion(topic) or thing in {None, *VAGUE}:
+        if thing in {None, *VAGUE} or (way is None and not self.app.is_motion(topic)):
             return False
+        if way is not None:
+            return self.roles.may_drive(node)
         is_handed = any(self._may_hand_on(each, topic) for each in self.app.readers(topic))
         return not self._may_hand_on(node, topic) and (not is_handed or self.roles.may_drive(node))
+
+    def _hands_on(self, node: str, topic: str) -> bool:
+        """Return whether a node makes other commands of a topic, or may."""
+        way = self.programs.way(node, topic)
+        is_seen = way is not None and not way.led.isdisjoint(self.named)
+        return is_seen or self._may_hand_on(node, topic)
 
     def _is_driving(self, node: str) -> bool:
         """Return whether a node obeys a topic that says which part it moves."""
@@ -250,7 +255,7 @@ class AppFlow:
 
     def _find_led(self, node: str, topic: str) -> frozenset[str]:
         way = self.programs.way(node, topic)
-        if way is not None and not way.is_unknown:
+        if way is not None and not way.is_lost:
             return way.led - {topic}
         may_tell = topic in self.named or self.is_by_hand(topic) or self._is_order(topic)
         if not may_tell or not self.roles.obeys(node) or node in self.obeying.get(topic, ()):

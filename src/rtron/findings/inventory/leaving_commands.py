@@ -82,8 +82,8 @@ class LeavingCommands:
     def _makes_other(self, node: str, topic: str) -> bool:
         """Return whether a node makes of a topic what others hear, and no other velocity."""
         led = self.flow.led(node, topic)
-        heard = any(map(self.app.readers, led))
-        return self.roles.obeys(node) and heard and led.isdisjoint(self.app.motion_topics)
+        has_readers = any(map(self.app.readers, led))
+        return self.roles.obeys(node) and has_readers and led.isdisjoint(self.app.motion_topics)
 
     def _may_leave(self, topic: str) -> bool:
         """Return whether nodes of one's own send what may order a part of the robot to move.

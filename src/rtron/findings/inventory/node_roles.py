@@ -1,13 +1,14 @@
 """What the nodes of an app are in the inventory: next to hardware, sensors, or listeners only."""
 
 import re
+from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.measurement_names import is_called_sensor, is_measured, may_be_measured
 from rtron.findings.node_kinds import carriers, moves
-from rtron.vocabulary import Node, WiringFact, WiringFactKind, normalise_type
+from rtron.vocabulary import Direction, Node, WiringFact, WiringFactKind, normalise_type
 from rtron.vocabulary.names import EMERGENCY_STOP, snake_case
 
 FIRMWARE_PACKAGES = (
@@ -89,11 +90,25 @@ class NodeRoles:
 
     def is_sensor(self, node: str) -> bool:
         """Return whether a node measures and obeys no motion: its motor turns a lidar."""
-        if self.is_autopilot(node):
+        return node in self._sensors
+
+    @cached_property
+    def _sensors(self) -> frozenset[str]:
+        return frozenset(n for n in self._sent_types if self._only_measures(n))
+
+    def _only_measures(self, node: str) -> bool:
+        if self.is_autopilot(node) or self._sent_types[node].isdisjoint(_SCANS_AND_IMAGES):
             return False
-        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
-        obeyed = (end.topic for end in self.app.graph.subscribed_by(node))
-        return not types.isdisjoint(_SCANS_AND_IMAGES) and not any(map(self.app.is_motion, obeyed))
+        return not any(self.app.is_motion(end.topic) for end in self.app.graph.subscribed_by(node))
+
+    @cached_property
+    def _sent_types(self) -> dict[str, frozenset[str]]:
+        """The types of what each node publishes, as ROS 1 spells them."""
+        found = defaultdict[str, set[str]](set)
+        for end in self.app.graph.endpoints:
+            if end.direction is Direction.PUBLISH:
+                found[end.node].add(normalise_type(end.type))
+        return {node: frozenset(types) for node, types in found.items()}
 
     def is_called_sensor(self, node: str) -> bool:
         """Return whether the names of a node and its package say that it moves nothing."""
@@ -101,7 +116,7 @@ class NodeRoles:
 
     def measures_motion(self, node: str, *, is_driver: bool) -> bool:
         """Return whether a node senses where it is or how it moves; a driver by odometry, too."""
-        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
+        types = self._sent_types.get(node, frozenset())
         return not types.isdisjoint(_SENSED | _MOVED if is_driver else _SENSED)
 
     def obeys(self, node: str) -> bool:
@@ -173,7 +188,7 @@ class NodeRoles:
 
     def may_drive(self, node: str) -> bool:
         """Return whether a node drives, or tells where something moved to, or was not read."""
-        types = {normalise_type(end.type) for end in self.app.graph.published_by(node)}
+        types = self._sent_types.get(node, frozenset())
         is_unread = node in self.app.unread_nodes
         return self.drives(node) or is_unread or not types.isdisjoint(_MOVED)
 

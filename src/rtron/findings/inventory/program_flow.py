@@ -38,6 +38,11 @@ class Way:
         return bool(self.led or self.device or self.library)
 
     @property
+    def is_lost(self) -> bool:
+        """Whether it ends in a library that is not read: what comes of it there is not seen."""
+        return bool(self.library) and not (self.led or self.device)
+
+    @property
     def is_unknown(self) -> bool:
         """Whether it may lead to something that is not seen, and to nothing that is."""
         return self.library == UNKNOWN_OUTPUT and not (self.led or self.device)
@@ -100,7 +105,7 @@ class ProgramFlow:
         for action in self.app.graph.actions:
             servers[action.name].add(action.node)
         found = dict[tuple[str, str], Way]()
-        for fact in self._facts[WiringFactKind.REQUEST_FLOW]:
+        for fact in filter(lambda each: each.others, self._facts[WiringFactKind.REQUEST_FLOW]):
             name, *others = fact.others
             nodes = servers[name] & {fact.subject} or servers[name]  # a process, not its node
             found.update(((n, name), self._way(n, fact, tuple(others))) for n in nodes)

@@ -173,6 +173,51 @@ def test_firmware_reaches_hardware_and_shows_what_it_opens(scan):
     assert (WiringFactKind.DEVICE, "serial port") not in shown
 
 
+KEEPING = SKETCH.replace(
+    "{ analogWrite(7, msg.linear.x); }", "{ speed = msg.linear.x; last = millis(); }"
+)
+WATCHED = "if (millis() - last > 500) speed = 0; analogWrite(7, speed); nh.spinOnce();"
+HEADER = "float speed; unsigned long last;\n"
+
+
+@pytest.mark.parametrize(
+    ("files", "fate"),
+    [
+        ({"a/a.ino": HEADER + KEEPING.replace("nh.spinOnce();", WATCHED)}, "checked"),
+        ({"a/a.ino": HEADER + KEEPING.replace("nh.spinOnce();", "analogWrite(7, speed);")},
+         "unnoticed"),
+        ({"a/a.ino": '#include "wheels.h"\n' + KEEPING.replace("nh.spinOnce();", "turn();"),
+          "a/lib/wheels/wheels.h": HEADER + "void turn();\n",
+          "a/lib/wheels/wheels.cpp": f'#include "wheels.h"\nvoid turn() {{ {WATCHED} }}\n'},
+         "checked"),
+        ({"a/a.ino": HEADER + KEEPING.replace("nh.spinOnce();", "turn();"),
+          "a/b.ino": f"namespace w {{\n  void setup() {{}}\n}}\nvoid turn() {{ {WATCHED} }}\n"},
+         "checked"),
+    ],
+    ids=["a clock", "for ever", "in a library", "in another file"],
+)  # fmt: skip
+def test_what_becomes_of_the_last_command_is_seen_in_all_of_the_firmware(scan, files, fate):
+    fates = [f.value for f in scan(files).wiring if f.kind is WiringFactKind.LAST_MESSAGE]
+    assert fates == [fate]
+
+
+@pytest.mark.parametrize(
+    "line", ["elapsedMillis since;", "Timeout stopper;", "void f() { xQueueReceive(q, &v, 50); }"]
+)
+def test_a_timer_of_the_board_may_end_commands(scan, line):
+    found = scan({"a/a.ino": SKETCH + line})
+    (age,) = [fact for fact in found.wiring if fact.kind is WiringFactKind.COMMAND_AGE]
+    assert age.evidence[0].line == SKETCH.count("\n") + 1
+
+
+def test_a_link_leads_to_no_firmware_outside(scan, tmp_path):
+    outside = tmp_path.with_name("outside.ino")
+    outside.write_text(SKETCH)
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "a.ino").symlink_to(outside)
+    assert [node.unread for node in scan({}).nodes] == [True]
+
+
 @pytest.mark.parametrize(
     "name", ["libraries/x/x.ino", "x/examples/x/x.ino", ".git/x/x.ino", "Archived/x/x.ino"]
 )

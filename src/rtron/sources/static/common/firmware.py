@@ -53,7 +53,7 @@ _START = re.compile(
 )
 _QUOTED = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*[<"]([\w./-]+)[">]', re.MULTILINE)
 _LIBRARIES = ("lib", "include", "libraries")
-_ENDS = {
+_OTHER_ENDS = {
     DeclarationKind.PUBLISH: DeclarationKind.SUBSCRIBE,
     DeclarationKind.SUBSCRIBE: DeclarationKind.PUBLISH,
 }
@@ -93,8 +93,8 @@ def with_firmware(parts: Sequence[NodePart], resolver: InterfaceResolver) -> lis
     bridges = [_Bridge(part) for part in found[:_MAX_BRIDGES]]
     sketches = list(islice(_sketches(resolver.workspace.folders, found), _MAX_SKETCHES))
     if len(found) == len(sketches) == 1:
-        ((sketch, [read]),) = _read_sketches(found, sketches, resolver)
-        bridges[0].add(sketch, read, set())
+        for sketch, behind in _read_sketches(found, sketches, resolver):
+            bridges[0].add(sketch, behind[0], set())
     else:
         _distribute(sketches, bridges, parts, resolver)
     if not sketches:
@@ -104,7 +104,7 @@ def with_firmware(parts: Sequence[NodePart], resolver: InterfaceResolver) -> lis
 
 
 def _distribute(
-    sketches: Iterable[_Sketch],
+    sketches: Sequence[_Sketch],
     bridges: Sequence[_Bridge],
     parts: Sequence[NodePart],
     resolver: InterfaceResolver,
@@ -122,10 +122,10 @@ def _exchanged(bridge: NodePart, parts: Iterable[NodePart]) -> set[str]:
     """Return what a bridge with a sketch hears of others of the app, or sends to them."""
     own = {(each.kind, _topic(bridge, each)) for each in bridge.interface.declarations}
     others = (
-        (_ENDS[each.kind], _topic(part, each))
+        (_OTHER_ENDS[each.kind], _topic(part, each))
         for part in parts
         for each in part.interface.declarations
-        if each.kind in _ENDS and not each.implicit
+        if each.kind in _OTHER_ENDS and not each.implicit
     )
     return {topic for kind, topic in others if (kind, topic) in own}
 
@@ -205,9 +205,9 @@ def _programs(files: Sequence[Path], include: re.Pattern[bytes]) -> Iterator[_Sk
     is_own_header = bool(joining) and (joining[0].parent / "ros.h").exists()
     if not (joining and starts) or is_own_header:
         return
-    alone = [file for file in starts if file in joining]
-    if len(alone) > 1 and all(file.suffix != _ARDUINO for file in files):
-        yield from (_with_libraries([file]) for file in alone)
+    programs = [file for file in starts if file in joining]
+    if len(programs) > 1 and all(file.suffix != _ARDUINO for file in files):
+        yield from (_with_libraries([file]) for file in programs)
     else:
         order = sorted(files, key=lambda f: (f.suffix != _ARDUINO, f.stem != f.parent.name))
         yield _with_libraries(order)
