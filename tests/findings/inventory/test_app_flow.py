@@ -237,3 +237,47 @@ def test_moveit_moves_nothing_where_its_execution_is_fake():
     fake = "    pub /move_group/fake_controller_joint_states sensor_msgs/msg/JointState\n"
     assert [mover.thing for mover in seen(goals)] == [Thing.ARM]
     assert seen(goals + fake) == ()
+
+
+RELAYED = f"""
+/teleop p own
+    pub /teleop/cmd_vel {TWIST}
+/safety p own
+    sub /teleop/cmd_vel {TWIST}
+    pub /cmd_vel {TWIST}
+/base_driver p own
+    sub /cmd_vel {TWIST}
+"""
+
+
+def test_what_a_library_makes_of_a_message_may_be_what_its_node_sends():
+    given = flow("/safety", "/teleop/cmd_vel", "library logic.Safety()")
+    (mover,) = seen(RELAYED, given, flow("/base_driver", "/cmd_vel", "serial port"))
+    assert (mover.drivers, mover.arbiters) == (("/base_driver",), ())
+    assert {each.name: each.hops for each in mover.commands} == {
+        "/cmd_vel": 0,
+        "/teleop/cmd_vel": 1,
+    }
+
+
+@pytest.mark.parametrize(("reader", "count"), [("", 1), (f"    sub /cmd_vel/applied {TWIST}\n", 0)])
+def test_a_driver_that_tells_nobody_here_what_it_was_told_obeys_it(reader, count):
+    text = f"/board p own\n    sub /cmd_vel {TWIST}\n    pub /cmd_vel/applied {TWIST}\n"
+    text += f"/other p own\n    pub /x x/A\n{reader}"
+    found = seen(text, CAN, flow("/board", "/cmd_vel", "", "/cmd_vel/applied"))
+    assert sum(each.drivers == ("/board",) for each in found) == count
+
+
+def test_a_driver_obeys_signals_beside_velocities_where_its_writes_are_not_seen():
+    text = f"/board p own\n    sub /cmd_vel {TWIST}\n    sub /dock std_msgs/msg/UInt8\n"
+    text += "    pub /info x/Info\n"
+    ways = (flow("/board", topic, "", "/info") for topic in ("/cmd_vel", "/dock"))
+    (mover,) = seen(text, CAN, *ways)
+    assert {each.name for each in mover.commands} == {"/cmd_vel", "/dock"}
+
+
+def test_a_velocity_is_told_whose_way_ends_at_nodes_that_are_not_followed():
+    text = f"/gait p own\n    sub /cmd_vel {TWIST}\n    pub /steps x/Steps\n"
+    text += "/legs p own\n    sub /steps x/Steps\n"
+    (mover,) = seen(text, flow("/gait", "/cmd_vel", "", "/steps"), flow("/legs", "/steps"))
+    assert (mover.thing, mover.drivers) == (Thing.BASE, ("/gait",))

@@ -167,10 +167,11 @@ class AppFlow:
         return not self._may_hand_on(node, topic) and (not is_handed or self.roles.may_drive(node))
 
     def _hands_on(self, node: str, topic: str) -> bool:
-        """Return whether a node makes other commands of a topic, or may."""
+        """Return whether a node makes other commands of a topic, or may; a driver for others."""
         way = self.programs.way(node, topic)
-        is_seen = way is not None and not way.led.isdisjoint(self.named)
-        return is_seen or self._may_hand_on(node, topic)
+        made = (way.led & self.named.keys() if way else set()) | self._made.get(node, set())
+        is_driver = self.roles.drives(node)
+        return any(not is_driver or self.app.readers(each) for each in made - {topic})
 
     def _is_driving(self, node: str) -> bool:
         """Return whether a node obeys a topic that says which part it moves."""
