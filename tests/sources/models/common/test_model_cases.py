@@ -162,10 +162,19 @@ LOOKS = {
     "resolution": resolution,
 }
 """What there is of an interface where a case expects something."""
+EXPECTED = {*LOOKS, "told", "unread"}
+GIVEN = {
+    *MODEL_KINDS,
+    *("about", "of", "element", "spawner", "name", "named", "args", "remaps", "distro", "values"),
+    *("settings", "files"),
+}
+"""What a case is about, and where it runs."""
 
 
 @pytest.mark.parametrize(("ros", "case"), [*read_cases()])
 def test_a_model_declares_what_its_case_says(ros, case, tmp_path):
+    assert case.keys() <= EXPECTED | GIVEN
+    assert not EXPECTED.isdisjoint(case)
     case = filled(case, {"of": case.get("of", ""), "here": str(tmp_path)})
     write(tmp_path, case.get("files", {}))
     model, found = declared(ros, case)
