@@ -86,3 +86,13 @@ def test_the_modules_folder_of_a_package_needs_no_init_file(tmp_path):
     assert found.executable("p", "n").sources == (path / "p/node.py",)
     assert found.python_module("p.part", "p", path / "p/node.py") == path / "p/part.py"
     assert found.python_module("q.part", "q", path / "x.py") == tmp_path / "q/src/q/part.py"
+
+
+def test_the_modules_of_a_package_may_have_names_of_their_own(tmp_path):
+    """Setuptools: without `package_dir` they stand beside setup.py, whatever else `src` holds."""
+    setup = "setup(packages=['deck'], entry_points={'console_scripts': ['n = deck.node:main']})"
+    files = {"setup.py": setup, "deck/node.py": "", "deck/part.py": "", "src/driver.cpp": ""}
+    path = package(tmp_path / "p", files)
+    found = workspace(tmp_path)
+    assert found.executable("p", "n").sources == (path / "deck/node.py",)
+    assert found.python_module("deck.part", "p", path / "deck/node.py") == path / "deck/part.py"

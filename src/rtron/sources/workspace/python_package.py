@@ -6,7 +6,7 @@ Sources: ROS wiki, catkin, Python; setuptools, entry points. setup.py is parsed,
 import ast
 import configparser
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -38,9 +38,8 @@ class PythonPackage:
 def read_python_package(package: Path, name: str) -> PythonPackage:
     """Return what the setup.py and setup.cfg of a package say; what is not understood is noted.
 
-    In ROS 2 the modules' folder is called like the package and stands in its root, also without an
-    `__init__.py` (PEP 420); the folder of the package itself may be called otherwise. In ROS 1 it
-    lies in `src`.
+    In ROS 2 the modules' folder stands in the package's root, also without an `__init__.py`
+    (PEP 420), called like the package or as the entry points say. In ROS 1 it lies in `src`.
     """
     setup, notes = _read_setup_script(package / "setup.py")
     configured, of_config = _read_setup_config(package / "setup.cfg")
@@ -51,12 +50,15 @@ def read_python_package(package: Path, name: str) -> PythonPackage:
         value, written = None, configured
     if not (is_known(value) and setup.is_complete):
         notes.append(_note(package / "setup.py", line, _ENTRIES_REASON))
-    matched = (_ENTRY.match(text.replace(HOLE, "")) for text in written)
-    in_root = not (package / "src" / name).is_dir() and any((package / name).glob("*.py"))
+    matched = filter(None, (_ENTRY.match(text.replace(HOLE, "")) for text in written))
+    entries = {match[1]: (match[2], match[3]) for match in matched}
     folder = _root_folder(setup.arguments.get("package_dir", (None, 0))[0])
+    if folder is None:
+        modules = (module for module, _ in entries.values())
+        folder = "" if _is_root(package, name, modules) else "src"
     return PythonPackage(
-        folder=package / (folder or ("" if in_root else "src")),
-        entry_points={match[1]: (match[2], match[3]) for match in matched if match},
+        folder=package / folder,
+        entry_points=entries,
         scripts=dict(_installed_files(setup.arguments.get("scripts", ([], 0))[0], package)),
         unresolved=(*notes, *of_config),
     )
@@ -114,6 +116,13 @@ def module_file(folder: Path, dotted: str) -> Path | None:
     path = folder.joinpath(*parts)
     candidates = (path / "__init__.py", path.with_name(f"{parts[-1]}.py"))
     return next(filter(is_regular, candidates), None)
+
+
+def _is_root(package: Path, name: str, modules: Iterable[str]) -> bool:
+    """Tell whether the modules stand in a package's own folder."""
+    if (package / "src" / name).is_dir():
+        return False
+    return any((package / name).glob("*.py")) or any(module_file(package, m) for m in modules)
 
 
 def _root_folder(package_dir: SetupValue) -> str | None:
