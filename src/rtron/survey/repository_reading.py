@@ -13,6 +13,7 @@ from rtron.functions.reading.folder import repository_folders
 from rtron.functions.reading.skipped_entries import SkippedEntry, SkippedHandler
 from rtron.sources.bounded_file import read_regular_file
 from rtron.sources.launch.common.launch_file import LaunchFileInfo
+from rtron.sources.launch.common.packages import build_types
 from rtron.sources.launch.common.xml_document import Element, parse_xml
 from rtron.sources.launch.ros1.file_search import find_launch_files
 from rtron.sources.launch.ros2.file_search import list_ros2_launch_files
@@ -132,8 +133,7 @@ def _package_name(root: Element, folder: Path) -> str:
 
 
 def _generation(root: Element) -> int:
-    builds = (str(tag.text).strip() for tag in root.iter("build_type"))
-    return 2 if any(build.startswith("ament_") for build in builds) else 1
+    return 2 if any(build.startswith("ament_") for build in build_types(root)) else 1
 
 
 def needed_repositories(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.sources.launch.common.packages import build_types
 from rtron.sources.launch.common.xml_document import Element, parse_xml
 from rtron.vocabulary import Evidence, UnresolvedItem
 
@@ -28,10 +29,11 @@ class PluginExport:
 class Manifest:
     """What a package says of itself; an unreadable manifest says nothing.
 
-    `description` is on one line, without markup (REP 149).
+    `description` is on one line, without markup; `build_types` are what may build it (REP 149).
     """
 
     description: str = ""
+    build_types: frozenset[str] = frozenset()
     depends: tuple[str, ...] = ()
     exports: tuple[PluginExport, ...] = ()
     unresolved: tuple[UnresolvedItem, ...] = ()
@@ -55,6 +57,7 @@ def parse_manifest(root: Element, package: Path) -> Manifest:
     """Return what a manifest's root element says of a package."""
     return Manifest(
         description=_description(root),
+        build_types=build_types(root),
         depends=_depends(root),
         exports=tuple(_exports(root, package)),
     )

@@ -85,6 +85,20 @@ def test_a_program_that_is_not_read_has_a_reason(packages, package, program, ros
 
 
 @pytest.mark.parametrize(
+    ("build_type", "is_read"),
+    [("ament_cargo", False), ("ament_python", True), ("ament_cmake", True), ("catkin", True)],
+)
+def test_a_package_that_another_tool_builds_does_not_lack_a_program(tmp_path, build_type, is_read):
+    folder = tmp_path / "src" / "own"
+    folder.mkdir(parents=True)
+    manifest = f"<package><name>own</name><export><build_type>{build_type}</build_type></export>"
+    (folder / "package.xml").write_text(f"{manifest}</package>")
+    item = note(Workspace(find_packages([tmp_path], {}), [tmp_path / "src"]), "own", "driver")
+    assert bool(item.missing) is is_read
+    assert (item.cause is UnresolvedCause.PARTLY_READ) is not is_read
+
+
+@pytest.mark.parametrize(
     ("command", "is_open"),
     [
         ("add_custom_target(firmware ALL COMMAND make -C firmware)", True),

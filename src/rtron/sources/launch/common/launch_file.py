@@ -10,7 +10,7 @@ from pathlib import Path
 from rtron.errors import InputError
 from rtron.folders import IGNORE_MARKERS, walk
 from rtron.sources.bounded_file import read_bounded
-from rtron.sources.launch.common.packages import package_folder
+from rtron.sources.launch.common.packages import build_types, package_folder
 from rtron.sources.launch.common.xml_document import Element, parse_launch, parse_xml
 
 _ROS2_SUFFIXES = frozenset({".py", ".yaml", ".yml"})
@@ -69,7 +69,7 @@ def _is_in_ament_package(path: Path) -> bool:
         root = parse_xml(package / "package.xml")
     except InputError:
         return False
-    return any(str(tag.text).strip().startswith("ament_") for tag in root.iter("build_type"))
+    return any(build.startswith("ament_") for build in build_types(root))
 
 
 MAX_FOLDERS = 200_000

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.folders import IGNORE_MARKERS, path_exists, walk
-from rtron.sources.launch.common.xml_document import parse_xml
+from rtron.sources.launch.common.xml_document import Element, parse_xml
 from rtron.vocabulary import Trust
 
 PackageIndex: TypeAlias = Mapping[str, Path]
@@ -45,6 +45,11 @@ def package_folder(file: Path) -> Path | None:
     manifests = ("package.xml", "manifest.xml")
     above = file.absolute().parents
     return next((f for f in above if any(path_exists(f / name) for name in manifests)), None)
+
+
+def build_types(root: Element) -> frozenset[str]:
+    """Return the build types that a manifest gives, whatever their conditions (REP 149)."""
+    return frozenset(str(tag.text).strip() for tag in root.iter("build_type"))
 
 
 def package_of(path: str) -> str:

@@ -34,6 +34,8 @@ _NOT_UNDERSTOOD = (
 )
 _NOT_FOLLOWED = "commands that are not followed make programs of its package"
 _NOT_READ = "its package is here, and what this program is written in is not read"
+_BUILT_OTHERWISE = "its package is here, and what builds its programs is not read"
+_BUILD_TYPES = frozenset({"catkin", "cmake", "ament_cmake", "ament_cmake_auto", "ament_python"})
 _NO_LIBRARY = "its package is here, and registers it in a library that is not made there"
 _NO_FILES = "its package is here, and none of the sources of this program: generated or missing"
 _MISSING, _PARTLY_READ = UnresolvedCause.MISSING_SOURCE, UnresolvedCause.PARTLY_READ
@@ -131,7 +133,8 @@ def _without_program(part: NodePart, workspace: Workspace) -> NodePart:
             UnresolvedItem(what=what, why=why, package=node.package, cause=cause)
         )
     if why := _why_not_read(node, workspace):
-        return part.with_missing_note(what, why, _PARTLY_READ if why == _NOT_READ else None)
+        is_other = why in {_NOT_READ, _BUILT_OTHERWISE}
+        return part.with_missing_note(what, why, _PARTLY_READ if is_other else None)
     why, names = MISSING_PROGRAM, workspace.program_names(node.package)
     if node.container:
         why, names = MISSING_CLASS, workspace.component_names(node.package)
@@ -151,6 +154,9 @@ def _why_not_read(node: AppNode, workspace: Workspace) -> str:
         return f"its package is here, and the module {entry[0]} of this program is not"
     if node.container and node.type in workspace.component_names(node.package):
         return _NO_LIBRARY
+    builds = workspace.manifest(node.package).build_types
+    if builds and not builds & _BUILD_TYPES:
+        return _BUILT_OTHERWISE
     is_named = is_in_build_files(workspace.files(node.package), node.type)
     contents = workspace.contents(node.package)
     is_open = contents is not None and contents.is_open
