@@ -98,6 +98,18 @@ class TestTypeMismatch:
         graph = replace(graph, endpoints=(*graph.endpoints, end))
         assert the_finding("type_mismatch", graph).certainty is Certainty.POSSIBLE
 
+    @pytest.mark.parametrize(
+        ("ros", "other", "certainty"),
+        [
+            (1, "mine/Twist", Certainty.POSSIBLE),
+            (2, "mine/Twist", Certainty.CERTAIN),
+            (1, "mine/Velocity", Certainty.CERTAIN),
+        ],
+    )
+    def test_copies_of_a_type_may_connect_in_ros1(self, ros, other, certainty):
+        graph = replace(nav_and_base(TWIST, other), ros=ros)
+        assert the_finding("type_mismatch", graph).certainty is certainty
+
     def test_one_of_two_publishers_has_no_subscriber_of_its_type(self):
         graph = nav_and_base(TWIST, TWIST)
         ends = [replace(e, node="/joy", type=STAMPED) for e in graph.publishers("/cmd_vel")]

@@ -5,7 +5,8 @@
 A topic is published with one type and subscribed with another, so ROS does not connect the ends.
 Often it is Twist and TwistStamped, which ROS 2 distributions differ in. It is only possible where
 the type of another end is unknown, or comes from a model and no distribution is given
-(`--env ROS_DISTRO=jazzy`).
+(`--env ROS_DISTRO=jazzy`), or where two packages of ROS 1 name a type alike: roscpp compares only
+the MD5 sums of the definitions (ROS wiki: TCPROS), so copies of one connect.
 
 For example, `/teleop` publishes Twist on `/cmd_vel`, `/diff_drive_controller` subscribes
 TwistStamped.
@@ -21,7 +22,7 @@ Where only one side's type is known, and where all ends belong to one node that 
 Where they belong to one of your own, it is an oddity.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rtron.findings.app_facts import AppFacts
 from rtron.findings.rule import FindingRule, make_finding
@@ -79,7 +80,10 @@ def _finding(
     sent, expected = join_names(list(published)), join_names(list(subscribed))
     depends = _depends_on_distribution(app, [*published, *subscribed], endpoints)
     is_one_node = senders == readers and len(senders) == 1
-    is_unsure = depends or app.has_unknown_type(topic, lost.opposite)
+    may_be_copies = app.graph.ros == 1 and not _bare_names(published).isdisjoint(
+        _bare_names(subscribed)
+    )
+    is_unsure = depends or may_be_copies or app.has_unknown_type(topic, lost.opposite)
     summary = f"{join_names(readers)} {conjugate(readers, 'get')} nothing from {topic}"
     if lost is Direction.PUBLISH:
         what = f"what {join_names(senders)} {conjugate(senders, 'publish')}"
@@ -98,6 +102,10 @@ def _finding(
         topics=(topic,),
         evidence=app.evidence(endpoints),
     )
+
+
+def _bare_names(types: Iterable[str]) -> set[str]:
+    return {type.rpartition("/")[2] for type in types}
 
 
 def _depends_on_distribution(app: AppFacts, types: list[str], endpoints: list[Endpoint]) -> bool:

@@ -33,6 +33,13 @@ def test_packages_do_not_nest(tmp_path):
     assert own([tmp_path]) == {"outer": outer}
 
 
+def test_the_package_that_is_given_may_hold_a_workspace(tmp_path):
+    outer = make(tmp_path / "outer")
+    inner = make(outer / "ws" / "inner")
+    make(inner / "innermost")
+    assert own([outer]) == {"outer": outer, "inner": inner}
+
+
 def test_an_old_package_has_the_name_of_its_folder(tmp_path):
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "manifest.xml").write_text("<package/>")

@@ -82,7 +82,11 @@ def package_trust(package: Path, folders: Iterable[Path]) -> Trust:
 
 
 def _packages_below(top: Path) -> Iterator[Path]:
-    """Yield the package folders below `top`; packages do not nest, and each folder counts once."""
+    """Yield the package folders below `top`; each counts once, and none nests in another.
+
+    A package that is `top` itself may hold others: a repository often has a manifest of its own
+    above the workspace that is built.
+    """
     visited: set[str] = set()
     for folder, subfolders, files in walk(top, follow_links=True):
         if len(visited) == MAX_FOLDERS:
@@ -93,7 +97,8 @@ def _packages_below(top: Path) -> Iterator[Path]:
         is_left_out = real in visited or not IGNORE_MARKERS.isdisjoint(files)
         if is_package and not is_left_out:
             yield Path(folder)
-        if is_package or is_left_out or _STOP_MARKER in files:
+        is_inner = is_package and folder != str(top)
+        if is_inner or is_left_out or _STOP_MARKER in files:
             subfolders.clear()
         visited.add(real)
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
