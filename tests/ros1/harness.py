@@ -23,7 +23,9 @@ ROS_PYTHON = "/usr/bin/python3"
 LIMIT_S = 120.0
 GRACE_S = 20.0
 CALL_S = 10.0
-_PAUSE_S = 0.02
+_PAUSE_S, _LONGEST_PAUSE_S = 0.02, 0.1
+_QUESTIONS = 8
+"""A pause is no longer than this part of the wait so far: a test hardly waits longer for it."""
 _LAST_LINES = 8
 _STARTED = WeakSet()
 _HASTE_S = 0.2
@@ -50,11 +52,15 @@ class WaitTimeoutError(AssertionError):
 
 
 def wait_for(condition, limit_s=LIMIT_S, what="the condition", show=None):
-    """Return what `condition()` gives once it is true; `show()` is what is there if it never is."""
-    limit, pause = WaitLimit(what, limit_s), threading.Event()
+    """Return what `condition()` gives once it is true; `show()` is what is there if it never is.
+
+    Pauses grow with the wait: whoever is asked, a master or a node, has other things to do.
+    """
+    limit, pause, began = WaitLimit(what, limit_s), threading.Event(), time.monotonic()
     while not (found := condition()):
         limit.check(show or (lambda there=found: there))
-        pause.wait(_PAUSE_S)
+        waited = time.monotonic() - began
+        pause.wait(min(max(_PAUSE_S, waited / _QUESTIONS), _LONGEST_PAUSE_S))
     return found
 
 

@@ -6,10 +6,12 @@ import signal
 import socket
 import subprocess
 import sys
+import termios
 from contextlib import contextmanager
+from fcntl import ioctl
 from functools import partial
 from itertools import count, pairwise
-from threading import Thread
+from threading import Thread, get_ident
 
 import pytest
 from harness import wait_for
@@ -204,6 +206,27 @@ def test_a_reader_that_sleeps_holds_nobody_up(device):
     head_when(awake, lambda at: at["t"] > first + 5.0)
     shown = [head(sleeper)["t"] for _ in range(8)]
     assert shown[-1] - shown[0] > 2.0
+
+
+def test_a_signal_in_the_middle_of_a_frame_loses_nothing(tmp_path):
+    def send_in_halves():
+        with listening.accept()[0] as world:
+            world.sendall(frame[: len(frame) // 2])
+            wait_for(lambda: ioctl(world, termios.TIOCOUTQ, bytes(4)) == bytes(4))
+            signal.pthread_kill(reader, signal.SIGUSR1)
+            world.sendall(frame[len(frame) // 2 :])
+
+    frame, reader = encode({"t": 1.0}, bytes(1000)), get_ident()
+    before = signal.signal(signal.SIGUSR1, lambda *_: None)
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind(str(tmp_path / "world"))
+        listening.listen()
+        camera, sender = Device("camera", str(tmp_path / "world")), Thread(target=send_in_halves)
+        sender.start()
+        assert camera.receive() == ({"t": 1.0}, bytes(1000))
+        sender.join()
+        camera.close()
+    signal.signal(signal.SIGUSR1, before)
 
 
 def test_a_world_that_is_always_late_listens_all_the_same(tmp_path, monkeypatch):

@@ -228,8 +228,8 @@ def test_one_replica_at_a_time_changes_partitions(database, connection, robot):
         assert holder is not None
         assert forget(database, 100 * DAY) == []
         assert current_partition(connection) == 0
-    forget(database, 100 * DAY)
-    assert current_partition(connection) == 1
+    # PostgreSQL frees the lock a moment after the holder's connection has ended
+    wait_for(lambda: forget(database, 100 * DAY) or current_partition(connection) == 1)
 
 
 @pytest.mark.parametrize("span", [1, 2, 3, 7, 100])

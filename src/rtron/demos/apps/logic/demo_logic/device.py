@@ -67,9 +67,12 @@ class Device:
         self._socket.close()
 
     def _read_exactly(self, size: int) -> bytes:
-        data = self._socket.recv(size, socket.MSG_WAITALL) if size else b""
-        if len(data) < size:
-            raise EOFError(f"the connection ended {size - len(data)} bytes early")
+        data = b""
+        while len(data) < size:  # a signal ends a call of `recv` early
+            part = self._socket.recv(size - len(data), socket.MSG_WAITALL)
+            if not part:
+                raise EOFError(f"the connection ended {size - len(data)} bytes early")
+            data += part
         return data
 
 
