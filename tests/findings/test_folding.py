@@ -73,3 +73,9 @@ def test_each_finding_knows_which_one_tells_of_it():
     pairs = [("/r/scan", "/scan"), ("/a", "/b"), ("/r/image", "/image")]
     under = folds(finding(*pair) for pair in pairs)
     assert under == {"unmatched_topic:/r/image": "unmatched_topic:/r/scan"}
+
+
+def test_no_finding_tells_of_itself():
+    pairs = [("/r/scan", "/scan"), ("/r/scan", "/scan"), ("/r/image", "/image")]
+    under = folds(finding(*pair) for pair in pairs)
+    assert under == {"unmatched_topic:/r/image": "unmatched_topic:/r/scan"}

@@ -20,7 +20,8 @@ def fold(findings: Iterable[Finding]) -> tuple[Finding, ...]:
 
 def folds(findings: Iterable[Finding]) -> dict[str, str]:
     """Return the id of the finding that tells of another, by the id of the other."""
-    return {each.id: first.id for first, *others in _groups(findings) for each in others}
+    pairs = ((each.id, first.id) for first, *others in _groups(findings) for each in others)
+    return {other: first for other, first in pairs if other != first}
 
 
 def _groups(findings: Iterable[Finding]) -> Iterable[list[Finding]]:

@@ -111,3 +111,10 @@ def test_options_that_would_not_be_followed_are_refused(options, message):
     with pytest.raises(InputError, match=message) as refused:
         Database(f"postgresql://ann:secret@127.0.0.1:1/b?{options}")
     assert "secret" not in str(refused.value)
+
+
+def test_a_file_takes_no_options_of_a_server(tmp_path):
+    for option in ("application_name=a", "unix_sock=/run/s"):
+        with pytest.raises(InputError, match=f"unknown options: {option.split('=')[0]}") as refused:
+            Database(f"sqlite:///{tmp_path}/a.db?{option}")
+        assert refused.value.help == "a SQLite file takes none"

@@ -169,11 +169,15 @@ def _url(location: str | Path) -> URL:
         raise InputError("the URL of the database cannot be read", help=help) from None
     if url.get_backend_name() not in ("sqlite", "postgresql"):
         raise InputError(f"{url.get_backend_name()} is not supported", help="SQLite or PostgreSQL")
-    unknown = url.query.keys() - _OPTIONS
+    is_sqlite = url.get_backend_name() == "sqlite"
+    unknown = url.query.keys() - (frozenset() if is_sqlite else _OPTIONS)
     if unknown or (_SOCKET in url.query and url.host):
         options = ", ".join(sorted(unknown))
         wrong = f"unknown options: {options}" if unknown else "a host and a socket"
-        help = f"{_SOCKET}=PATH in place of a host, application_name; TLS is used where it is there"
+        known = (
+            f"{_SOCKET}=PATH in place of a host, application_name; TLS is used where it is there"
+        )
+        help = "a SQLite file takes none" if is_sqlite else known
         raise InputError(f"the URL of the database has {wrong}", help=help)
     return url.set(drivername="postgresql+pg8000") if url.drivername == "postgresql" else url
 

@@ -14,6 +14,7 @@ from itertools import chain
 from typing import Any
 
 from rtron.sources.code import ir
+from rtron.sources.code.call_kinds import only_asks
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.ir.references import callee_names, ir_nodes
@@ -29,11 +30,6 @@ _OTHERS = frozenset(sys.stdlib_module_names) | frozenset(
 )
 """The first parts of the names of what only computes, or is ROS."""
 _MESSAGES = re.compile(r"_(?:msgs|srvs|interfaces)$")
-_READING = re.compile(
-    r"(?:get|read|recv|receive|is|has|in|wait|flush|connect|join|init|begin|setup|available"
-    r"|close|reset_(?:in|out)put|tc|cf|fcntl|select|poll)(?:_\w+|[A-Z]\w*|(?:set|get)\w+|flush)?"
-)
-"""Names of calls that only ask an object, or prepare or close it."""
 _ANYWHERE = ""
 """The scope of what all functions see."""
 
@@ -96,7 +92,7 @@ class ExternalLibraries:
         What only asks it does not act. A function of C++ may get a file descriptor.
         """
         name = next(callee_names(call.function), "")
-        if _READING.fullmatch(name):
+        if only_asks(name):
             return ""
         if isinstance(call.function, ir.Attr):
             found = self.owner(call.function.owner, scope)

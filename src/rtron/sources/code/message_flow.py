@@ -3,17 +3,16 @@
 A callback does it itself, or keeps something that decides later what others do.
 """
 
-import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import chain
 
 from rtron.sources.code import ir
+from rtron.sources.code.call_kinds import only_logs
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
-from rtron.sources.code.interpreter.execution.exceptions import is_logging_call
 from rtron.sources.code.ir.references import called_names, ir_nodes
-from rtron.sources.code.program_steps import WRITTEN, Program, Steps, last_name, mentioned_names
+from rtron.sources.code.program_steps import WRITTEN, Program, Steps, last_name
 from rtron.sources.code.start_flow import StartFlow
 from rtron.sources.declaration import Declaration, DeclarationKind, FlowInput, MessageFlow
 from rtron.vocabulary import UNKNOWN_OUTPUT
@@ -24,10 +23,6 @@ _INPUTS = {
     DeclarationKind.ACTION_SERVER: FlowInput.REQUEST,
 }
 _MAX_ROUNDS = 6
-_LOGGING = re.compile(
-    r"(?:log)?_?(?:debug|info|warn|warning|error|fatal|critical)(?:_\w+)?|[gG]et_?[lL]ogger"
-)
-_LOGGERS = re.compile(r"rospy|_?log(?:ger|ging)?|[gG]et_?[lL]ogger")
 
 
 def message_flows(machine: AbstractMachine) -> Iterator[MessageFlow]:
@@ -83,17 +78,9 @@ def _do_nothing(program: Program, callbacks: Collection[ir.Function]) -> bool:
 def _has_effect(node: object) -> bool:
     """Return whether a part of a function may do something, beyond logging and own variables."""
     if isinstance(node, ir.Call):
-        return not _only_logs(node)
+        return not only_logs(node)
     is_shift = isinstance(node, ir.Binary) and node.operator in {"<<", ">>"}  # a stream of C++
     return is_shift or isinstance(node, (ir.New, ir.Delete))
-
-
-def _only_logs(call: ir.Call) -> bool:
-    name = last_name(call.function)
-    if isinstance(call.function, ir.Attr) and _LOGGING.fullmatch(name):
-        owner = mentioned_names(call.function.owner)
-        return name.lower().startswith("get") or any(map(_LOGGERS.fullmatch, owner))
-    return is_logging_call(call) or (name == "print" and not call.keywords)
 
 
 @dataclass

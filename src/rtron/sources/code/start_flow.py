@@ -1,24 +1,15 @@
 """What a program writes to hardware when it starts, or by timers, whatever it gets or does not."""
 
-import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import chain
 
 from rtron.sources.code import ir
+from rtron.sources.code.call_kinds import ends_motion, only_prepares
 from rtron.sources.code.program_steps import Program, Steps, last_name, mentioned_names
 from rtron.vocabulary import Evidence
 
 _OFF = frozenset({"LOW", "False", "false"})
-_STOPPING = re.compile(r"stop|halt|brake|idle|off(?:$|_)|zero|neutral|disable|release|shut_?down")
-"""Words in the names of what ends a motion."""
-_SETTING_UP = re.compile(
-    r"_*(?:set)?_?(?:mode|freq\w*|frequency|baud\w*|timeout|warnings|address|parity|limits?"
-    r"|pulse_width_range|update_rate|rate|range|direction|log_?level|callback\w*|subscribe"
-    r"|register\w*|add_\w+|on_\w+|enable\w*|start|open|run_forever|loop\w*|attach\w*|load\w*"
-    r"|configure\w*|create\w*|reset\w*|clear\w*|make\w*|cleanup)"
-)
-"""Names of what only prepares hardware."""
 
 
 @dataclass
@@ -52,7 +43,7 @@ class StartFlow:
         names = set[str]().union(*held)
         ids = code.depending(code.made_of(names & code.names))
         for write in code.writes:
-            is_set_up = any(_SETTING_UP.fullmatch(last_name(each)) for each in write.targets)
+            is_set_up = any(only_prepares(last_name(each)) for each in write.targets)
             is_idle = id(write) in ids or is_set_up or _is_zero(write.value)
             library = "" if is_idle else code.written(write)
             self._keep(library, code, write.line)
@@ -81,7 +72,7 @@ def _is_idle(call: ir.Call, name: str) -> bool:
     """Return whether a call stops something, or only prepares it."""
     given = [*call.args, *(value for _, value in call.keywords)]
     is_off = bool(given) and _is_zero(given[-1])
-    return is_off or bool(_SETTING_UP.fullmatch(name) or _STOPPING.search(name))
+    return is_off or only_prepares(name) or ends_motion(name)
 
 
 def _is_zero(value: ir.Expr) -> bool:

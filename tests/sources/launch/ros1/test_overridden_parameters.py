@@ -64,6 +64,26 @@ def test_the_default_of_an_argument_that_is_not_given(overridden):
     assert overridden(before, ARGUMENT.replace("default", "value"))[0][1:3] == ("True", "False")
 
 
+@pytest.mark.parametrize("default", ["$(arg given)", "$(eval not arg('given'))", "$(eval given)"])
+def test_a_default_that_is_made_of_what_is_given_is_meant(tmp_path, overridden, default):
+    used = ARGUMENT.replace("false", default)
+    middle = f'<launch><arg name="given" default="true"/>{used}</launch>'
+    (tmp_path / "middle.launch").write_text(middle)
+    include = f'<include file="{tmp_path}/middle.launch">{{}}</include>'
+    before = '<param name="slow" value="2"/>'
+    [(_, one, other, *lines)] = overridden(
+        before, include.format('<arg name="given" value="false"/>')
+    )
+    assert (one, other in {"True", "False"}, len(lines)) == ("2", True, 2)
+    assert overridden(before, include.format(""))[0][2] == "$(arg slow)"
+
+
+def test_a_default_that_an_inclusion_gives_is_given(tmp_path, overridden):
+    (tmp_path / "middle.launch").write_text(f"<launch>{ARGUMENT}</launch>")
+    given = f'<include file="{tmp_path}/middle.launch"><arg name="slow" default="0"/></include>'
+    assert overridden('<param name="slow" value="1"/>', given)[0][1:3] == ("1", "0")
+
+
 def test_an_argument_that_is_given_is_meant(tmp_path, overridden):
     (tmp_path / "middle.launch").write_text(f"<launch>{ARGUMENT}</launch>")
     given = f'<include file="{tmp_path}/middle.launch"><arg name="slow" value="false"/></include>'

@@ -178,6 +178,7 @@ def included_context(
     if without_value:
         tag.fail(f"passes {', '.join(sorted(without_value))} without a value")
     inner.declared.clear()
+    inner.defaults.clear()
     return inner
 
 
@@ -191,7 +192,7 @@ def read_argument(tag: Tag, context: LoaderContext) -> None:
     if value is not None and default is not None:
         tag.fail("has both a value and a default")
     if value is None:
-        context.declare_default(name, default)
+        context.declare_default(name, default, tag.used_arguments("default"))
     else:
         context.set_argument(name, value)
 

@@ -6,12 +6,13 @@ begins as a copy of the one around it (ROS wiki: roslaunch/XML).
 
 import re
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import NoReturn
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.errors import UnresolvableError
+from rtron.sources.launch.common.errors import MissingArgumentError, UnresolvableError
 from rtron.sources.launch.common.xml_document import Element, line_of
 from rtron.sources.launch.ros1.substitution_args import Argument, SubstitutionArgs
 from rtron.vocabulary import Evidence, ParameterValue
@@ -43,7 +44,8 @@ class LoaderContext:
     """What holds at one element of a launch file.
 
     `passes_all_arguments` marks a file that got all arguments of its includer. `private` holds the
-    `~name` parameters that each following node gets, `defaults` the arguments that nobody gives.
+    `~name` parameters that each following node gets, `defaults` the arguments that nobody gives,
+    nor what their defaults are made of.
     """
 
     namespace: str = "/"
@@ -96,12 +98,13 @@ class LoaderContext:
             raise ValueError(f"argument '{name}' is already set and cannot be set again")
         self.arguments[name] = value
 
-    def declare_default(self, name: str, value: Argument | None) -> None:
-        """Declare an argument, with its default if it has one."""
+    def declare_default(self, name: str, value: Argument | None, used: set[str]) -> None:
+        """Declare an argument, with its default if it has one, which uses other arguments."""
         self._declare_argument(name)
         if value is not None and name not in self.arguments:
             self.arguments[name] = value
-            self.defaults.add(name)
+            if used <= self.defaults:
+                self.defaults.add(name)
 
     def declare_unknown(self, name: str, why: str) -> None:
         """Declare an argument of which no value can be known."""
@@ -186,6 +189,13 @@ class Tag:
             return self.substitution.replace(str(text))
         except ValueError as error:
             self.fail(f"{attribute}: {error}")
+
+    def used_arguments(self, attribute: str) -> set[str]:
+        """Return the names of the arguments that an attribute's value uses."""
+        used: set[str] = set()
+        with suppress(ValueError, MissingArgumentError, UnresolvableError):
+            replace(self.substitution, used=used).replace(self.element.get(attribute) or "")
+        return used
 
     def required(self, attribute: str) -> str:
         """Return an attribute's value; raise InputError where it is not written or empty."""

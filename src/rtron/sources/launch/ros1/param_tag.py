@@ -3,7 +3,6 @@
 ROS wiki: roslaunch/XML/param.
 """
 
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -18,7 +17,6 @@ from rtron.sources.launch.ros1.parameter_server import LoadState, join_names
 from rtron.vocabulary import Evidence, ParameterValue, UnknownValue
 
 _VALUE_ATTRIBUTES = ("value", "textfile", "binfile", "command")
-_ARGUMENT = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
@@ -32,15 +30,11 @@ def read_param(tag: Tag, context: LoaderContext, state: LoadState) -> None:
         context.private_parameter(parameter)
         return
     name = join_names(context.namespace, parameter.name)
-    found = (f"$(arg {each})" for each in _arguments(tag) if each in context.defaults)
+    default = min(context.defaults & tag.used_arguments("value"), default="")
+    argument = f"$(arg {default})" if default else ""
     state.parameters.set(
-        name, parameter.value, parameter.evidence, context.uncertainty, argument=next(found, "")
+        name, parameter.value, parameter.evidence, context.uncertainty, argument=argument
     )
-
-
-def _arguments(tag: Tag) -> list[str]:
-    """Return the arguments in a value, as they are written."""
-    return _ARGUMENT.findall(tag.element.get("value") or "")
 
 
 def parse_param(tag: Tag, context: LoaderContext, state: LoadState) -> PrivateParameter:
