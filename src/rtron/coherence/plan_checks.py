@@ -4,8 +4,12 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 
 from rtron.coherence.flows import CoherenceProblem, duplicate_topic_problems, duplicates
-from rtron.coherence.grcn import grcn_policy_problems, grcn_problems
-from rtron.coherence.leases import lease_problems, stop_button_problems
+from rtron.coherence.grcn import (
+    grcn_policy_problems,
+    grcn_problems,
+    lease_problems,
+    stop_button_problems,
+)
 from rtron.coherence.msrcn import msrcn_policy_problems, msrcn_problems
 from rtron.coherence.rsrcn import rsrcn_policy_problems, rsrcn_problems
 from rtron.coherence.shared_topics import (

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 from rtron.errors import InputError
 from rtron.sources.static.common.scan_options import Progress, ScanOptions
 from rtron.vocabulary import InteractionGraph, WiringFact, WiringFactKind
-from rtron.workflows.launch_arguments import parse_assignments
 
 if TYPE_CHECKING:
     from rtron.sources.launch.common.environment import LaunchEnvironment
     from rtron.sources.launch.common.launch_file import LaunchFileInfo
     from rtron.sources.workspace import Workspace
     from rtron.sources.workspace.distro_guess import DistroGuess
+
+ASSIGNMENT = ":="
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,3 +190,13 @@ def launches_by_name(folders: Sequence[Path]) -> "dict[str, LaunchFileInfo]":
 def _launch_name(launch: "LaunchFileInfo") -> str:
     """Return `package/file`, or the path of a file that lies in no package."""
     return f"{launch.package}/{launch.path.name}" if launch.package else str(launch.path)
+
+
+def parse_assignments(arguments: Sequence[str]) -> dict[str, str]:
+    """Return the values by name; raise InputError for an argument of another form."""
+    for argument in arguments:
+        if ASSIGNMENT not in argument or argument.startswith(ASSIGNMENT):
+            help = "arguments are NAME:=VALUE, as for roslaunch"
+            raise InputError(f"what is {argument!r}?", help=help)
+    parts = (argument.partition(ASSIGNMENT) for argument in arguments)
+    return {name: value for name, _, value in parts}

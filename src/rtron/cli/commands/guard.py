@@ -17,8 +17,8 @@ from rtron.cli.support.service_options import (
     warn_if_unencrypted,
 )
 from rtron.errors import InputError
-from rtron.workflows.launch_arguments import parse_assignments
 from rtron.workflows.live_app import app_address
+from rtron.workflows.source_app import parse_assignments
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
 from rtron.reports.app.inventory_rows import rows_to_json
-from rtron.reports.app.note_groups import NoteKind, group_notes
 from rtron.reports.app.page_coordination import PageIds, page_ids, plan_data
 from rtron.reports.app.risk_list import KIND_TITLE, RiskMarks, location, risk_marks, worst_first
+from rtron.reports.app.unresolved_list import NoteKind, group_notes
 from rtron.sanitize import sanitize
 from rtron.vocabulary import (
     Direction,

@@ -1,13 +1,22 @@
-"""Makes programs of targets and scripts."""
+"""Makes programs of targets and scripts; finds scripts as rosrun does (ROS wiki: rosbash)."""
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TypeVar
 
 from rtron.sources.workspace.package_contents import BuildTarget, PackageContents, TargetKind
+from rtron.sources.workspace.package_files import PackageFiles
 from rtron.sources.workspace.program import Program, ProgramLanguage
-from rtron.sources.workspace.scripts import script_language
 
+_PREFERRED = ("scripts", "nodes", "bin", "src")
+_SUFFIXES = {
+    ".py": ProgramLanguage.PYTHON,
+    ".sh": ProgramLanguage.SHELL,
+    ".bash": ProgramLanguage.SHELL,
+}
+_SHEBANG = re.compile(rb"#![^\n]*?\b(python|bash|zsh|sh)[\d.]*\b")
+_SHEBANG_BYTES = 256
 _T = TypeVar("_T")
 
 
@@ -49,3 +58,56 @@ def _target_and_libraries(target: BuildTarget, contents: PackageContents) -> lis
 
 def _without_duplicates(values: Iterable[_T]) -> tuple[_T, ...]:
     return tuple(dict.fromkeys(values))
+
+
+def find_script(name: str, contents: PackageContents, files: PackageFiles) -> Path | None:
+    """Return the script of this name, an installed one first.
+
+    Files must be executable, unless the package keeps no modes: then no file of it is.
+    """
+    installed = dict(contents.installed_scripts).get(name)
+    if installed is not None:
+        return installed
+    found = [path for path in files.files_named(name) if files.is_file(path)]
+    runnable = [path for path in found if is_executable(path)]
+    if not runnable and found and not has_executable_files(files):
+        runnable = [path for path in found if script_language(path) is not ProgramLanguage.OTHER]
+    return min(runnable, key=lambda path: _folder_rank(path, files.folder), default=None)
+
+
+def executable_names(files: PackageFiles) -> tuple[str, ...]:
+    """Return the names of the executable files of a package."""
+    found = (files.folder / name for name in files.names)
+    return tuple(path.name for path in found if is_executable(path))
+
+
+def has_executable_files(files: PackageFiles) -> bool:
+    """Return whether any file of a package is executable."""
+    return any(is_executable(files.folder / name) for name in files.names)
+
+
+def is_executable(path: Path) -> bool:
+    """Return whether any user may execute a file."""
+    try:
+        return bool(path.stat().st_mode & 0o111)
+    except OSError:
+        return False
+
+
+def script_language(path: Path) -> ProgramLanguage:
+    """Return what a script is written in, by its first line or its name's ending."""
+    try:
+        with path.open("rb") as stream:
+            start = stream.read(_SHEBANG_BYTES)
+    except OSError:
+        return ProgramLanguage.OTHER
+    shebang = _SHEBANG.match(start)
+    if shebang is None:
+        return _SUFFIXES.get(path.suffix, ProgramLanguage.OTHER)
+    return ProgramLanguage.PYTHON if shebang[1] == b"python" else ProgramLanguage.SHELL
+
+
+def _folder_rank(path: Path, folder: Path) -> tuple[int, int, str]:
+    parts = path.relative_to(folder).parts
+    ranks = [rank for rank, name in enumerate(_PREFERRED) if name in parts]
+    return (min(ranks, default=len(_PREFERRED)), len(parts), str(path))

@@ -8,8 +8,7 @@ from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
-from rtron.sources.code.frontends.python.lowering import MAX_BYTES
-from rtron.sources.code.frontends.python.parser import parse
+from rtron.sources.code.frontends.python.lowering import MAX_BYTES, parse
 from rtron.sources.code.frontends.python.source_file import decode
 from rtron.sources.launch.common.launch_file import (
     LaunchFileInfo,
