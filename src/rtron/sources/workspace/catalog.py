@@ -27,8 +27,9 @@ from rtron.sources.workspace.plugin_description import (
     library_name,
     read_plugin_description,
 )
-from rtron.sources.workspace.program import Program, ProgramLanguage
-from rtron.sources.workspace.program_builder import (
+from rtron.sources.workspace.program import (
+    Program,
+    ProgramLanguage,
     executable_names,
     find_script,
     script_program,

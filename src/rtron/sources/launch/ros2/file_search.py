@@ -18,7 +18,7 @@ from rtron.sources.launch.common.launch_file import (
 from rtron.sources.launch.common.packages import package_name
 from rtron.sources.launch.ros2.limits import MAX_NAMES
 from rtron.sources.launch.ros2.xml_yaml import parse_elements
-from rtron.sources.static.common.worker import deep_recursion
+from rtron.sources.static.common.worker_pool import deep_recursion
 
 _DECLARE_ACTIONS = ("DeclareLaunchArgument", "DeclareBooleanLaunchArgument")
 _ArgumentDefault: TypeAlias = tuple[str, bool]

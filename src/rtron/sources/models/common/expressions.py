@@ -10,8 +10,13 @@ from functools import cached_property
 from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.common.expression import ExpressionEvaluator, evaluate_with
 from rtron.sources.models.common.functions import Function, model_functions
-from rtron.sources.models.common.model_scope import ModelScope, node_scope
-from rtron.sources.models.common.values import Placeholder, Value, has_placeholder
+from rtron.sources.models.common.model_scope import (
+    ModelScope,
+    Placeholder,
+    Value,
+    has_placeholder,
+    node_scope,
+)
 from rtron.vocabulary.launch import canonical_name
 from rtron.vocabulary.remap_rules import parse_remap_rules
 

@@ -20,8 +20,7 @@ from rtron.sources.static.common.interface_resolver import InterfaceResolver
 from rtron.sources.static.common.launch_paths import LaunchRequest
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.common.worker import deep_recursion
-from rtron.sources.static.common.worker_pool import WorkerPool
+from rtron.sources.static.common.worker_pool import WorkerPool, deep_recursion
 from rtron.sources.static.ros2.app_nodes import AppNodeBuilder
 from rtron.sources.static.ros2.assembly import Ros2Assembly, duplicate_nodes
 from rtron.sources.static.ros2.controllers import ControllerParts
