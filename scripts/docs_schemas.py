@@ -6,7 +6,7 @@ from pathlib import Path
 from rtron.bridge.rights.document import rights_json_schema
 from rtron.planning.plan_file.json_schema import plan_json_schema
 from rtron.sources.graph_json import graph_json_schema
-from rtron.sources.ignores.config_file import config_json_schema
+from rtron.sources.ignores import config_json_schema
 from rtron.workflows.scan import RULE_NAMES
 
 SCHEMAS = Path(__file__).parent.parent / "schemas"

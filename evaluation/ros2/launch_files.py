@@ -18,7 +18,7 @@ from rtron.sources.code.workspace_sources import WorkspaceSources
 from rtron.sources.launch.common.launch_file import find_ros2_launch_files
 from rtron.sources.launch.ros2.app import read_app_launch
 from rtron.sources.launch.ros2.result import AppLaunch, IncludedFile, LaunchStart, StartKind
-from rtron.sources.static.common.worker import deep_recursion
+from rtron.sources.static.common.worker_pool import deep_recursion
 from rtron.sources.workspace import read_workspace
 
 INTERFACE = "nineyards-robotics/launch_interface@e488c3d"

@@ -20,7 +20,7 @@ from rtron.demos.runtime.isolation import first_party_packages, launch_file, thi
 from rtron.errors import InputError
 from rtron.planning import missions
 from rtron.planning.plan_file.json_schema import PLAN_SCHEMA_URL, plan_json_schema
-from rtron.sources.ignores.config_file import config_json_schema, read_config
+from rtron.sources.ignores import config_json_schema, read_config
 from rtron.workflows.scan import RULE_NAMES
 
 if sys.version_info >= (3, 11):

@@ -68,12 +68,17 @@ from rtron.vocabulary.event import (
 )
 from rtron.vocabulary.evidence import Evidence
 from rtron.vocabulary.finding import (
+    RISKS_SCHEMA,
     Baseline,
     Certainty,
     Consequence,
+    CoordinationCount,
     Finding,
     FindingLevel,
     Ignore,
+    Risk,
+    RiskReport,
+    TopicClass,
     Triage,
 )
 from rtron.vocabulary.graph import (
@@ -163,7 +168,6 @@ from rtron.vocabulary.plan import (
     WatchedFlow,
 )
 from rtron.vocabulary.reason import visible_text
-from rtron.vocabulary.risk import RISKS_SCHEMA, CoordinationCount, Risk, RiskReport, TopicClass
 from rtron.vocabulary.run_report import (
     PROPOSALS_SCHEMA,
     REPLAY_SCHEMA,

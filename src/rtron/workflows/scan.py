@@ -12,9 +12,12 @@ from rtron.findings.app_facts import AppFacts
 from rtron.findings.triage import triage
 from rtron.risks import RULES, RiskLists, discover_risks, load_lists
 from rtron.sources.bounded_file import read_regular_file
-from rtron.sources.ignores.baseline_file import read_baseline
-from rtron.sources.ignores.comments import comment_ignores
-from rtron.sources.ignores.config_file import CONFIG_NAME, read_config
+from rtron.sources.ignores import (
+    CONFIG_NAME,
+    comment_ignores,
+    read_baseline,
+    read_config,
+)
 from rtron.vocabulary import (
     Endpoint,
     Evidence,

@@ -5,7 +5,7 @@ import pytest
 from rtron.errors import InputError
 from rtron.functions.patterns.parser import parse_pattern
 from rtron.functions.patterns.syntax_tree import PatternIndex, matches_at
-from rtron.functions.text.tokens import tokenize
+from rtron.functions.text import tokenize
 
 LISTS = {"maker": parse_pattern("velodyne | point grey", {})}
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtron.functions.text.names import name_tokens
-from rtron.functions.text.prose import split_sentences
+from rtron.functions.text import name_tokens, split_sentences
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from rtron.functions.rules.code_rules import FunctionRule
-    from rtron.functions.text.tokens import Tokens
+    from rtron.functions.text import Tokens
 
 _MOST_SENTENCES = 3
 

@@ -11,7 +11,7 @@ from function_examples import failing_examples
 from rtron.errors import InputError
 from rtron.functions.patterns.parser import parse_pattern
 from rtron.functions.rules.loader import load_rules, parse_rules, parse_word_lists
-from rtron.functions.text.names import name_tokens
+from rtron.functions.text import name_tokens
 from rtron.vocabulary import FunctionType
 
 WORD = re.compile(r"(?<![.*@\w])[a-z]\w*(?![*\w])")

@@ -4,7 +4,7 @@ from finding_cases import HIGH, LOW, MEDIUM, TRIAGE
 from report_cases import CONTENDED, EVENT, REPORT, report_of
 
 from rtron.reports.app.risks_json import risks_to_json
-from rtron.sources.ignores.baseline_file import read_baseline
+from rtron.sources.ignores import read_baseline
 from rtron.vocabulary import Domain, Triage
 
 

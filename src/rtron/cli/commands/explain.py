@@ -212,7 +212,7 @@ def schema(
     from rtron.bridge.rights.document import rights_json_schema
     from rtron.planning.plan_file.json_schema import plan_json_schema
     from rtron.sources.graph_json import graph_json_schema
-    from rtron.sources.ignores.config_file import config_json_schema
+    from rtron.sources.ignores import config_json_schema
     from rtron.workflows.scan import RULE_NAMES
 
     schemas: dict[Document, Callable[[], dict[str, Any]]] = {

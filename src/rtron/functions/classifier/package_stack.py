@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rtron.functions.classifier.scores import FunctionScores, score_code, score_package_code
 from rtron.functions.domains import DOMAIN_BY_TYPE
 from rtron.functions.rules.code_rules import match_code, package_facts
-from rtron.functions.text.names import name_tokens
+from rtron.functions.text import name_tokens
 from rtron.vocabulary import Domain, FunctionType
 
 if TYPE_CHECKING:

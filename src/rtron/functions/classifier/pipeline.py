@@ -23,8 +23,7 @@ from rtron.functions.classifier.scores import (
     score_package_code,
     score_texts,
 )
-from rtron.functions.text.names import name_tokens
-from rtron.functions.text.prose import description_tokens, readme_tokens
+from rtron.functions.text import description_tokens, name_tokens, readme_tokens
 from rtron.vocabulary import FunctionType
 
 if TYPE_CHECKING:

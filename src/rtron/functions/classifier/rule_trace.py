@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 from rtron.functions.classifier.result import InformationSource
 from rtron.functions.rules.code_rules import match_code, package_facts
 from rtron.functions.rules.loader import load_rule_index
-from rtron.functions.text.names import name_tokens
-from rtron.functions.text.prose import description_tokens, readme_tokens
+from rtron.functions.text import description_tokens, name_tokens, readme_tokens
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from rtron.functions.repository import SourcePackage, SourceRepository
     from rtron.functions.rules.code_rules import CodeMatch
-    from rtron.functions.text.tokens import Tokens
+    from rtron.functions.text import Tokens
     from rtron.vocabulary import FunctionType
 
 

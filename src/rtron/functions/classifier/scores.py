@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rtron.functions.patterns.syntax_tree import PatternMatch
     from rtron.functions.repository import SourcePackage
     from rtron.functions.rules.code_rules import CodeMatch, FunctionRule
-    from rtron.functions.text.tokens import Tokens
+    from rtron.functions.text import Tokens
 
 MIN_WEIGHT = 3.0
 

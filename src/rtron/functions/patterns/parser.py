@@ -29,7 +29,7 @@ from rtron.functions.patterns.syntax_tree import (
     WordGap,
     WordGlob,
 )
-from rtron.functions.text.tokens import stem
+from rtron.functions.text import stem
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

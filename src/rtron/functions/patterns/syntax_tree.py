@@ -8,13 +8,13 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from rtron.errors import InputError
-from rtron.functions.text.tokens import Tokens, stem
+from rtron.functions.text import Tokens, stem
 
 if TYPE_CHECKING:
     import re
     from collections.abc import Iterable, Iterator
 
-    from rtron.functions.text.tokens import Tokens
+    from rtron.functions.text import Tokens
 
 
 class PatternNode(Protocol):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rtron.functions.classifier.result import InformationSource
     from rtron.functions.patterns.syntax_tree import PatternNode
     from rtron.functions.repository import SourcePackage
-    from rtron.functions.text.tokens import Tokens
+    from rtron.functions.text import Tokens
 
 Facts: TypeAlias = frozenset[str]
 """Facts of a package, each a kind and a name: `depends joy`, `publishes sensor_msgs/Joy`."""

@@ -27,10 +27,15 @@ from rtron.sources.workspace.plugin_description import (
     library_name,
     read_plugin_description,
 )
-from rtron.sources.workspace.program import Program, ProgramLanguage
-from rtron.sources.workspace.program_builder import script_program, target_program
+from rtron.sources.workspace.program import (
+    Program,
+    ProgramLanguage,
+    executable_names,
+    find_script,
+    script_program,
+    target_program,
+)
 from rtron.sources.workspace.python_package import PythonPackage, module_file, read_python_package
-from rtron.sources.workspace.scripts import executable_names, find_script
 from rtron.vocabulary import Evidence, Trust, UnresolvedItem
 
 NODELET = "nodelet"

@@ -4,7 +4,7 @@ import logging
 from functools import partial
 from typing import Protocol
 
-from rtron.guard.action.common.goal_queue import GoalQueue
+from rtron.guard.action.common.action_goals import GoalQueue
 from rtron.guard.action.common.goal_stops import GoalStops
 from rtron.guard.core.stream import GuardedStream
 from rtron.guard.core.stream_endpoints import StreamContext

@@ -6,8 +6,7 @@ that waits here is told as pending; each goal is answered once, by the server or
 
 from functools import partial
 
-from rtron.guard.action.common.action_goals import ORPHAN_TIMEOUT, ActionGoals
-from rtron.guard.action.common.goal_queue import GoalQueue
+from rtron.guard.action.common.action_goals import ORPHAN_TIMEOUT, ActionGoals, GoalQueue
 from rtron.guard.action.common.goal_stops import GoalStops
 from rtron.guard.action.common.problem_log import ProblemLog
 from rtron.guard.action.ros1.client_replies import ClientReplies

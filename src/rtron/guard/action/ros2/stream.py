@@ -9,8 +9,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rtron.guard.action.common.action_goals import ORPHAN_TIMEOUT, ActionGoals
-from rtron.guard.action.common.goal_queue import GoalQueue
+from rtron.guard.action.common.action_goals import ORPHAN_TIMEOUT, ActionGoals, GoalQueue
 from rtron.guard.action.common.goal_stops import GoalStops
 from rtron.guard.action.common.problem_log import MAX_NAME_LENGTH, ProblemLog
 from rtron.guard.action.ros2.client_cancels import ClientCancels

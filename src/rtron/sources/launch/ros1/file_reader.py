@@ -9,9 +9,8 @@ from dataclasses import dataclass, field
 from rtron.errors import InputError
 from rtron.sources.launch.common.errors import UnresolvableError
 from rtron.sources.launch.common.xml_document import Element, LaunchDocument
-from rtron.sources.launch.ros1.environment_tags import check_machine, read_env
 from rtron.sources.launch.ros1.loader_context import LoaderContext, Tag, Uncertainty
-from rtron.sources.launch.ros1.node_tag import read_node, read_remap
+from rtron.sources.launch.ros1.node_tag import check_machine, read_env, read_node, read_remap
 from rtron.sources.launch.ros1.param_tag import read_param
 from rtron.sources.launch.ros1.parameter_server import LoadState
 from rtron.sources.launch.ros1.rosparam_tag import read_rosparam

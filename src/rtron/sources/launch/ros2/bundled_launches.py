@@ -9,7 +9,7 @@ from rtron.sources.launch.ros2.substitutions.template import (
     display_text,
     has_placeholder,
 )
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml import Element
 from rtron.sources.models.packages import known_packages
 
 _IN_PACKAGE = re.compile(r"\{find-pkg-share (\w+)\}/+launch/+(\w+[._]launch)(?:\.(?:py|xml|yaml))?")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.launch_context import LaunchVariable
 from rtron.sources.launch.ros2.substitutions.template import first_placeholder, require_known
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml import Element
 from rtron.vocabulary import LaunchInput
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 from rtron.wording import join_names

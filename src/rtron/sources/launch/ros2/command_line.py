@@ -17,7 +17,7 @@ from rtron.sources.launch.ros2.substitutions.template import (
     display_text,
     map_placeholders,
 )
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml import Element
 from rtron.vocabulary import Evidence
 from rtron.vocabulary.parameters import Parameter
 from rtron.vocabulary.remap_rules import RemapRule, parse_remap_rules

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtron.sources.launch.ros2.launch_context import LaunchContext
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml import Element
 from rtron.sources.workspace import Workspace
 from rtron.vocabulary import Evidence, LaunchFile, LaunchInclude, LaunchNode
 

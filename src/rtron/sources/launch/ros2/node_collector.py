@@ -7,7 +7,7 @@ from typing import ClassVar
 from rtron.sources.launch.ros2.element_site import ElementSite
 from rtron.sources.launch.ros2.evaluator import LaunchEvaluator
 from rtron.sources.launch.ros2.launch_context import NAMESPACE, LaunchVariable
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml import Element
 from rtron.vocabulary import GUARD_NODE, LaunchNode
 from rtron.vocabulary.enums import HiddenPart
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME, RemapRule, parse_remap_rules, remaps_for_node

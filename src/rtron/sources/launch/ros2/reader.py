@@ -44,8 +44,7 @@ from rtron.sources.launch.ros2.substitutions.functions import (
     iterations_of,
 )
 from rtron.sources.launch.ros2.substitutions.template import has_placeholder
-from rtron.sources.launch.ros2.xml_yaml.element import Element
-from rtron.sources.launch.ros2.xml_yaml.parser import parse_elements
+from rtron.sources.launch.ros2.xml_yaml import Element, parse_elements
 from rtron.vocabulary import LaunchTree, WiringFact, WiringFactKind
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 

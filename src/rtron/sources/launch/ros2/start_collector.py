@@ -23,8 +23,7 @@ from rtron.sources.launch.ros2.parameters.node_configuration import NodeConfigur
 from rtron.sources.launch.ros2.result import DeclaredArgument, LaunchStart, StartKind
 from rtron.sources.launch.ros2.shell import split_commands
 from rtron.sources.launch.ros2.substitutions.template import display_text, has_placeholder
-from rtron.sources.launch.ros2.xml_yaml.element import Element
-from rtron.sources.launch.ros2.xml_yaml.parser import read_ros1_syntax
+from rtron.sources.launch.ros2.xml_yaml import Element, read_ros1_syntax
 from rtron.vocabulary.remap_rules import UNKNOWN_NAME
 
 GLOBAL_PARAMETER_TAGS = frozenset({"set_parameter", "set_parameters_from_file"})

@@ -15,7 +15,7 @@ from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.workspace import Program, ProgramLanguage, Workspace
 from rtron.sources.workspace.catalog import NODELET
 from rtron.sources.workspace.package_contents import TargetKind
-from rtron.sources.workspace.scripts import is_executable, script_language
+from rtron.sources.workspace.program import is_executable, script_language
 from rtron.vocabulary import UnresolvedItem
 
 

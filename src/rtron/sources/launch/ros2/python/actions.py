@@ -21,7 +21,7 @@ from rtron.sources.launch.ros2.launch_context import LaunchVariable
 from rtron.sources.launch.ros2.python.substitutions import Fields, SubstitutionTranslator
 from rtron.sources.launch.ros2.substitutions.functions import UNKNOWN_COUNT, parse_count, parse_rows
 from rtron.sources.launch.ros2.substitutions.template import TemplateText, placeholder
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml import Element
 
 BuildElements = Callable[[av.Value], tuple[Element, ...]]
 ElementCallback = Callable[[ContextView], tuple[Element, ...]]

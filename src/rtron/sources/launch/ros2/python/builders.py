@@ -16,7 +16,7 @@ from rtron.sources.launch.ros2.python.parameters import (
 )
 from rtron.sources.launch.ros2.python.substitutions import Fields, is_false, plain_text
 from rtron.sources.launch.ros2.substitutions.template import SubstitutionCall, placeholder
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml import Element
 
 _RENAMED_FIELDS = {
     "node_executable": "executable",

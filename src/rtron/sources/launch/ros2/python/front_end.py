@@ -41,7 +41,7 @@ from rtron.sources.launch.ros2.python.nav2_common import FILE_SUBSTITUTIONS
 from rtron.sources.launch.ros2.python.substitutions import SubstitutionTranslator, value_of
 from rtron.sources.launch.ros2.python.xacro_module import XacroModule
 from rtron.sources.launch.ros2.substitutions.template import display_text
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml import Element
 from rtron.vocabulary import Evidence, UnresolvedCause, UnresolvedItem
 
 GLOBAL_PARAMETERS_KEY, REMAPS_KEY = "global_params", "ros_remaps"

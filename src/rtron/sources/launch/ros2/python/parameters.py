@@ -9,7 +9,7 @@ from rtron.sources.code.library_models.launch.constructor_calls import (
 )
 from rtron.sources.launch.ros2.python.substitutions import SubstitutionTranslator
 from rtron.sources.launch.ros2.substitutions.template import Template, TemplateText, placeholder
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.xml_yaml import Element
 
 MAX_DEPTH = 24
 

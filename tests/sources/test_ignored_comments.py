@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from rtron.sources.ignores.comments import comment_ignores
+from rtron.sources.ignores import comment_ignores
 from rtron.vocabulary import Evidence
 
 

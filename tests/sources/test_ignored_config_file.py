@@ -3,7 +3,7 @@
 import pytest
 
 from rtron.errors import InputError
-from rtron.sources.ignores.config_file import MAX_BYTES, read_config
+from rtron.sources.ignores import MAX_BYTES, read_config
 
 RULES = ["several_publishers", "no_server"]
 ENTRY = '[[ignore]]\nrule = "no_server"\nreason = "optional"\n'

@@ -1,12 +1,38 @@
-"""READMEs, without what tells nothing of the function: how to get, build, cite and share it."""
+"""Key information (paper A.1): names, descriptions and READMEs, as words.
+
+What of a README tells nothing of the function is left out: how to get, build, cite and share it.
+"""
+
+from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
 from itertools import islice
+from typing import TYPE_CHECKING
 
-from rtron.functions.text.names import split_number
-from rtron.functions.text.tokens import Tokens, tokenize
+import snowballstemmer  # type: ignore[import-untyped]
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+_STEMMER = snowballstemmer.stemmer("english")
+_CACHE_SIZE = 2**16
+_MAX_WORD_LENGTH = 40
+
+
+@dataclass(frozen=True, slots=True)
+class Tokens:
+    """A name or a sentence: its words in lower case, and their stems, which patterns compare."""
+
+    words: tuple[str, ...]
+    stems: tuple[str, ...]
+
+
+_MAX_LENGTH = 200
+_CAMEL = re.compile(r"(?<=[a-z0-9])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])")
+_LIBRARY = re.compile(r"^lib(?=[a-z0-9]{3})(?!rar)")
+_NUMBERED = re.compile(r"([A-Za-z]{4,})(\d\w*)")
 _SENTENCE = re.compile(r"(?<=[.!?;:])\s+|\n\s*\n|\n\s*[-*#+]+\s*|\n\d+[.)]\s+")
 _RUN = re.compile(r"[^\W_]+")
 _MAX_WORDS = 60
@@ -92,3 +118,33 @@ def description_tokens(description: str) -> Iterator[Tokens]:
     text = _NOISE.sub(" ", description[:_MAX_DESCRIPTION_CHARACTERS]).strip()
     if not _PLACEHOLDER.fullmatch(text):
         yield from split_sentences(text, _MAX_DESCRIPTION_SENTENCES)
+
+
+@lru_cache(maxsize=2**14)
+def name_tokens(name: str) -> Tokens:
+    """Return a name's words: parted at signs, at camel humps, and at a number after a word.
+
+    The letters before a number are a word if there are four or more: `turtlebot3`, but not `tf2`.
+    A leading `lib` is no word.
+    """
+    humps = (hump for run in _RUN.findall(name[:_MAX_LENGTH]) for hump in _CAMEL.split(run))
+    return tokenize(word for hump in humps for word in split_number(hump))
+
+
+def split_number(word: str) -> list[str]:
+    """Return a word as one word, or as the word and the number that it ends in."""
+    numbered = _NUMBERED.fullmatch(word)
+    parts = numbered.groups() if numbered else (word,)
+    return [_LIBRARY.sub("", part) for part in parts]
+
+
+def tokenize(words: Iterable[str]) -> Tokens:
+    """Return words as tokens; a word of more than 40 letters is cut."""
+    cut = tuple(word[:_MAX_WORD_LENGTH].lower() for word in words)
+    return Tokens(cut, tuple(map(stem, cut)))
+
+
+@lru_cache(maxsize=_CACHE_SIZE)
+def stem(word: str) -> str:
+    """Return what a lower-case word has in common with its variants (English, Snowball)."""
+    return str(_STEMMER.stemWord(word))

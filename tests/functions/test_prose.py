@@ -2,8 +2,8 @@
 
 import pytest
 
-from rtron.functions.text import prose
-from rtron.functions.text.prose import clean_readme, description_tokens, readme_tokens
+from rtron.functions import text as prose
+from rtron.functions.text import clean_readme, description_tokens, readme_tokens
 
 
 def words_of(parts):

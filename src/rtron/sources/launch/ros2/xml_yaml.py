@@ -4,8 +4,8 @@ ROS 1's syntax in one, which launch refuses, is noted and read as it is meant (d
 "Migrating launch files from ROS 1 to ROS 2").
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import yaml
@@ -14,9 +14,46 @@ from rtron.errors import InputError
 from rtron.folders import path_exists
 from rtron.sources.bounded_file import read_bounded
 from rtron.sources.launch.common.xml_document import line_of, parse_xml
-from rtron.sources.launch.ros2.xml_yaml.element import Element
+from rtron.sources.launch.ros2.context_view import ContextView
+from rtron.sources.launch.ros2.substitutions.template import TemplateText
 from rtron.vocabulary import Evidence, UnresolvedItem
 from rtron.yaml_safety import YamlRules, check_yaml, yaml_errors
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """An action of a launch file, or what belongs to one.
+
+    `position` counts the elements of an XML text in document order, the root being 0; in YAML it is
+    where the element's value begins in the text, in characters. `file` is empty where it is that of
+    the launch itself. `expand` calls a function of a Python launch file, for the actions it
+    returns.
+    """
+
+    tag: str
+    attributes: Mapping[str, TemplateText]
+    children: tuple["Element", ...] = ()
+    position: int = 0
+    line: int = 0
+    file: str = ""
+    expand: Callable[[ContextView], tuple["Element", ...]] | None = None
+
+    def children_named(self, tag: str) -> Iterator["Element"]:
+        """Yield the children of one kind."""
+        return (child for child in self.children if child.tag == tag)
+
+    def with_location(self, line: int, file: str) -> "Element":
+        """Return it, and what is in it, at a line of a file where they have no place yet."""
+        children = tuple(child.with_location(line, file) for child in self.children)
+        return replace(self, children=children, line=self.line or line, file=self.file or file)
+
+    def plain_text(self, key: str) -> str:
+        """Return an attribute as it is written; empty where it is not plain text."""
+        text = self.attributes.get(key, "")
+        if isinstance(text, str):
+            return text
+        return "".join(part for part in text if isinstance(part, str))
+
 
 MAX_BYTES = 256 * 1024
 _YAML_RULES = YamlRules(

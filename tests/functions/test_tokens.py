@@ -2,9 +2,7 @@
 
 import pytest
 
-from rtron.functions.text.names import name_tokens
-from rtron.functions.text.prose import split_sentences
-from rtron.functions.text.tokens import stem, tokenize
+from rtron.functions.text import name_tokens, split_sentences, stem, tokenize
 
 
 @pytest.mark.parametrize(

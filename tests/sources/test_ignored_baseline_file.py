@@ -5,7 +5,7 @@ import json
 import pytest
 
 from rtron.errors import InputError
-from rtron.sources.ignores.baseline_file import read_baseline
+from rtron.sources.ignores import read_baseline
 from rtron.vocabulary import RISKS_SCHEMA
 
 EMPTY = {"schema": RISKS_SCHEMA, "findings": [], "ignored": [], "risks": []}

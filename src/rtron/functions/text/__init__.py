@@ -1,1 +1,0 @@
-"""Key information (paper A.1): names, descriptions and READMEs, as words."""
