@@ -94,7 +94,7 @@ def _without_ignored_silences(plan: Plan) -> Plan:
     """Return the plan without what a later node says of a silence that the first now decides."""
     lost = {id(part) for part, key, _ in shared_topic_problems(plan) if key == "silent_after"}
 
-    def kept(topics: tuple[GuardedTopic, ...]) -> tuple[GuardedTopic, ...]:
+    def with_own_flows(topics: tuple[GuardedTopic, ...]) -> tuple[GuardedTopic, ...]:
         return tuple(replace(topic, flows=tuple(map(own, topic.flows))) for topic in topics)
 
     def own(flow: Flow) -> Flow:
@@ -104,8 +104,8 @@ def _without_ignored_silences(plan: Plan) -> Plan:
         return plan
     return replace(
         plan,
-        msrcn=plan.msrcn and replace(plan.msrcn, aflows=kept(plan.msrcn.aflows)),
-        rsrcn=plan.rsrcn and replace(plan.rsrcn, vflows=kept(plan.rsrcn.vflows)),
+        msrcn=plan.msrcn and replace(plan.msrcn, aflows=with_own_flows(plan.msrcn.aflows)),
+        rsrcn=plan.rsrcn and replace(plan.rsrcn, vflows=with_own_flows(plan.rsrcn.vflows)),
     )
 
 

@@ -93,7 +93,7 @@ class PollSchedule:
 
     def _collect(self, now: int) -> None:
         waiting, self._pending = self._pending, []
-        self._pending += [asked for asked in waiting if not self._is_settled(asked, now)]
+        self._pending += [peer for peer in waiting if not self._is_settled(peer, now)]
 
     def _send_request(self, target: PollTarget, now: int) -> None:
         if target.server is None or target.poller.pending_since or now < target.not_before:

@@ -24,7 +24,7 @@ class CarriedOutput:
         """Who of the successors subscribes."""
         self.lost = 0
         """How many messages the carrier was too slow for; it does not tell of the node's end."""
-        self._wanted = Publish(id=0, node=node, topic=topic, type=type, options=options)
+        self._publisher = Publish(id=0, node=node, topic=topic, type=type, options=options)
         self._side: CarriedSide | None = None
         self._latched: dict[str, bytes] = {}
         self._latch_numbers: dict[str, int] = {}
@@ -39,18 +39,18 @@ class CarriedOutput:
 
     def learn_type(self, info: TypeInfo) -> bool:
         """Take the type from a publisher; False if it is another."""
-        known = self._wanted.info
+        known = self._publisher.info
         if known is not None:
             return known.md5sum == info.md5sum and known.type == info.type
-        if normalise_type(self._wanted.type) not in ("", normalise_type(info.type)):
+        if normalise_type(self._publisher.type) not in ("", normalise_type(info.type)):
             return False
         self._want(info=info)
         return True
 
     def offer(self, flow: str, qos: QoS) -> None:
         """Offer at least the QoS of a flow's publisher."""
-        if self._wanted.offers.get(flow) != qos:
-            self._want(offers=self._wanted.offers | {flow: qos})
+        if self._publisher.offers.get(flow) != qos:
+            self._want(offers=self._publisher.offers | {flow: qos})
 
     def match_subscribers(self, successors: tuple[str, ...]) -> None:
         """Offer these nodes the QoS that they request."""
@@ -82,16 +82,16 @@ class CarriedOutput:
         """Latch no message any more."""
         self._latched.clear()
         if self._side:
-            self._side.send(ClearLatched(self._wanted.id))
+            self._side.send(ClearLatched(self._publisher.id))
 
     def _want(self, **changes: Any) -> None:  # noqa: ANN401 - fields of `Publish`
-        self._wanted = replace(self._wanted, **changes)
+        self._publisher = replace(self._publisher, **changes)
         if self._side:
-            self._side.send(self._wanted)
+            self._side.send(self._publisher)
 
     def _send_data(self, message: bytes, latched_by: str | None) -> None:
         latch = 0
         if latched_by is not None:
             latch = self._latch_numbers.setdefault(latched_by, len(self._latch_numbers) + 1)
-        if self._side and not self._side.send_data(self._wanted.id, message, latch):
+        if self._side and not self._side.send_data(self._publisher.id, message, latch):
             self.lost += 1
