@@ -4,7 +4,7 @@ import pytest
 
 from rtron.messages.expressions.python_terms import macro_depth
 from rtron.planning import parse_plan
-from rtron.workflows.plan import check
+from rtron.workflows.check_plan import check
 
 PLAN = """\
 grcn:

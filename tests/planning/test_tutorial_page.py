@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rtron.planning.plan_file.loader import parse_plan
 from rtron.vocabulary import PolicyName
-from rtron.workflows.plan import check
+from rtron.workflows.check_plan import check
 
 PAGE = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
 

@@ -12,9 +12,9 @@ from rtron.sources.graph_json import GraphFile
 from rtron.sources.source import GraphSource
 from rtron.sources.static.common.scan_options import Progress, ignore_progress
 from rtron.vocabulary import InteractionGraph
+from rtron.workflows.launch_arguments import ASSIGNMENT
 from rtron.workflows.live_app import LiveApp
 from rtron.workflows.source_app import (
-    ASSIGNMENT,
     SourceOptions,
     WorkspaceSource,
     open_workspace_source,

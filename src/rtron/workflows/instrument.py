@@ -30,9 +30,9 @@ from rtron.sources.static.common.launch_paths import find_launch_file
 from rtron.sources.workspace import read_workspace
 from rtron.sources.workspace.package_files import is_regular
 from rtron.vocabulary import InteractionGraph, Plan
-from rtron.workflows.plan import require_fit
+from rtron.workflows.app_environment import given_environment, robot_environment
+from rtron.workflows.check_plan import require_fit
 from rtron.workflows.scan import scan_graph
-from rtron.workflows.source_app import given_environment, robot_environment
 from rtron.workflows.unguarded import find_unguarded_commands
 
 if TYPE_CHECKING:

@@ -1,25 +1,18 @@
-"""Make a plan: propose one for an app, fit one to what a run measured, or check one."""
+"""Make a plan: propose one for an app, or fit one to what a run measured."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtron.errors import InputError
 from rtron.findings.inventory.node_roles import NodeRoles, measured_topics
-from rtron.planning.app_check import check_plan
-from rtron.planning.plan_doubts import (
-    open_way_doubts,
-    order_doubts,
-    silence_doubts,
-    void_value_warnings,
-)
 from rtron.planning.plan_file.loader import read_plan
-from rtron.planning.problem import PlanProblem, ProblemLevel
+from rtron.planning.problem import PlanProblem
 from rtron.planning.proposal.policy_defaults import propose_plan, unguardable_topics
 from rtron.planning.tuning import tune_plan
 from rtron.sources.bag.file_type import is_bag
 from rtron.sources.run_json import read_run
-from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan, TuningProposal
+from rtron.vocabulary import MeasuredRun, Plan, TuningProposal
+from rtron.workflows.check_plan import plan_doubts
 from rtron.workflows.scan import ScanResult
 from rtron.workflows.unguarded import find_unguarded_commands, last_commands, unguarded_requests
 
@@ -96,31 +89,8 @@ def read_checked_plan(text: str) -> Plan:
     What reads plans is loaded only here: a guard that gets no plan never needs it.
     """
     from rtron.planning.plan_file.loader import parse_plan  # noqa: PLC0415 - see above
+    from rtron.workflows.check_plan import require_fit  # noqa: PLC0415 - see above
 
     plan = parse_plan(text)
     require_fit(plan, None)
     return plan
-
-
-def check(plan: Plan, graph: InteractionGraph | None = None) -> tuple[PlanProblem, ...]:
-    """Return what is wrong with a plan, alone and for an app; then what is a guess in it."""
-    doubts = plan_doubts(plan, graph or InteractionGraph(app=plan.app))
-    return (*check_plan(plan, graph), *doubts)
-
-
-def require_fit(plan: Plan, graph: InteractionGraph | None) -> Iterator[PlanProblem]:
-    """Return what is odd in a plan; InputError if it is wrong, or does not fit the app."""
-    problems = check(plan, graph)
-    errors = [str(each) for each in problems if each.level is ProblemLevel.ERROR]
-    if errors:
-        help = "correct the plan, or make a new graph of the app"
-        raise InputError("\n".join(("the plan does not fit the app", *errors)), help=help)
-    return iter(problems)
-
-
-def plan_doubts(plan: Plan, graph: InteractionGraph) -> Iterator[PlanProblem]:
-    """Yield what in a plan is a guess for this app, leaves a way past it, or has no effect."""
-    yield from order_doubts(plan, graph) if graph.nodes else ()
-    yield from open_way_doubts(plan, graph)
-    yield from silence_doubts(plan, graph)
-    yield from void_value_warnings(plan)

@@ -24,7 +24,7 @@ from rtron.security.zenoh.files import ZenohChanges, ZenohFiles, ZenohSettings
 from rtron.sources.graph_json import read_graph
 from rtron.vocabulary import InteractionGraph, Plan
 from rtron.wire.ros2.domain_id import domain_id
-from rtron.workflows.plan import require_fit
+from rtron.workflows.check_plan import require_fit
 
 _PROGRAM = re.compile(r"[A-Za-z0-9][\w.+-]*/[\w.+-]+", re.ASCII)
 

@@ -1,11 +1,5 @@
-"""An app in source: folders, the launch files in them, those that start it, and their environment.
+"""An app in source: folders, the launch files in them, and those that start it."""
 
-A scan is the same on every machine: of the user's own environment only the folders of packages
-count, and what `--env NAME` or `--env-all` asks for. The distribution is guessed from the
-workspace where it is not given.
-"""
-
-import os
 import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,18 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtron.errors import InputError
-from rtron.sources.launch.common.environment import LaunchEnvironment
 from rtron.sources.static.common.scan_options import Progress, ScanOptions
-from rtron.sources.workspace.distro_guess import DistroGuess, guess_distro
 from rtron.vocabulary import InteractionGraph, WiringFact, WiringFactKind
+from rtron.workflows.launch_arguments import parse_assignments
 
 if TYPE_CHECKING:
+    from rtron.sources.launch.common.environment import LaunchEnvironment
     from rtron.sources.launch.common.launch_file import LaunchFileInfo
     from rtron.sources.workspace import Workspace
-
-_INHERITED = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
-_DISTRO = "ROS_DISTRO"
-ASSIGNMENT = ":="
+    from rtron.sources.workspace.distro_guess import DistroGuess
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,6 +102,7 @@ def open_workspace_source(
     from rtron.sources.launch.common.launch_file import launch_generation  # noqa: PLC0415 - the guard starts without it
     from rtron.sources.static.common.launch_paths import find_launch_file  # noqa: PLC0415 - likewise
     from rtron.sources.workspace import read_workspace  # noqa: PLC0415 - likewise
+    from rtron.workflows.app_environment import given_environment, launch_environment  # noqa: PLC0415 - likewise
 
     if not options.launches:
         help = f"rtron scan {shlex.quote(str(folders[0]))} lists the launch files"
@@ -197,51 +189,3 @@ def launches_by_name(folders: Sequence[Path]) -> "dict[str, LaunchFileInfo]":
 def _launch_name(launch: "LaunchFileInfo") -> str:
     """Return `package/file`, or the path of a file that lies in no package."""
     return f"{launch.package}/{launch.path.name}" if launch.package else str(launch.path)
-
-
-def parse_assignments(arguments: Sequence[str]) -> dict[str, str]:
-    """Return the values by name; raise InputError for an argument of another form."""
-    for argument in arguments:
-        if ASSIGNMENT not in argument or argument.startswith(ASSIGNMENT):
-            help = "arguments are NAME:=VALUE, as for roslaunch"
-            raise InputError(f"what is {argument!r}?", help=help)
-    parts = (argument.partition(ASSIGNMENT) for argument in arguments)
-    return {name: value for name, _, value in parts}
-
-
-def given_environment(assignments: Sequence[str], *, take_all: bool) -> dict[str, str]:
-    """Return the variables that count: `NAME=VALUE`, or `NAME` with its value here.
-
-    Raise InputError for one of another form, or that is not set.
-    """
-    names = os.environ if take_all else [name for name in _INHERITED if name in os.environ]
-    return {name: os.environ[name] for name in names} | dict(map(_pair, assignments))
-
-
-def _pair(assignment: str) -> tuple[str, str]:
-    name, equals, value = assignment.partition("=")
-    if not name or name.endswith(":"):
-        help = "write --env NAME=VALUE, or --env NAME for your own value"
-        raise InputError(f"what is --env {assignment}?", help=help)
-    if equals:
-        return name, value
-    if name not in os.environ:
-        raise InputError(f"{name} is not set here", help=f"give its value: --env {name}=VALUE")
-    return name, os.environ[name]
-
-
-def robot_environment(given: Mapping[str, str]) -> LaunchEnvironment:
-    """Return the environment of a launch that is to run: its distribution is no guess.
-
-    It is the one that was given, or else that of the ROS which is sourced here.
-    """
-    sourced = {_DISTRO: os.environ[_DISTRO]} if _DISTRO in os.environ else {}
-    return LaunchEnvironment({**sourced, **given})
-
-
-def launch_environment(
-    given: Mapping[str, str], folders: Sequence[Path], ros: int
-) -> tuple[LaunchEnvironment, DistroGuess | None]:
-    """Return the environment of a launch, with a guess at its distribution where none is given."""
-    guess = None if _DISTRO in given else guess_distro(folders, ros)
-    return LaunchEnvironment({_DISTRO: guess.name, **given} if guess else given), guess

@@ -12,7 +12,7 @@ from celled_base2 import CMD_VEL, FLOW1, NODE, OUT, CelledBase2, alone, ros2_in_
 from rmw_marks import needs_fast_dds
 from ros2_harness import NODES2
 
-from rtron.guard.audit.ros2.live_verification import CellReader
+from rtron.guard.audit.ros2.celled_graph import CellReader
 from rtron.guard.cell.access import CellAccess
 from rtron.wire.ros2.domain_id import domain_address
 

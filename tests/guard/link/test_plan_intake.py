@@ -7,7 +7,8 @@ import pytest
 
 from rtron.errors import InputError
 from rtron.guard.link import plan_intake
-from rtron.guard.link.plan_intake import PlanFolder, PlanIntake
+from rtron.guard.link.plan_folder import PlanFolder
+from rtron.guard.link.plan_intake import PlanIntake
 from rtron.vocabulary import Settings
 from rtron.wire.common.link_protocol import (
     MAX_PLAN_LENGTH,

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from rtron.guard.link.options import LinkOptions
-from rtron.guard.link.plan_intake import PlanFolder
+from rtron.guard.link.plan_folder import PlanFolder
 from rtron.guard.supervision.fork_server import START_FAILED
 from rtron.guard.supervision.plan_trial import (
     PLAN_TRIAL,

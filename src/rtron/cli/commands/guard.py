@@ -17,14 +17,14 @@ from rtron.cli.support.service_options import (
     warn_if_unencrypted,
 )
 from rtron.errors import InputError
+from rtron.workflows.launch_arguments import parse_assignments
 from rtron.workflows.live_app import app_address
-from rtron.workflows.source_app import parse_assignments
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rtron.guard.link.options import LinkOptions
-    from rtron.guard.link.plan_intake import PlanFolder
+    from rtron.guard.link.plan_folder import PlanFolder
     from rtron.vocabulary import InteractionGraph, MeasuredRun, Plan
 
 log = logging.getLogger(__name__)
@@ -226,7 +226,7 @@ def guard(  # noqa: PLR0913 - one for each option
 
 
 def _plan_folder(folder: Path | None, start: "Plan", service: str) -> "PlanFolder | None":
-    from rtron.guard.link.plan_intake import PlanFolder
+    from rtron.guard.link.plan_folder import PlanFolder
     from rtron.workflows.plan import read_checked_plan
 
     if folder is None:
@@ -240,7 +240,7 @@ def _plan_folder(folder: Path | None, start: "Plan", service: str) -> "PlanFolde
 
 def _check_plan(plan: "Plan", graph: Path | None) -> None:
     """Log what is odd in a plan; InputError if it does not fit the app, where one is given."""
-    from rtron.workflows.plan import require_fit
+    from rtron.workflows.check_plan import require_fit
 
     for problem in require_fit(plan, _read_graph(graph) if graph else None):
         log.warning("%s: %s", problem.location, problem.message)

@@ -8,7 +8,7 @@ import typer
 from rtron.cli.commands.master import AllowSharedMemory, AllowSharedUser
 from rtron.cli.support.options import Env, EnvAll, PlanOption, TextOrJson
 from rtron.cli.support.outcome import FINDINGS, OK, Outcome, as_json
-from rtron.workflows.source_app import parse_assignments
+from rtron.workflows.launch_arguments import parse_assignments
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

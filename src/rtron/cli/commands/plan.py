@@ -193,7 +193,7 @@ def check(
     from rtron.planning.problem import ProblemLevel
     from rtron.reports.plan.problems import problems_text
     from rtron.sources.graph_json import read_graph
-    from rtron.workflows.plan import check as check_plan
+    from rtron.workflows.check_plan import check as check_plan
     from rtron.workflows.scan import scan_graph
     from rtron.workflows.unguarded import find_unguarded_commands
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from enum import Enum
 from functools import wraps
-from inspect import Parameter, signature
+from inspect import Signature, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
@@ -134,20 +134,26 @@ class TextOrJson(str, Enum):
 Command: TypeAlias = Callable[..., Outcome]
 
 
-def with_app_options(command: Command) -> Command:
-    """Give a command the options of `_app_selection` in place of its parameter `selection`."""
-    shared = signature(_app_selection).parameters
+def share_options(make: Callable[..., Any], *, in_front: bool) -> Callable[[Command], Command]:
+    """Give commands the options of `make`; the first parameter of each gets what it returns.
 
-    @wraps(command)
-    def run(**values: Any) -> Outcome:  # noqa: ANN401 - as typer has parsed them
-        selection = _app_selection(**{name: values.pop(name) for name in shared})
-        return command(selection, **values)
+    They stand in front of the command's own, or behind them.
+    """
+    shared = signature(make).parameters
 
-    own = [each for name, each in signature(command).parameters.items() if name != "selection"]
-    parameters: list[Parameter] = [*shared.values(), *own]
-    run.__signature__ = signature(command).replace(parameters=parameters)  # type: ignore[attr-defined]
-    run.__annotations__ = {each.name: each.annotation for each in parameters}
-    return run
+    def decorate(command: Command) -> Command:
+        @wraps(command)
+        def run(**values: Any) -> Outcome:  # noqa: ANN401 - as typer has parsed them
+            made = make(**{name: values.pop(name) for name in shared})
+            return command(made, **values)
+
+        own = list(signature(command).parameters.values())[1:]
+        parameters = [*shared.values(), *own] if in_front else [*own, *shared.values()]
+        run.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
+        run.__annotations__ = {each.name: each.annotation for each in parameters}
+        return run
+
+    return decorate
 
 
 def _app_selection(  # noqa: PLR0913 - one for each option
@@ -177,3 +183,7 @@ def _app_selection(  # noqa: PLR0913 - one for each option
     running = LiveApp(ros=ros, master=master, domain=domain, timeout=timeout)
     given = AppSelection(inputs=inputs or (), live=running if live else None, source=source)
     return with_launch_paths(given)
+
+
+with_app_options = share_options(_app_selection, in_front=True)
+"""Gives a command the options that choose an app."""

@@ -1,16 +1,13 @@
 """The options of commands that call the security service."""
 
-import inspect
 import sys
-from collections.abc import Callable
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Concatenate, ParamSpec
+from typing import TYPE_CHECKING, Annotated
 from urllib.parse import urlsplit
 
 import typer
 
-from rtron.cli.support.outcome import Outcome
+from rtron.cli.support.options import share_options
 
 if TYPE_CHECKING:
     from rtron.workflows.service_client import SecurityServiceClient
@@ -48,7 +45,6 @@ CaOption = Annotated[
     typer.Option(metavar="FILE", help="The service's own certificate authority, as PEM."),
 ]
 DEFAULT_SERVICE = "http://127.0.0.1:8600"
-_P = ParamSpec("_P")
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
@@ -76,19 +72,5 @@ def _connection_options(
     return connect_to_service(service, token_file, ca)
 
 
-def calls_service(
-    command: Callable[Concatenate["SecurityServiceClient", _P], Outcome],
-) -> Callable[..., Outcome]:
-    """Give a command the options of the connection, behind its own; it gets the client first."""
-    connection = inspect.signature(_connection_options).parameters
-    own = list(inspect.signature(command).parameters.values())[1:]
-
-    @wraps(command)
-    def run(*args: _P.args, **given: _P.kwargs) -> Outcome:
-        client = _connection_options(**{name: given.pop(name) for name in connection})  # type: ignore[arg-type]
-        return command(client, *args, **given)
-
-    parameters = [*own, *connection.values()]
-    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    run.__annotations__ = {each.name: each.annotation for each in parameters}
-    return run
+calls_service = share_options(_connection_options, in_front=False)
+"""Gives a command the options of the connection; it gets the client."""

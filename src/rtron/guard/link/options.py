@@ -12,7 +12,7 @@ from rtron.guard.system.durable_file import make_private_folder, replace_file
 from rtron.guard.system.unix_socket import abstract_address, user_name
 
 if TYPE_CHECKING:
-    from rtron.guard.link.plan_intake import PlanFolder
+    from rtron.guard.link.plan_folder import PlanFolder
 
 _PATH = "/link/v1"
 _SCHEMES = {"http": "ws", "https": "wss"}
