@@ -162,7 +162,7 @@ class ProgramWriter:
         kind = self.random.choice(("GLOB", "GLOB_RECURSE"))
         start = "${CMAKE_CURRENT_LIST_DIR}"
         found = f"file({kind} {self._name()} RELATIVE {start} {start}/{pattern})"
-        self.lines += [found, f"list(REMOVE_ITEM {self._name()} run.cmake)"]
+        self.lines += [found, f"list(FILTER {self._name()} EXCLUDE REGEX run.cmake)"]
 
     def _define(self) -> None:
         kind, name = self.random.choice(("function", "macro")), f"f{len(self.lines)}"

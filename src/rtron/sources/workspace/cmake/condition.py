@@ -9,7 +9,9 @@ from rtron.sources.workspace.cmake.command_call import (
     ExpandedArgument,
     Lookup,
     VariableValue,
+    split_list,
 )
+from rtron.sources.workspace.cmake.patterns import plain_pattern
 
 MAX_NESTED = 32
 
@@ -18,16 +20,11 @@ Truth: TypeAlias = bool | None
 _TRUE = frozenset({"1", "on", "yes", "true", "y"})
 _FALSE = frozenset({"", "0", "off", "no", "false", "n", "ignore", "notfound"})
 _NUMBER = re.compile(r"-?\d{1,18}(?:\.\d{1,18})?")
+_VERSION = re.compile(r"\d{1,9}(?:\.\d{1,9}){0,7}")
 _UNARY = frozenset(
     {"exists", "target", "defined", "command", "policy", "is_directory", "is_symlink"}
     | {"is_absolute", "test"}
 )
-_ORDERS = ("equal", "less", "greater", "less_equal", "greater_equal")
-_COMPARISONS = frozenset(
-    {"strequal", "strless", "strgreater", "in_list", "matches", *_ORDERS}
-    | {f"version_{order}" for order in _ORDERS}
-)
-"""Only the first is worked out: the others decide between flags, hardly ever between programs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,11 +110,11 @@ class _ConditionEvaluator:
         right = self._operand(self._rest.pop()) if self._rest else None
         value = self._operand(left)
         bare = not left.quoted and not left.expanded and self._facts.variable(left.text) is None
-        if bare and not _NUMBER.fullmatch(left.text):
+        if bare and operator != "in_list" and not _NUMBER.fullmatch(left.text):
             return None
-        if operator != "strequal" or right is None or not (value.known and right.known):
+        if right is None or not (value.known and right.known):
             return None
-        return value.text == right.text
+        return COMPARISONS[operator](value.text, right.text)
 
     def _operand(self, item: ExpandedArgument) -> VariableValue:
         value = None if item.quoted else self._facts.variable(item.text)
@@ -163,4 +160,56 @@ def _not(value: Truth) -> Truth:
 
 
 def _is_comparison(item: ExpandedArgument) -> bool:
-    return not item.quoted and item.text.lower() in _COMPARISONS
+    return not item.quoted and item.text.lower() in COMPARISONS
+
+
+def _by_number(*signs: int) -> Callable[[str, str], Truth]:
+    def compare(left: str, right: str) -> Truth:
+        if not (_NUMBER.fullmatch(left) and _NUMBER.fullmatch(right)):
+            return None
+        return _sign(float(left), float(right)) in signs
+
+    return compare
+
+
+def _by_version(*signs: int) -> Callable[[str, str], Truth]:
+    def compare(left: str, right: str) -> Truth:
+        if not (_VERSION.fullmatch(left) and _VERSION.fullmatch(right)):
+            return None
+        return _sign(_version(left), _version(right)) in signs
+
+    return compare
+
+
+def _version(text: str) -> tuple[int, ...]:
+    parts = [int(part) for part in text.split(".")]
+    return tuple(parts + [0] * (8 - len(parts)))
+
+
+def _sign(left: float | str | tuple[int, ...], right: float | str | tuple[int, ...]) -> int:
+    return (left > right) - (left < right)  # type: ignore[operator]
+
+
+def _matches(text: str, pattern: str) -> Truth:
+    """Return whether a pattern is found; None where it is not plain."""
+    plain = plain_pattern(pattern)
+    return None if plain is None else plain.match(text) is not None
+
+
+COMPARISONS: dict[str, Callable[[str, str], Truth]] = {
+    "strequal": lambda left, right: left == right,
+    "strless": lambda left, right: left < right,
+    "strgreater": lambda left, right: left > right,
+    "in_list": lambda left, right: left in split_list(right),
+    "matches": _matches,
+    "equal": _by_number(0),
+    "less": _by_number(-1),
+    "greater": _by_number(1),
+    "less_equal": _by_number(-1, 0),
+    "greater_equal": _by_number(0, 1),
+    "version_equal": _by_version(0),
+    "version_less": _by_version(-1),
+    "version_greater": _by_version(1),
+    "version_less_equal": _by_version(-1, 0),
+    "version_greater_equal": _by_version(0, 1),
+}

@@ -1,7 +1,7 @@
 """Carries out a package's CMake files, both branches where only a build knows which one."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from os.path import normpath
 from pathlib import Path
@@ -295,12 +295,22 @@ class CMakeEvaluator:
         elif command.name == "include" and given:
             self._include_file(given, scope)
         elif command.name == "cmake_language" and words:
-            self._note(f"cmake_language({words[0]} …)", "is not carried out")
+            self._run_language(command, words, scope)
         elif command.name == "externalproject_add":
             self._run_superbuild(words)
         else:
             carry_out = COMMANDS.get(command.name, note_unknown_command)
             carry_out(self._command_call(command, given, scope))
+
+    def _run_language(
+        self, command: CMakeCommand, words: Sequence[str], scope: VariableScope
+    ) -> None:
+        """Carry out `cmake_language(CALL command …)`."""
+        if words[0] == "CALL" and words[1:]:
+            called = replace(command, name=words[1].lower(), arguments=command.arguments[2:])
+            self._run_command(called, scope)
+        else:
+            self._note(f"cmake_language({words[0]} …)", "is not carried out")
 
     def _return(self, command: CMakeCommand) -> None:
         if not self.every_branch:

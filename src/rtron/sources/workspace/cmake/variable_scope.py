@@ -1,6 +1,7 @@
 """What loops, macros and functions of a CMake file give their variables."""
 
 from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 
 from rtron.sources.workspace.cmake.command_call import (
     ExpandedArgument,
@@ -11,20 +12,28 @@ from rtron.sources.workspace.cmake.command_call import (
 
 _NUMBERED = 10
 _MOST_NUMBERED = 32
-_LOOP_WORDS = frozenset({"LISTS", "ITEMS"})
+_LOOP_WORDS = frozenset({"LISTS", "ITEMS", "ZIP_LISTS"})
 
 
 def loop_rounds(
     given: Sequence[ExpandedArgument], scope: VariableScope
 ) -> list[dict[str, VariableValue]]:
-    """Return the variables of each round of a foreach(); a RANGE and ZIP_LISTS are one unknown."""
+    """Return the variables of each round of a foreach(): of ZIP_LISTS one for each list."""
     words = [item.text for item in given]
-    name = words[0] if words else ""
-    if "ZIP_LISTS" in words or words[1:2] == ["RANGE"]:
-        names = words[: words.index("IN")] if "IN" in words else [name]
-        return [dict.fromkeys(names, VariableValue("", known=False))]
-    items = loop_items(given[1:], scope)
-    return [{name: VariableValue(item.text, item.known)} for item in items]
+    if "ZIP_LISTS" not in words:
+        name = words[0] if words else ""
+        items = loop_items(given[1:], scope)
+        return [{name: VariableValue(item.text, item.known)} for item in items]
+    start = words.index("ZIP_LISTS")
+    names, lists = words[: start - 1], [_list_variable(name, scope) for name in words[start + 1 :]]
+    if len(names) == 1:
+        names = [f"{names[0]}_{number}" for number in range(len(lists))]
+    known = all(value.known for value in lists)
+    rounds = zip_longest(*(split_list(value.text) for value in lists), fillvalue="")
+    return [
+        {name: VariableValue(text, known) for name, text in zip(names, texts, strict=False)}
+        for texts in rounds
+    ]
 
 
 def is_loop_unknown(given: Sequence[ExpandedArgument], scope: VariableScope) -> bool:
@@ -40,8 +49,11 @@ def _list_variable(name: str, scope: VariableScope) -> VariableValue:
 
 
 def loop_items(given: Sequence[ExpandedArgument], scope: VariableScope) -> list[ExpandedArgument]:
-    """Return what a foreach() goes through: elements, lists and their names."""
+    """Return what a foreach() goes through: elements, lists and their names, or a range."""
     words = [item.text for item in given]
+    if words[:1] == ["RANGE"]:
+        numbers = [int(word) for word in words[1:4] if word.isdecimal() and len(word) < 6]  # noqa: PLR2004
+        return [ExpandedArgument(text=str(number)) for number in _loop_range(numbers)]
     if words[:1] != ["IN"]:
         return [item for item in given if item.text]
     found: list[ExpandedArgument] = []
@@ -57,6 +69,12 @@ def loop_items(given: Sequence[ExpandedArgument], scope: VariableScope) -> list[
         else:
             found.append(item)
     return found
+
+
+def _loop_range(numbers: Sequence[int]) -> range:
+    start = numbers[0] if len(numbers) > 1 else 0
+    stop = numbers[min(1, len(numbers) - 1)] + 1 if numbers else 0
+    return range(start, stop, max(1, numbers[2]) if numbers[2:] else 1)
 
 
 def argument_variables(

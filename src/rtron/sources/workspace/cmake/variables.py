@@ -1,18 +1,18 @@
 """The commands that set variables: set, unset, list, string, option and the like."""
 
 import os.path
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from itertools import pairwise
 from pathlib import Path, PurePath
 from typing import TypeAlias
 
-from rtron.sources.workspace.cmake.command_call import (
-    MAX_LENGTH,
-    BoundsError,
-    CommandCall,
-    VariableValue,
-    split_list,
-)
+from rtron.sources.workspace.cmake.command_call import CommandCall, VariableValue, split_list
 from rtron.sources.workspace.cmake.condition import constant_truth
+from rtron.sources.workspace.cmake.list_operations import (
+    LIST_CHANGES,
+    LIST_RESULTS,
+    string_operation,
+)
 
 Handler: TypeAlias = Callable[[CommandCall], None]
 
@@ -54,22 +54,40 @@ def define_option(call: CommandCall) -> None:
 
 
 def change_list(call: CommandCall) -> None:
-    """Carry out the operations of `list` that decide which sources a program has."""
+    """Carry out `list`; what an operation makes that is not known here is unknown."""
     words = call.words
     if len(words) < 2:  # noqa: PLR2004 - operation and list
         return
     operation, name, rest = words[0].upper(), words[1], words[2:]
-    if operation in _LIST_CHANGES:
-        before = call.scope.variables.get(name, _NO_VALUE)
-        known = before.known and all(item.known for item in call.items)
-        changed = _LIST_CHANGES[operation](split_list(before.text), rest)
-        call.set(name, ";".join(changed), known=known)
+    before = call.scope.variables.get(name, _NO_VALUE)
+    known = before.known and all(item.known for item in call.items)
+    elements = split_list(before.text)
+    if operation in LIST_RESULTS and rest:
+        result = LIST_RESULTS[operation](elements, rest[:-1])
+        call.set(rest[-1], result or "", known=known and result is not None)
+    elif operation in {"POP_BACK", "POP_FRONT"}:
+        _pop(call, name, rest, known=known)
+    elif operation in LIST_CHANGES:
+        changed = LIST_CHANGES[operation](elements, rest)
+        is_known = known and changed is not None
+        call.set(name, ";".join(elements if changed is None else changed), known=is_known)
     else:
-        _mark_unknown(call, rest[-1:] if operation in _LIST_READS else words[1:])
+        call.set(name, before.text, known=False)
+
+
+def _pop(call: CommandCall, name: str, results: list[str], *, known: bool) -> None:
+    """Carry out `list(POP_FRONT …)`: each variable gets an element, without any one is lost."""
+    elements = split_list(call.scope.variables.get(name, _NO_VALUE).text)
+    end = 0 if call.words[0].upper() == "POP_FRONT" else -1
+    for result in results or [""]:
+        taken = elements.pop(end) if elements else ""
+        if result:
+            call.set(result, taken, known=known)
+    call.set(name, ";".join(elements), known=known)
 
 
 def change_string(call: CommandCall) -> None:
-    """Carry out the operations of `string` that make names and lists."""
+    """Carry out `string`; what an operation makes that is not known here is unknown."""
     words = [item.text for item in call.items]
     known, operation = all(item.known for item in call.items), words[:1]
     if operation in (["APPEND"], ["PREPEND"]) and len(words) > 1:
@@ -77,59 +95,41 @@ def change_string(call: CommandCall) -> None:
         text = old.text + added if operation == ["APPEND"] else added + old.text
         call.set(words[1], text, known=known and old.known)
         return
-    index, make = _STRING_RESULTS.get("".join(operation), (0, None))
-    if make and index < len(words):
-        call.set(words[index], make(words), known=known)
-    else:
-        set_unknown(call)
-
-
-def _replace(words: Sequence[str]) -> str:
-    """`string(REPLACE old new result text…)`."""
-    _, old, new, _, *texts = words
-    text = "".join(texts)
-    if text.count(old) * len(new) > MAX_LENGTH:
-        raise BoundsError("a value becomes too long")
-    return text.replace(old, new) if old else text
-
-
-def _remove_items(elements: list[str], words: list[str]) -> list[str]:
-    removed = set(words)
-    return [text for text in elements if text not in removed]
-
-
-_LIST_CHANGES: Mapping[str, Callable[[list[str], list[str]], list[str]]] = {
-    "APPEND": lambda elements, words: [*elements, *words],
-    "PREPEND": lambda elements, words: [*words, *elements],
-    "REMOVE_ITEM": _remove_items,
-    "REMOVE_DUPLICATES": lambda elements, _: list(dict.fromkeys(elements)),
-    "REVERSE": lambda elements, _: elements[::-1],
-    "SORT": lambda elements, _: sorted(elements),
-}
-_LIST_READS = frozenset({"LENGTH", "GET", "JOIN", "SUBLIST", "FIND"})
-_STRING_RESULTS: Mapping[str, tuple[int, Callable[[Sequence[str]], str]]] = {
-    "TOLOWER": (2, lambda words: words[1].lower()),
-    "TOUPPER": (2, lambda words: words[1].upper()),
-    "STRIP": (2, lambda words: words[1].strip()),
-    "CONCAT": (1, lambda words: "".join(words[2:])),
-    "REPLACE": (3, _replace),
-}
-"""Where an operation's result goes, and what it is."""
+    index, make = string_operation(words) or (len(words), None)
+    if make is not None and index < len(words):
+        made = make(words)
+        call.set(words[index], made or "", known=known and made is not None)
 
 
 def set_unknown(call: CommandCall) -> None:
-    """Carry out what only a build finds out, or what decides no program: results are unknown.
-
-    Which of its words is a result is not looked at: what is not set is unknown anyway.
-    """
-    _mark_unknown(call, call.words)
+    """Set what a command finds out in a build: its variable is the first argument."""
+    for name in call.words[:1]:
+        call.set(name, "", known=False)
 
 
-def _mark_unknown(call: CommandCall, names: Iterable[str]) -> None:
-    variables = call.scope.variables
-    for name in names:
-        if name in variables:
-            call.set(name, variables[name].text, known=False)
+def run_process(call: CommandCall) -> None:
+    """Set the variables of `execute_process`: what a process says is not known."""
+    for word, name in pairwise(call.words):
+        if word in {"OUTPUT_VARIABLE", "RESULT_VARIABLE", "ERROR_VARIABLE"}:
+            call.set(name, "", known=False)
+
+
+def evaluate_expression(call: CommandCall) -> None:
+    """Set the variable of `math(EXPR …)`, whose value is not worked out."""
+    for name in call.words[1:2]:
+        call.set(name, "", known=False)
+
+
+def get_path_part(call: CommandCall) -> None:
+    """Carry out `cmake_path(GET path part [LAST_ONLY] result)`."""
+    words = [word for word in call.words if word != "LAST_ONLY"]
+    if len(words) == 4 and words[0] == "GET":  # noqa: PLR2004 - GET, variable, part, result
+        value = call.scope.variables.get(words[1], VariableValue("", known=False))
+        path, is_last = PurePath(value.text), "LAST_ONLY" in call.words
+        stem = path.stem if is_last else path.name.split(".")[0]
+        parts = {"FILENAME": path.name, "STEM": stem, "PARENT_PATH": _folder(path)}
+        part = parts.get(words[2])
+        call.set(words[3], part or "", known=value.known and part is not None)
 
 
 def get_filename_component(call: CommandCall) -> None:
@@ -161,8 +161,8 @@ def _folder(path: PurePath) -> str:
 def glob_files(call: CommandCall) -> None:
     """Carry out `file GLOB` and `file GLOB_RECURSE`, inside the package."""
     words = call.words
-    if words[:1] in (["READ"], ["STRINGS"]):
-        set_unknown(call)
+    if words[:1] in (["READ"], ["STRINGS"]) and words[2:]:
+        call.set(words[2], "", known=False)
     if len(words) < 2 or words[0].upper() not in {"GLOB", "GLOB_RECURSE"}:  # noqa: PLR2004
         return
     recursive, patterns = words[0].upper() == "GLOB_RECURSE", words[2:]
@@ -212,9 +212,10 @@ VARIABLE_COMMANDS: Mapping[str, Handler] = {
     "get_filename_component": get_filename_component,
     "file": glob_files,
     "aux_source_directory": source_directory,
-    **dict.fromkeys(("cmake_parse_arguments", "cmake_path", "execute_process"), set_unknown),
+    "cmake_path": get_path_part,
+    "execute_process": run_process,
+    "math": evaluate_expression,
     **dict.fromkeys(("find_program", "find_path", "find_file", "find_library"), set_unknown),
-    "math": set_unknown,
     **dict.fromkeys(
         (f"qt{version}_{command}" for version in "45" for command in ("wrap_cpp", "wrap_ui")),
         set_empty,
