@@ -37,6 +37,7 @@ def test_the_package_that_is_given_may_hold_a_workspace(tmp_path):
     outer = make(tmp_path / "outer")
     inner = make(outer / "ws" / "inner")
     make(inner / "innermost")
+    make(outer / "test" / "fixtures" / "sample")
     assert own([outer]) == {"outer": outer, "inner": inner}
 
 

@@ -107,6 +107,8 @@ def test_a_package_that_another_tool_builds_does_not_lack_a_program(tmp_path, bu
         ("FetchContent_MakeAvailable(vendored)", True),
         ("corrosion_import_crate(MANIFEST_PATH Cargo.toml)", True),
         ("build_all_examples()", True),
+        ("add_executable(${UNSET} a.cpp)", True),
+        ("add_library(${UNSET} a.cpp)", False),
         ("add_custom_target(docs COMMAND doxygen)", False),
         ("add_custom_target(headers DEPENDS a.h)", False),
         ("add_custom_command(OUTPUT a.h COMMAND python make.py)", False),

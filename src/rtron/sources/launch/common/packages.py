@@ -15,6 +15,7 @@ PackageIndex: TypeAlias = Mapping[str, Path]
 MAX_FOLDERS = 200_000
 
 _DEBIAN_SHARE = Path("/usr/share")
+_TEST_FOLDERS = frozenset({"test", "tests"})
 _STOP_MARKER = "rospack_nosubdirs"
 
 
@@ -84,8 +85,8 @@ def package_trust(package: Path, folders: Iterable[Path]) -> Trust:
 def _packages_below(top: Path) -> Iterator[Path]:
     """Yield the package folders below `top`; each counts once, and none nests in another.
 
-    A package that is `top` itself may hold others: a repository often has a manifest of its own
-    above the workspace that is built.
+    A package that is `top` itself may hold others, but for its tests': a repository often has a
+    manifest of its own above the workspace that is built.
     """
     visited: set[str] = set()
     for folder, subfolders, files in walk(top, follow_links=True):
@@ -101,4 +102,5 @@ def _packages_below(top: Path) -> Iterator[Path]:
         if is_inner or is_left_out or _STOP_MARKER in files:
             subfolders.clear()
         visited.add(real)
-        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
+        hidden = _TEST_FOLDERS if is_package else ()
+        subfolders[:] = sorted(n for n in subfolders if not n.startswith(".") and n not in hidden)

@@ -50,6 +50,7 @@ def add_target(kind: TargetKind, call: CommandCall) -> None:
         return
     name = call.items[0]
     if not (name.known and name.text):
+        call.build.is_open |= kind is TargetKind.EXECUTABLE
         call.add_unresolved(
             f"{call.name}({name.text} …)", "the target's name is not set in the file"
         )
