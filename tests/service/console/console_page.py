@@ -8,6 +8,7 @@ from selenium.common.exceptions import (
     ElementNotInteractableException,
     NoSuchElementException,
     StaleElementReferenceException,
+    TimeoutException,
 )
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -23,6 +24,12 @@ const holders = (element) => {
 return holders(arguments[0]);
 """
 """Return the innermost elements that have words: what is visible of the whole page costs more."""
+_RESTS = """
+const [element, done] = arguments, place = () => JSON.stringify(element.getBoundingClientRect());
+const before = place();
+requestAnimationFrame(() => requestAnimationFrame(() => done(before === place())));
+"""
+"""Tells whether an element keeps its place: a click on one that moves may miss it."""
 _LABELLED = """
 const strip = (text) => text.replace(/\\s/g, "").toLowerCase();
 const root = document.querySelector(arguments[0]);
@@ -54,6 +61,7 @@ VIEWS = (*_SERVICE_VIEWS, *ROBOT_VIEWS, f"robots/turtle1/incidents/{NAME}")
 PASSING = (
     NoSuchElementException,
     StaleElementReferenceException,
+    TimeoutException,
     ElementClickInterceptedException,
     ElementNotInteractableException,
 )
@@ -120,8 +128,13 @@ class Page:
         self.browser.execute_async_script(_GO, f"#/{view}")
 
     def until(self, condition, what="it", seconds=60):
+        """Wait until a condition holds; say what was waited for, and what was shown instead."""
         waiting = WebDriverWait(self.browser, seconds, 0.05, ignored_exceptions=PASSING)
-        return waiting.until(lambda _: condition(), what)
+        try:
+            return waiting.until(lambda _: condition())
+        except TimeoutException:
+            shown = self.browser.execute_script("return document.body.innerText")
+            raise TimeoutException(f"{what}; shown is: {shown[:2000]}") from None
 
     def all(self, selector):
         return self.browser.find_elements(By.CSS_SELECTOR, selector)
@@ -155,7 +168,8 @@ class Page:
 
         def act():
             for each in self.browser.execute_script(_LABELLED, within, words):
-                if each.text.strip() == words and each.is_enabled():
+                is_ready = each.text.strip() == words and each.is_enabled()
+                if is_ready and self.browser.execute_async_script(_RESTS, each):
                     each.click()
                     return True
             return False
