@@ -6,7 +6,7 @@ import pytest
 from plans import grcn
 
 from rtron.coherence import coherence_problems
-from rtron.coherence.grcn import LEASABLE_TYPES
+from rtron.coherence.leases import LEASABLE_TYPES
 from rtron.messages.common.velocity import VELOCITY_TYPES
 from rtron.vocabulary import (
     CommanderRank,

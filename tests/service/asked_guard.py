@@ -7,7 +7,7 @@ from leased_guard import LeasedGuard
 
 from rtron.bridge.protocol.approvals import Approvals
 from rtron.bridge.rights.document import Approvers
-from rtron.bridge.server.runner import ServiceApprovals
+from rtron.bridge.server.approval_commands import ServiceApprovals
 from rtron.errors import WireError
 from rtron.guard.link.bridge_requests import LIST_REQUEST
 from rtron.wire.common.link_protocol import CommandResponse, decode_open_requests, encode_to_guard

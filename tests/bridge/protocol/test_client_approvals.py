@@ -6,7 +6,7 @@ from bridge_parts import RIGHTS, Talk, frames, plan, rights
 from rtron.bridge.common.plan_topics import check_rights
 from rtron.bridge.protocol import effects
 from rtron.bridge.protocol.approvals import HOLDS_FOR, MAX_WAITING, WAITS_FOR, Approvals
-from rtron.bridge.server.runner import ApprovalCommands
+from rtron.bridge.server.approval_commands import ApprovalCommands
 from rtron.errors import InputError, WireError
 from rtron.vocabulary import SECOND
 

@@ -12,7 +12,7 @@ from approving_bridge import GOAL, ApprovingBridge
 
 from rtron.bridge.protocol.approvals import HOLDS_FOR, MAX_SHOWN, WAITS_FOR, Approvals
 from rtron.bridge.rights.document import Approvers
-from rtron.bridge.server.runner import ApprovalCommands, ServiceApprovals
+from rtron.bridge.server.approval_commands import ApprovalCommands, ServiceApprovals
 from rtron.errors import WireError
 from rtron.guard.core.control_socket import ControlSocket
 from rtron.guard.core.event_loop import EventLoop

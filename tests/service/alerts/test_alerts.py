@@ -11,7 +11,8 @@ from webhook_receiver import run_receiver
 from rtron.errors import InputError, SourceError
 from rtron.service.alerts import dispatcher
 from rtron.service.alerts.dispatcher import DuplicateFilter
-from rtron.service.alerts.webhook_call import parse_webhook_url, resolve_address, signature
+from rtron.service.alerts.webhook_call import signature
+from rtron.service.alerts.webhook_url import parse_webhook_url, resolve_address
 from rtron.service.domain.rollouts.observations import rollout_message
 from rtron.service.domain.schemas import EventView
 

@@ -7,7 +7,7 @@ from controller_setup import PLAN, plan, plan_with
 
 from rtron.coherence import EffectivePlan
 from rtron.errors import InputError
-from rtron.service.domain.revisions import check_settings, drop_misfits
+from rtron.service.domain.settings_checks import check_settings, drop_misfits
 from rtron.vocabulary import (
     FlowSettings,
     NodeSettings,

@@ -30,7 +30,7 @@ from hypothesis import strategies as st
 
 from example_budget import examples
 from rtron.errors import InputError
-from rtron.sources.bag.common.reader import decompress, decompress_zstd
+from rtron.sources.bag.common.compression import decompress, decompress_zstd
 from rtron.sources.bag.formats import open_bag
 from rtron.sources.bag.mcap import record as mcap_record_module
 from rtron.sources.bag.ros1 import reader

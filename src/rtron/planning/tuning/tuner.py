@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from textwrap import wrap
 
-from rtron.coherence.plan_checks import shared_topic_problems
+from rtron.coherence.shared_topics import shared_topic_problems
 from rtron.planning.plan_file.writer import write_plan
 from rtron.planning.tuning.flow_priorities import tune_priorities
 from rtron.planning.tuning.formatting import count_text

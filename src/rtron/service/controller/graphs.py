@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from rtron.coherence import EffectivePlan
 from rtron.errors import InputError, RTronError
 from rtron.planning.plan_doubts import open_way_doubts
-from rtron.reports.app.html import page_data
+from rtron.reports.app.page_data import page_data
 from rtron.reports.app.risks_json import risks_to_json
 from rtron.service.controller.handshake import store_risk_models
 from rtron.service.controller.robot_snapshot import RobotSnapshot, load_snapshot

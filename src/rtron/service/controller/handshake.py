@@ -12,8 +12,8 @@ from rtron.reports.app.risks_json import risks_to_json
 from rtron.service.domain.audit_events import AuditEvent
 from rtron.service.domain.plan_json import plan_digest, plan_json
 from rtron.service.domain.planned_graph import planned_graph
-from rtron.service.domain.revisions import drop_misfits
 from rtron.service.domain.risk_model import build_risk_models, planned_nodes
+from rtron.service.domain.settings_checks import drop_misfits
 from rtron.service.store.audit import record_event
 from rtron.service.store.events import check_run
 from rtron.service.store.graphs import find_graph, stored_risks

@@ -5,7 +5,7 @@ from urllib.parse import urlsplit
 
 from fastapi import APIRouter, Path
 
-from rtron.service.alerts.webhook_call import parse_webhook_url
+from rtron.service.alerts.webhook_url import parse_webhook_url
 from rtron.service.api.auth.authorization import AdminOnly
 from rtron.service.api.context import ServiceDependency, audit_transaction
 from rtron.service.api.schemas import CreatedWebhook, NewWebhook, WebhookView

@@ -9,7 +9,7 @@ from rtron.coherence import EffectivePlan, relaunch_reasons
 from rtron.errors import InputError
 from rtron.service.domain.errors import ForbiddenError
 from rtron.service.domain.principal import Principal, UserRole
-from rtron.service.domain.revisions import check_settings, drop_misfits
+from rtron.service.domain.settings_checks import check_settings, drop_misfits
 from rtron.service.domain.settings_patch import Patch, merge_patch
 from rtron.vocabulary import FlowSettings, NodeSettings, Plan, RuleSettings, Settings
 from rtron.wire.common.link_protocol import Applied

@@ -1,100 +1,19 @@
-"""What a bag holds, whatever its format: connections, and messages in the order of time.
+"""What a bag holds, whatever its format: connections, and messages in the order of time."""
 
-Compressed chunks are unpacked to the size they declare and no further.
-"""
-
-import sys
-from bz2 import BZ2Decompressor
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
-from importlib import import_module
 from io import BufferedReader
 from itertools import chain, count
 from operator import itemgetter
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from rtron.errors import InputError
 from rtron.vocabulary import QoS
 
 Encoding: TypeAlias = Literal["ros1", "cdr", "json"]
 """JSON is what an incident's decisions are in; bags of ROS have none."""
-MAX_INDEX_BYTES = 128 * 2**20
-MAX_HEADER_BYTES = 2**20
-MAX_CHUNK_BYTES = 256 * 2**20
-MAX_CHUNK_MESSAGES = 10**6
-MAX_PENDING_BYTES = 256 * 2**20
-MAX_CONNECTIONS = 2**16
-_MIN_BUDGET_BYTES = 4 * 2**30
-_MAX_RATIO = 1000
-_END_OF_TIME = 2**64
-_MESSAGE_OVERHEAD_BYTES = 200
-message_time = itemgetter(0)
-
-
-def decompress(compression: str, data: bytes, size: int) -> bytes:
-    """Return `data` unpacked; raise DamageError if that is not `size` bytes.
-
-    `compression` is what ROS 1 bags and MCAP call it: `none` or empty, `bz2`, `lz4`, `zstd`.
-    """
-    if compression not in _DECOMPRESSORS:
-        raise DamageError(f"unknown compression {compression[:20]!r}")
-    unpacked = _DECOMPRESSORS[compression](data, size + 1)
-    if len(unpacked) != size:
-        raise DamageError(f"a chunk does not unpack to the {size} bytes it declares")
-    return unpacked
-
-
-def decompress_zstd(data: bytes, limit: int) -> bytes:
-    """Return a zstd frame unpacked to at most `limit` bytes; raise DamageError if it is more."""
-    unpacked = _zstd(data, limit + 1)
-    if len(unpacked) > limit:
-        raise DamageError(f"a message unpacks to more than {limit} bytes")
-    return unpacked
-
-
-def _uncompressed(data: bytes, _limit: int) -> bytes:
-    return data
-
-
-def _bz2(data: bytes, limit: int) -> bytes:
-    try:
-        return BZ2Decompressor().decompress(data, limit)
-    except (OSError, EOFError) as error:
-        raise DamageError(f"a chunk is no bz2: {error}") from None
-
-
-def _lz4(data: bytes, limit: int) -> bytes:
-    from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]  # noqa: PLC0415
-
-    try:
-        unpacked: bytes = LZ4FrameDecompressor().decompress(data, max_length=limit)
-    except (RuntimeError, EOFError) as error:
-        raise DamageError(f"a chunk is no lz4: {error}") from None
-    return unpacked
-
-
-def _zstd(data: bytes, limit: int) -> bytes:
-    zstd = _zstd_module()
-    try:
-        unpacked: bytes = zstd.ZstdDecompressor().decompress(data, max_length=limit)
-    except (zstd.ZstdError, EOFError) as error:
-        raise DamageError(f"packed data is no zstd: {error}") from None
-    return unpacked
-
-
-def _zstd_module() -> Any:  # noqa: ANN401 - part of Python from 3.14 on, a package before
-    return import_module("compression.zstd" if sys.version_info >= (3, 14) else "backports.zstd")
-
-
-_DECOMPRESSORS: Mapping[str, Callable[[bytes, int], bytes]] = {
-    "none": _uncompressed,
-    "": _uncompressed,
-    "bz2": _bz2,
-    "lz4": _lz4,
-    "zstd": _zstd,
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -146,6 +65,16 @@ def unknown_encoding(encoding: str) -> str:
     return f"its messages are encoded as {encoding[:50]!r}, not as ROS does"
 
 
+MAX_INDEX_BYTES = 128 * 2**20
+MAX_HEADER_BYTES = 2**20
+MAX_CHUNK_BYTES = 256 * 2**20
+MAX_CHUNK_MESSAGES = 10**6
+MAX_PENDING_BYTES = 256 * 2**20
+MAX_CONNECTIONS = 2**16
+_MIN_BUDGET_BYTES = 4 * 2**30
+_MAX_RATIO = 1000
+
+
 class DamageError(ValueError):
     """Something in a bag breaks its format; whoever knows the file makes an InputError of it."""
 
@@ -188,6 +117,12 @@ class DecompressionBudget:
 
     def _exceeded(self, why: str) -> InputError:
         return InputError(why, path=str(self.path), help="record it again with smaller chunks")
+
+
+_END_OF_TIME = 2**64
+_MESSAGE_OVERHEAD_BYTES = 200
+
+message_time = itemgetter(0)
 
 
 def merge_by_time(

@@ -8,6 +8,7 @@ from io import BufferedReader
 from pathlib import Path
 
 from rtron.errors import InputError
+from rtron.sources.bag.common.compression import decompress
 from rtron.sources.bag.common.reader import (
     MAX_CHUNK_BYTES,
     BagReader,
@@ -16,7 +17,6 @@ from rtron.sources.bag.common.reader import (
     Encoding,
     Message,
     damage_error,
-    decompress,
     merge_by_time,
     open_bag_file,
     sort_by_time,

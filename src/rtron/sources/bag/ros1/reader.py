@@ -15,6 +15,7 @@ from struct import Struct
 from typing import NamedTuple
 
 from rtron.errors import InputError
+from rtron.sources.bag.common.compression import decompress
 from rtron.sources.bag.common.reader import (
     MAX_CHUNK_BYTES,
     MAX_CHUNK_MESSAGES,
@@ -27,7 +28,6 @@ from rtron.sources.bag.common.reader import (
     DecompressionBudget,
     Message,
     damage_error,
-    decompress,
     merge_by_time,
     open_bag_file,
     sort_by_time,

@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 
 from rtron.errors import InputError
+from rtron.sources.bag.common.compression import decompress_zstd
 from rtron.sources.bag.common.reader import (
     MAX_CHUNK_BYTES,
     BagConnection,
@@ -12,7 +13,6 @@ from rtron.sources.bag.common.reader import (
     DamageError,
     Message,
     damage_error,
-    decompress_zstd,
 )
 from rtron.sources.bag.file_type import METADATA, METADATA_KEY
 from rtron.sources.bag.mcap.reader import open_mcap

@@ -19,7 +19,8 @@ from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.scan_options import ScanOptions
 from rtron.sources.static.common.unresolved import UnresolvedList
 from rtron.sources.static.common.worker_pool import WorkerPool
-from rtron.sources.static.ros1.assembly import Assembly, unread_parameters
+from rtron.sources.static.ros1.assembly import Assembly
+from rtron.sources.static.ros1.node_parameters import unread_parameters
 from rtron.sources.static.ros1.runtime_launches import RuntimeLaunch, RuntimeLaunches
 from rtron.sources.static.ros1.simulation import Simulation
 from rtron.sources.workspace import read_workspace
