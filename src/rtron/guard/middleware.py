@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph, PlannedListeners
-from rtron.guard.audit.ros1.guard_names import GuardNodes
+from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.audit.ros1.intruder_links import IntruderLinks
 from rtron.guard.cell.access import WATCH
 from rtron.guard.lanes.exchange.audit_exchange import NodesReport

@@ -4,8 +4,8 @@ import pytest
 import yaml
 
 from rtron.errors import InputError
-from rtron.functions.reading import read_repositories, repositories
-from rtron.functions.reading.repositories import YAML_RULES
+from rtron.functions.reading import distribution, read_repositories
+from rtron.functions.reading.distribution import YAML_RULES
 from rtron.functions.repository import SourcePackage, SourceRepository
 
 DISTRIBUTION = """%YAML 1.1
@@ -37,7 +37,7 @@ def skipped_entries():
 @pytest.fixture
 def read(tmp_path, skipped_entries):
     def read_text(text):
-        path = tmp_path / "repositories.yaml"
+        path = tmp_path / "distribution.yaml"
         path.write_text(text)
         return read_repositories(
             path, None, lambda each: skipped_entries.append(str(each).replace(f"{path}", "file"))
@@ -122,10 +122,10 @@ def test_the_packages_of_a_release_are_bounded(read, skipped_entries, monkeypatc
 def test_a_file_has_a_number_of_values(read, monkeypatch):
     text = "repositories: {good: {}}"
     events = sum(1 for _ in yaml.parse(text))
-    monkeypatch.setattr(repositories, "YAML_RULES", replace(YAML_RULES, max_values=events))
+    monkeypatch.setattr(distribution, "YAML_RULES", replace(YAML_RULES, max_values=events))
     assert [each.name for each in read(text)] == ["good"]
     fewer = replace(YAML_RULES, max_values=events - 1)
-    monkeypatch.setattr(repositories, "YAML_RULES", fewer)
+    monkeypatch.setattr(distribution, "YAML_RULES", fewer)
     with pytest.raises(InputError, match=f"has more than {events - 1} values$"):
         read(text)
 

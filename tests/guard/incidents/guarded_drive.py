@@ -14,8 +14,9 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
 from rtron.guard.incidents.recorder_link import RecorderLink
+from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.helper_process import HelperProcess
-from rtron.guard.supervision.programs import INCIDENTS, GuardConfig, start_program
+from rtron.guard.supervision.programs import INCIDENTS, start_program
 from rtron.guard.system.process_port import ProcessPort
 from rtron.guard.transport.common.memory import MemoryTransport
 from rtron.guard.transport.common.protocol import Peer

@@ -8,7 +8,7 @@ from guarded_drive import Drive, speed_plan
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.incidents.entries import EntriesLost, LearnedType, Received, Sent
 from rtron.guard.incidents.stream_notes import BATCH_BYTES, MAX_WAITING_BYTES, IncidentNotes
-from rtron.guard.lanes.exchange.process_connection import MAX_MESSAGE_BYTES
+from rtron.guard.lanes.exchange.message_channel import MAX_MESSAGE_BYTES
 
 FLOOD = 4000
 

@@ -9,6 +9,7 @@ import pytest
 from rtron.guard.link.options import LinkOptions
 from rtron.guard.link.plan_folder import PlanFolder
 from rtron.guard.supervision.fork_server import START_FAILED
+from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.plan_trial import (
     PLAN_TRIAL,
     PREPARE_TIMEOUT,
@@ -16,7 +17,6 @@ from rtron.guard.supervision.plan_trial import (
     PlanTrial,
     make_plan_slot,
 )
-from rtron.guard.supervision.programs import GuardConfig
 from rtron.guard.supervision.supervisor_fsm import GuardObservation, GuardPhase, SupervisorFsm
 from rtron.guard.system.sealed_memory import write_memory_file
 from rtron.vocabulary import Plan, Supervision

@@ -13,14 +13,14 @@ from pathlib import Path
 import pytest
 
 import rtron
+from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.preload import _modules
-from rtron.guard.supervision.programs import GuardConfig
 from rtron.vocabulary import Plan
 
 SOURCE = Path(rtron.__file__).parents[1]
 PRELOAD = """
 import json, sys
-from rtron.guard.supervision.programs import GuardConfig
+from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.preload import preload
 from rtron.vocabulary import Plan
 import rtron.guard.supervision.supervisor_program

@@ -7,7 +7,7 @@ from streams import stage, stream
 from velocity_messages import FLOAT64, float64, speeds, twist
 
 from rtron.guard.core.message_types import standard_info
-from rtron.guard.supervision.programs import is_stoppable
+from rtron.guard.supervision.guard_config import is_stoppable
 from rtron.guard.supervision.shared_memory import (
     GuardMemory,
     StatusWord,

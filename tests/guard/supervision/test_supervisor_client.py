@@ -14,9 +14,9 @@ from rtron.errors import SourceError
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.supervision import guard_name
+from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.supervision.guard_name import GUARD, answer_name, await_former_guard, take_name
 from rtron.guard.supervision.guard_process import spawn_guard
-from rtron.guard.supervision.programs import GuardConfig
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import HANG_TIMEOUT, SupervisorClient
 from rtron.guard.transport.common.memory import MemoryTransport

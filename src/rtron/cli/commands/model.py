@@ -44,7 +44,7 @@ def draft(
     Exit code: 0 drafted, 2 no program.
     """
     from rtron.sources.static.common.model_draft import draft_model
-    from rtron.sources.static.common.worker_pool import deep_recursion
+    from rtron.sources.static.common.worker import deep_recursion
     from rtron.sources.workspace import read_workspace
 
     workspace = read_workspace(packages or [_package(source)], {})

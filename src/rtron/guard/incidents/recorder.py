@@ -29,7 +29,7 @@ from rtron.guard.incidents.entries import (
 )
 from rtron.guard.incidents.incident_folder import IncidentFolder, write_incident
 from rtron.guard.incidents.ring import IncidentRing
-from rtron.guard.lanes.exchange.process_connection import MessageChannel
+from rtron.guard.lanes.exchange.message_channel import MessageChannel
 from rtron.guard.system.process_attributes import lower_priority
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import SECOND, IncidentCause, IncidentHeader, Plan

@@ -23,7 +23,7 @@ from rtron.guard.incidents.entries import (
 )
 from rtron.guard.incidents.stream_notes import StreamNotes, observed_state
 from rtron.guard.incidents.stream_tap import is_due
-from rtron.guard.lanes.exchange.process_connection import MessageChannel
+from rtron.guard.lanes.exchange.message_channel import MessageChannel
 from rtron.guard.system.process_port import connect
 from rtron.vocabulary import SECOND, Alarm, Plan, Settings
 from rtron.wire.common.incident_format import encode_settings

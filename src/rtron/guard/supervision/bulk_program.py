@@ -5,12 +5,8 @@ import sys
 
 from rtron.guard.lanes.bulk.bulk_process import BulkPorts, run_bulk_process
 from rtron.guard.log_format import start_logging
-from rtron.guard.supervision.programs import (
-    leave_terminal,
-    open_descriptors,
-    read_config,
-    run_program,
-)
+from rtron.guard.supervision.guard_config import read_config
+from rtron.guard.supervision.programs import leave_terminal, open_descriptors, run_program
 from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.guard.transport.factory import share_memory
 

@@ -15,12 +15,12 @@ from rtron.guard.cell.isolation import Gap, find_gaps, namespaces, outer_user
 from rtron.guard.cell.stopper import CellStopper
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.log_format import start_logging
+from rtron.guard.supervision.guard_config import stopped_streams
 from rtron.guard.supervision.programs import (
     TERMINAL_SIGNALS,
     open_descriptors,
     run_program,
     start_program,
-    stopped_streams,
 )
 from rtron.guard.system.unix_socket import peer_credentials
 from rtron.guard.transport.common.protocol import LiveTransport

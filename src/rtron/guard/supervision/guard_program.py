@@ -10,14 +10,9 @@ import sys
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.lanes.command.command_process import run_command_process
 from rtron.guard.log_format import start_logging
+from rtron.guard.supervision.guard_config import read_config, stopped_streams
 from rtron.guard.supervision.preload import prepare_plan
-from rtron.guard.supervision.programs import (
-    leave_terminal,
-    open_descriptors,
-    read_config,
-    run_program,
-    stopped_streams,
-)
+from rtron.guard.supervision.programs import leave_terminal, open_descriptors, run_program
 from rtron.guard.supervision.shared_memory import BEGIN, GuardMemory, StatusWord
 from rtron.guard.supervision.supervisor_client import SupervisorClient
 from rtron.guard.system.process_attributes import outlive_parent

@@ -6,7 +6,8 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 
 from rtron.guard.supervision.fork_server import ForkedProcess, ForkServer
-from rtron.guard.supervision.programs import BULK, INCIDENTS, LINK, GuardConfig, process_name
+from rtron.guard.supervision.guard_config import GuardConfig
+from rtron.guard.supervision.programs import BULK, INCIDENTS, LINK, process_name
 from rtron.guard.supervision.watchdog import HangWatch
 from rtron.guard.system.process_port import ProcessPort
 from rtron.guard.system.sealed_memory import SharedBeat

@@ -5,7 +5,8 @@ import socket
 
 from rtron.guard.incidents.recorder import run_recorder
 from rtron.guard.log_format import start_logging
-from rtron.guard.supervision.programs import leave_terminal, open_descriptors, read_config
+from rtron.guard.supervision.guard_config import read_config
+from rtron.guard.supervision.programs import leave_terminal, open_descriptors
 from rtron.guard.system.process_attributes import outlive_parent
 from rtron.guard.system.process_port import accept
 

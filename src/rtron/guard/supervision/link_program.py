@@ -6,13 +6,9 @@ from dataclasses import replace
 
 from rtron.guard.link.relay import run_relay
 from rtron.guard.log_format import start_logging
+from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.plan_trial import PlanSlot
-from rtron.guard.supervision.programs import (
-    leave_terminal,
-    open_descriptors,
-    read_config,
-    run_program,
-)
+from rtron.guard.supervision.programs import leave_terminal, open_descriptors, run_program
 from rtron.guard.system.sealed_memory import SharedBeat
 from rtron.vocabulary import Plan
 

@@ -12,7 +12,7 @@ from rtron.errors import RTronError
 from rtron.guard.core.message_types import standard_info
 from rtron.guard.core.observations import observations_of
 from rtron.guard.core.report_messages import DIAGNOSTICS, STRING, UINT64
-from rtron.guard.supervision.programs import GuardConfig
+from rtron.guard.supervision.guard_config import GuardConfig
 from rtron.guard.transport.factory import load_types
 from rtron.messages.common.encoding import Encoding
 from rtron.vocabulary import Plan, build_streams

@@ -12,6 +12,7 @@ from rtron.guard.core.log_throttle import LogThrottle
 from rtron.guard.core.printable import printable
 from rtron.guard.supervision.delivery_watch import DeliveryWatch
 from rtron.guard.supervision.fork_server import START_FAILED, UNKNOWN_END, ForkServer
+from rtron.guard.supervision.guard_config import GuardConfig, longest_ramp, stopped_streams
 from rtron.guard.supervision.guard_name import (
     SUPERVISOR,
     answer_name,
@@ -21,13 +22,7 @@ from rtron.guard.supervision.guard_name import (
 from rtron.guard.supervision.guard_process import GuardProcess, spawn_guard
 from rtron.guard.supervision.helper_process import make_helpers, stop_helpers
 from rtron.guard.supervision.plan_trial import PlanTrial, make_plan_slot
-from rtron.guard.supervision.programs import (
-    JOB_CONTROL_SIGNALS,
-    TERMINATION_SIGNALS,
-    GuardConfig,
-    longest_ramp,
-    stopped_streams,
-)
+from rtron.guard.supervision.programs import JOB_CONTROL_SIGNALS, TERMINATION_SIGNALS
 from rtron.guard.supervision.shared_memory import GuardMemory, StatusWord
 from rtron.guard.supervision.stream_brakes import StreamBrakes
 from rtron.guard.supervision.supervisor_fsm import (

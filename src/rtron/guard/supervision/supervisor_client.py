@@ -14,8 +14,8 @@ from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.stream import GuardedStream
+from rtron.guard.supervision.guard_config import GuardConfig, is_stoppable
 from rtron.guard.supervision.guard_name import GUARD, answer_name, take_name
-from rtron.guard.supervision.programs import GuardConfig, is_stoppable
 from rtron.guard.supervision.shared_memory import (
     DoubleBuffer,
     GuardMemory,

@@ -5,8 +5,9 @@ import sys
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.log_format import start_logging
 from rtron.guard.supervision.fork_server import ForkServer
+from rtron.guard.supervision.guard_config import read_config
 from rtron.guard.supervision.preload import preload
-from rtron.guard.supervision.programs import open_descriptors, read_config, run_program
+from rtron.guard.supervision.programs import open_descriptors, run_program
 from rtron.guard.supervision.supervisor import Supervisor
 from rtron.guard.system.machine_time import check_steady_clock
 from rtron.guard.system.process_attributes import set_process_name

@@ -1,4 +1,4 @@
-"""What a call is for, by its name: it only logs, asks or prepares something, or ends a motion."""
+"""What a call is for, by its name: it only logs, reads or prepares something, or stops a motion."""
 
 import re
 from itertools import chain
@@ -33,7 +33,7 @@ def only_logs(call: ir.Call) -> bool:
     return is_logging_call(call) or (name == "print" and not call.keywords)
 
 
-def only_asks(name: str) -> bool:
+def only_reads(name: str) -> bool:
     """Return whether what is called so only asks an object, or prepares or closes it."""
     return bool(_READING.fullmatch(name))
 
@@ -43,6 +43,6 @@ def only_prepares(name: str) -> bool:
     return bool(_SETTING_UP.fullmatch(name))
 
 
-def ends_motion(name: str) -> bool:
+def stops_motion(name: str) -> bool:
     """Return whether the name of what is called has a word of what ends a motion."""
     return bool(_STOPPING.search(name))

@@ -14,7 +14,7 @@ from itertools import chain
 from typing import Any
 
 from rtron.sources.code import ir
-from rtron.sources.code.call_kinds import only_asks
+from rtron.sources.code.call_kinds import only_reads
 from rtron.sources.code.interpreter import abstract_values as av
 from rtron.sources.code.interpreter.execution.abstract_machine import AbstractMachine
 from rtron.sources.code.ir.references import callee_names, ir_nodes
@@ -92,7 +92,7 @@ class ExternalLibraries:
         What only asks it does not act. A function of C++ may get a file descriptor.
         """
         name = next(callee_names(call.function), "")
-        if only_asks(name):
+        if only_reads(name):
             return ""
         if isinstance(call.function, ir.Attr):
             found = self.owner(call.function.owner, scope)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 
 from rtron.sources.code import ir
-from rtron.sources.code.call_kinds import ends_motion, only_prepares
+from rtron.sources.code.call_kinds import only_prepares, stops_motion
 from rtron.sources.code.program_steps import Program, Steps, last_name, mentioned_names
 from rtron.vocabulary import Evidence
 
@@ -72,7 +72,7 @@ def _is_idle(call: ir.Call, name: str) -> bool:
     """Return whether a call stops something, or only prepares it."""
     given = [*call.args, *(value for _, value in call.keywords)]
     is_off = bool(given) and _is_zero(given[-1])
-    return is_off or only_prepares(name) or ends_motion(name)
+    return is_off or only_prepares(name) or stops_motion(name)
 
 
 def _is_zero(value: ir.Expr) -> bool:

@@ -11,7 +11,7 @@ from plans import grcn, plan_of
 
 from rtron.guard.audit.ros1 import auditor, intrusions, master_queries
 from rtron.guard.audit.ros1.auditor import Ros1Auditor
-from rtron.guard.audit.ros1.guard_names import GuardNodes
+from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.audit.ros1.live_verification import verify_live
 from rtron.guard.core.event_loop import EventLoop
 from rtron.vocabulary import SECOND, AlarmKind, Mode

@@ -6,7 +6,7 @@ from plans import grcn, plan_of
 
 from rtron.guard.audit.ros1.expected_graph import MAX_MATCHING, ExpectedGraph, PlannedListeners
 from rtron.guard.lanes.exchange.audit_exchange import NodesReport
-from rtron.guard.lanes.exchange.process_connection import MAX_MESSAGE_BYTES
+from rtron.guard.lanes.exchange.message_channel import MAX_MESSAGE_BYTES
 from rtron.guard.transport.ros1.subscriber_link import MAX_NAME
 
 OUT = "/rtron/cmd_vel/out"

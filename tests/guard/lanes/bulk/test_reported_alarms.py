@@ -9,7 +9,7 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.printable import printable
 from rtron.guard.lanes.bulk.remote_response import ReportedAlarms
 from rtron.guard.lanes.exchange.audit_exchange import MAX_ALARMS
-from rtron.guard.lanes.exchange.process_connection import MAX_MESSAGE_BYTES
+from rtron.guard.lanes.exchange.message_channel import MAX_MESSAGE_BYTES
 from rtron.vocabulary import Alarm, AlarmKind
 
 LONGEST = chr(0x20000)

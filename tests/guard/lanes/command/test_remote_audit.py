@@ -18,7 +18,8 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState
 from rtron.guard.core.observations import observations_of
 from rtron.guard.lanes.bulk import command_nodes, remote_response
-from rtron.guard.lanes.bulk.command_connection import BoardWriter, CommandConnection
+from rtron.guard.lanes.bulk.board_writer import BoardWriter
+from rtron.guard.lanes.bulk.command_connection import CommandConnection
 from rtron.guard.lanes.bulk.command_nodes import CommandNodes
 from rtron.guard.lanes.bulk.remote_response import RemoteResponse
 from rtron.guard.lanes.command import remote_audit
@@ -26,7 +27,7 @@ from rtron.guard.lanes.command.board_observations import BoardObservations
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
 from rtron.guard.lanes.command.remote_audit import RemoteAudit
 from rtron.guard.lanes.exchange.audit_exchange import MAX_ALARMS, NodesReport
-from rtron.guard.lanes.exchange.process_connection import MAX_MESSAGE_BYTES
+from rtron.guard.lanes.exchange.message_channel import MAX_MESSAGE_BYTES
 from rtron.guard.settings.intrusion_clearing import ClearCommands
 from rtron.guard.system.process_port import ProcessPort
 from rtron.guard.system.sealed_memory import SharedBeat

@@ -7,7 +7,7 @@ import struct
 import pytest
 
 from rtron.guard.core.event_loop import EventLoop
-from rtron.guard.lanes.exchange.process_connection import (
+from rtron.guard.lanes.exchange.message_channel import (
     MAX_MESSAGE_BYTES,
     MAX_PENDING_BYTES,
     MessageChannel,

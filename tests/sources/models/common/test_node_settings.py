@@ -4,8 +4,9 @@ import pytest
 from model_cases import ros2_node_site, site
 
 from rtron.sources.models.common.functions import model_functions
-from rtron.sources.models.common.model_scope import Placeholder, node_scope, placeholder
+from rtron.sources.models.common.model_scope import node_scope
 from rtron.sources.models.common.node_files import read_lua_setting
+from rtron.sources.models.common.values import Placeholder, placeholder
 
 
 @pytest.fixture

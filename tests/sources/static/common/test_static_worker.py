@@ -5,11 +5,7 @@ from resource import RUSAGE_SELF, getrusage
 
 import pytest
 
-from rtron.sources.static.common.worker_pool import (
-    TimeUpError,
-    processor_time_limit,
-    with_frame_space,
-)
+from rtron.sources.static.common.worker import TimeUpError, processor_time_limit, with_frame_space
 
 LIMIT = 0.02
 CALLS = 200

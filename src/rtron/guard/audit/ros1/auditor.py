@@ -13,7 +13,8 @@ from rtron.guard.audit.common.debounced_alarms import DebouncedAlarms
 from rtron.guard.audit.ros1.audited_nodes import AuditedNode, AuditedNodes
 from rtron.guard.audit.ros1.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros1.foreign_connections import normalise_uri, planned_sources
-from rtron.guard.audit.ros1.guard_names import GuardNames, GuardNodes
+from rtron.guard.audit.ros1.guard_names import GuardNames
+from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.audit.ros1.intrusions import Intrusions
 from rtron.guard.audit.ros1.master_queries import WorkerThreads, look_up_uri, resolve_uri
 from rtron.guard.audit.ros1.poll_schedule import PollSchedule, PollTarget

@@ -18,7 +18,7 @@ from rtron.guard.audit.ros1.foreign_connections import (
     normalise_uri,
     planned_sources,
 )
-from rtron.guard.audit.ros1.guard_names import GuardNodes
+from rtron.guard.audit.ros1.guard_nodes import GuardNodes
 from rtron.guard.audit.ros1.master_queries import (
     WorkerThreads,
     identify_peer,

@@ -23,7 +23,7 @@ from rtron.guard.audit.ros2.endpoint_checks import (
 )
 from rtron.guard.audit.ros2.expected_graph import ExpectedGraph
 from rtron.guard.audit.ros2.unguarded_interfaces import unguarded_interfaces
-from rtron.guard.supervision.programs import stopped_streams
+from rtron.guard.supervision.guard_config import stopped_streams
 from rtron.vocabulary import GUARD_NODE, SUPERVISOR_NODE, matches_node
 from rtron.vocabulary.verification import GuardedPath, PathState, Verification
 

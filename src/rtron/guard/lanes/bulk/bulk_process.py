@@ -17,7 +17,8 @@ from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.observations import observations_of
 from rtron.guard.incidents.recorder_link import RecorderLink
 from rtron.guard.lanes.assignment import bulk_part, command_part
-from rtron.guard.lanes.bulk.command_connection import BoardWriter, CommandConnection
+from rtron.guard.lanes.bulk.board_writer import BoardWriter
+from rtron.guard.lanes.bulk.command_connection import CommandConnection
 from rtron.guard.lanes.bulk.command_nodes import CommandNodes
 from rtron.guard.lanes.bulk.remote_response import RemoteResponse
 from rtron.guard.lanes.bulk.stand_still import StandStillEnd

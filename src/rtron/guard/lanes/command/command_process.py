@@ -14,16 +14,15 @@ from rtron.guard.cell.access import GUARD
 from rtron.guard.coordinator import Coordinator
 from rtron.guard.core.alarms import UnreadableInputAlarms
 from rtron.guard.core.control_socket import control_path
-from rtron.guard.core.diagnostics import alarm_statuses
 from rtron.guard.core.event_loop import EventLoop
 from rtron.guard.core.handover_state import HandoverState, HeartbeatFile, heartbeat_path
-from rtron.guard.core.report_messages import ERROR, Status
 from rtron.guard.incidents.stream_notes import IncidentNotes
 from rtron.guard.intrusion_latch import intrusion_file
 from rtron.guard.lanes.assignment import bulk_part, command_part
 from rtron.guard.lanes.command.audit_watchdog import AuditWatchdog
 from rtron.guard.lanes.command.board_observations import BoardObservations
 from rtron.guard.lanes.command.bulk_connection import BulkConnection
+from rtron.guard.lanes.command.diagnostics_reports import DiagnosticsReports
 from rtron.guard.lanes.command.node_reports import NodeReports
 from rtron.guard.lanes.command.remote_audit import RemoteAudit, RemoteBrake
 from rtron.guard.middleware import open_middleware
@@ -38,7 +37,7 @@ from rtron.guard.settings.intrusion_clearing import create_request_handler
 from rtron.guard.supervision.delivery_watch import DeliveryEcho
 from rtron.guard.supervision.output_watch import OutputWatch
 from rtron.guard.system.process_attributes import allow_many_files
-from rtron.vocabulary import SECOND, Alarm, Mode, OnForeign, Plan, build_streams
+from rtron.vocabulary import Mode, OnForeign, Plan, build_streams
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -48,13 +47,6 @@ if TYPE_CHECKING:
     from rtron.guard.supervision.supervisor_client import SupervisorClient
     from rtron.guard.transport.common.protocol import LiveTransport
 
-_NOT_CONNECTED = Status(
-    ERROR,
-    "rtron: bulk process",
-    "not connected: frame rates and events are not known, states do not pass, "
-    "nobody looks for intruders",
-    {},
-)
 log = logging.getLogger(__name__)
 
 
@@ -166,53 +158,3 @@ def _alarm_response(
     others = {each.topic: RemoteBrake(each.topic, connection) for each in enforced}
     on_foreign = plan.audit.on_foreign
     return AlarmResponse(coordinator, transport, on_foreign, dry_run=False, others=others)
-
-
-class DiagnosticsReports:
-    """Tells the state of the streams once a second, and what changes at once."""
-
-    def __init__(
-        self,
-        connection: BulkConnection,
-        host: Coordinator,
-        loop: EventLoop,
-        topics: int,
-    ) -> None:
-        """`topics` is how many the guard has in all of its processes."""
-        self._connection = connection
-        self._host = host
-        self._loop = loop
-        self._topics = topics
-        self._has_connected = False
-        connection.connect_listeners.append(self._on_connect)
-
-    def open(self) -> None:
-        """Report from now on."""
-        self._host.alarms.listener = self._send_alarm
-        self._report_periodically()
-
-    def close(self) -> None:
-        """Report no more; the connection ends with the process."""
-
-    def _report_periodically(self) -> None:
-        self._loop.call_at(self._loop.now() + SECOND, self._report_periodically)
-        self._report()
-
-    def _report(self) -> None:
-        statuses = tuple(self._host.stream_statuses())
-        if not self._connection.is_connected:
-            alarms = alarm_statuses(self._host.alarms, self._loop.now())
-            self._host.publish_diagnostics([_NOT_CONNECTED, *statuses, *alarms])
-        else:
-            self._connection.call("statuses", statuses)
-
-    def _on_connect(self) -> None:
-        if not self._has_connected:
-            self._has_connected = True
-            log.info("guarding %d topics", self._topics)
-        self._report()
-        for alarm in self._host.alarms.active:
-            self._send_alarm(alarm, active=True)
-
-    def _send_alarm(self, alarm: Alarm, *, active: bool) -> None:
-        self._connection.call("alarm", alarm, active)

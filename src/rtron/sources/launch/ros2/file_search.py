@@ -8,7 +8,8 @@ from typing import TypeAlias
 
 from rtron.errors import InputError
 from rtron.sources.bounded_file import read_regular_file
-from rtron.sources.code.frontends.python.lowering import MAX_BYTES, parse
+from rtron.sources.code.frontends.python.lowering import MAX_BYTES
+from rtron.sources.code.frontends.python.parser import parse
 from rtron.sources.code.frontends.python.source_file import decode
 from rtron.sources.launch.common.launch_file import (
     LaunchFileInfo,
@@ -18,7 +19,7 @@ from rtron.sources.launch.common.launch_file import (
 from rtron.sources.launch.common.packages import package_name
 from rtron.sources.launch.ros2.limits import MAX_NAMES
 from rtron.sources.launch.ros2.xml_yaml import parse_elements
-from rtron.sources.static.common.worker_pool import deep_recursion
+from rtron.sources.static.common.worker import deep_recursion
 
 _DECLARE_ACTIONS = ("DeclareLaunchArgument", "DeclareBooleanLaunchArgument")
 _ArgumentDefault: TypeAlias = tuple[str, bool]

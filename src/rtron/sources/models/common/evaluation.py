@@ -16,18 +16,18 @@ from rtron.sources.declaration import (
     PluginId,
 )
 from rtron.sources.launch.common.errors import UnresolvableError
-from rtron.sources.models.common.expressions import ModelExpressions, resolve_ros2_site
-from rtron.sources.models.common.model_scope import (
-    ModelScope,
+from rtron.sources.models.common.expressions import ModelExpressions
+from rtron.sources.models.common.model_scope import ModelScope, node_scope
+from rtron.sources.models.common.node_site import resolve_ros2_site
+from rtron.sources.models.common.plugin_element import PluginElement
+from rtron.sources.models.common.schema import ANY_TYPE, Model, ModelEntry, parse_qos
+from rtron.sources.models.common.values import (
     Placeholder,
     Value,
     as_switch,
     has_placeholder,
-    node_scope,
     placeholder,
 )
-from rtron.sources.models.common.plugin_element import PluginElement
-from rtron.sources.models.common.schema import ANY_TYPE, Model, ModelEntry, parse_qos
 from rtron.sources.models.common.yaml_model import ModelCatalog, load_models
 from rtron.vocabulary import Durability, Evidence, Resolution, UnresolvedCause, UnresolvedItem
 

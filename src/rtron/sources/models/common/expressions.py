@@ -1,49 +1,21 @@
-"""The expressions of a model, and the place where its node runs: its own name and remap rules."""
+"""Expressions and templates of a model, in the closed grammar of `$(eval …)`; never Python's eval.
+
+A template is a text with expressions in braces: `{param('~prefix', 'robot')}/odom`.
+"""
 
 import ast
 import re
-import shlex
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
-from rtron.sources.declaration import NodeSite
 from rtron.sources.launch.common.expression import ExpressionEvaluator, evaluate_with
 from rtron.sources.models.common.functions import Function, model_functions
-from rtron.sources.models.common.model_scope import (
-    ModelScope,
-    Placeholder,
-    Value,
-    has_placeholder,
-    node_scope,
-)
-from rtron.vocabulary.launch import canonical_name
-from rtron.vocabulary.remap_rules import parse_remap_rules
+from rtron.sources.models.common.model_scope import ModelScope
+from rtron.sources.models.common.values import Placeholder, Value, has_placeholder
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _NAME = re.compile(r"~?[A-Za-z0-9_/]*", re.ASCII)
-
-
-def resolve_ros2_site(default_name: str, site: NodeSite) -> NodeSite:
-    """Return a site with its own remap rules, and the node's own name if its launch gives none.
-
-    The own name is a template, as a model has it.
-    """
-    site = replace(
-        site, remaps=(*parse_remap_rules(shlex.join(site.args), in_ros_args=False), *site.remaps)
-    )
-    if not default_name or _has_launch_name(site):
-        return site
-    node_name = ModelExpressions(node_scope(site)).text(default_name)
-    return replace(site, name=canonical_name(f"{site.name.rpartition('/')[0]}/{node_name}"))
-
-
-def _has_launch_name(site: NodeSite) -> bool:
-    """Tell whether a launch names a node: what it says of a component's process is not for it."""
-    is_process = site.loading is None
-    return (site.has_launch_name and is_process) or any(
-        word.startswith("__node:=") for word in site.args
-    )
 
 
 @dataclass

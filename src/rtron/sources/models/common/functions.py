@@ -41,15 +41,7 @@ from itertools import takewhile
 
 from rtron.errors import InputError
 from rtron.sources.models.common import arguments
-from rtron.sources.models.common.model_scope import (
-    ModelScope,
-    Placeholder,
-    Value,
-    as_switch,
-    has_placeholder,
-    placeholder,
-    with_placeholders,
-)
+from rtron.sources.models.common.model_scope import ModelScope
 from rtron.sources.models.common.node_files import read_lua_setting, read_yaml_file, tree_nodes
 from rtron.sources.models.common.rviz import rviz_move_groups, rviz_publications, rviz_subscriptions
 from rtron.sources.models.common.rviz2 import (
@@ -57,6 +49,14 @@ from rtron.sources.models.common.rviz2 import (
     rviz2_panels,
     rviz2_publications,
     rviz2_subscriptions,
+)
+from rtron.sources.models.common.values import (
+    Placeholder,
+    Value,
+    as_switch,
+    has_placeholder,
+    placeholder,
+    with_placeholders,
 )
 from rtron.sources.xacro import XmlElement, parse_element
 from rtron.vocabulary import ParameterValue

@@ -1,19 +1,12 @@
-"""Where a model is evaluated: at which node, below which namespaces, with which variables.
-
-What is not known of a value stands in braces.
-"""
+"""Where a model is evaluated: at which node, below which namespaces, with which variables."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from rtron.sources.declaration import NodeSite
+from rtron.sources.models.common.values import Value
 from rtron.vocabulary.launch import canonical_name
-from rtron.vocabulary.parameters import UnknownValue
 from rtron.vocabulary.remap_rules import remaps_for_node
-
-Value = Any
-MAX_DEPTH = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,40 +57,3 @@ class ModelScope:
 def node_scope(site: NodeSite) -> ModelScope:
     """Return the scope of a node itself."""
     return ModelScope(site=site, namespace=site.name.rpartition("/")[0] or "/", private=site.name)
-
-
-class Placeholder(str):
-    """A value that is not known: its name in braces, `{~prefix}`; stays a hole when looked into."""
-
-    __slots__ = ()
-
-
-def placeholder(name: str) -> Placeholder:
-    """Return the hole for a name, whatever braces it already has."""
-    return Placeholder("{" + name.replace("{", "").replace("}", "") + "}")
-
-
-def with_placeholders(value: Value, name: str, depth: int = 0) -> Value:
-    """Return a parameter's value with a hole for each UnknownValue, and for what is too deep."""
-    if isinstance(value, UnknownValue) or depth > MAX_DEPTH:
-        return placeholder(name)
-    if isinstance(value, Mapping):
-        return {
-            key: with_placeholders(inner, f"{name}/{key}", depth + 1)
-            for key, inner in value.items()
-        }
-    if isinstance(value, (list, tuple)):
-        return [with_placeholders(inner, f"{name}/{i}", depth + 1) for i, inner in enumerate(value)]
-    return value
-
-
-def has_placeholder(value: Value) -> bool:
-    """Tell whether a value is, or was built from, something that is not known."""
-    return isinstance(value, str) and "{" in value
-
-
-def as_switch(value: Value) -> bool:
-    """Return what a value means as a switch: `0`, `false`, `no`, `off` and nothing are false."""
-    if isinstance(value, str):
-        return value.strip().lower() not in {"", "0", "false", "no", "off"}
-    return bool(value)

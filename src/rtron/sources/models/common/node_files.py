@@ -10,7 +10,7 @@ from rtron.sources.code.library_models.rclcpp.behavior_tree_xml import (
     BUILT_IN_NODES,
     read_tree_nodes,
 )
-from rtron.sources.models.common.model_scope import Placeholder, Value, has_placeholder, placeholder
+from rtron.sources.models.common.values import Placeholder, Value, has_placeholder, placeholder
 from rtron.sources.models.common.yaml_model import MAX_BYTES, compose_yaml, construct_value
 
 _LUA_COMMENT = re.compile(r"--\[\[.*?(?:\]\]|\Z)|--[^\n]*", re.DOTALL)

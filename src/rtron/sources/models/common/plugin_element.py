@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rtron.sources.gazebo import GazeboPlugin
-from rtron.sources.models.common.model_scope import Value
+from rtron.sources.models.common.values import Value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

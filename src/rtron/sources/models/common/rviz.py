@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rtron.sources.models.common.model_scope import Value, has_placeholder
 from rtron.sources.models.common.node_files import read_yaml_file
+from rtron.sources.models.common.values import Value, has_placeholder
 
 _MAX_DEPTH = 20
 _MOTION_PLANNING, _MOVE_GROUP = "moveit_rviz_plugin/MotionPlanning", "Move Group Namespace"

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from rtron.sources.models.common.model_scope import Value, has_placeholder
 from rtron.sources.models.common.node_files import read_yaml_file
 from rtron.sources.models.common.rviz import (
     TOPIC_KEYS,
@@ -12,6 +11,7 @@ from rtron.sources.models.common.rviz import (
     mappings_of,
     visualization_manager,
 )
+from rtron.sources.models.common.values import Value, has_placeholder
 
 _TOOLS = {
     "SetInitialPose": ("initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped"),

@@ -12,7 +12,7 @@ from rtron.sources.declaration import NodeInterface, NodeSite
 from rtron.sources.launch.common.yaml_tree import parse_yaml, plain_value
 from rtron.sources.models.common.arguments import option, positional
 from rtron.sources.models.common.evaluation import handle_plugin_interface
-from rtron.sources.models.common.model_scope import has_placeholder, with_placeholders
+from rtron.sources.models.common.values import has_placeholder, with_placeholders
 from rtron.sources.models.common.yaml_model import ModelCatalog, load_models
 from rtron.sources.workspace.package_files import is_regular
 from rtron.vocabulary import Evidence, Parameter, ParameterTree, UnresolvedItem

@@ -1,7 +1,7 @@
 """From folders and launch files of ROS 2 to the interaction graph of the app that they start."""
 
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -15,18 +15,18 @@ from rtron.sources.launch.ros2.result import AppLaunch
 from rtron.sources.models import ROS2_LIBRARY, ModelCatalog, load_models
 from rtron.sources.static.common.cache import hash_workspace, open_cache
 from rtron.sources.static.common.firmware import with_firmware
-from rtron.sources.static.common.frames import node_name
 from rtron.sources.static.common.interface_resolver import InterfaceResolver
 from rtron.sources.static.common.launch_paths import LaunchRequest
-from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.common.scan_options import ScanOptions
-from rtron.sources.static.common.worker_pool import WorkerPool, deep_recursion
+from rtron.sources.static.common.worker import deep_recursion
+from rtron.sources.static.common.worker_pool import WorkerPool
 from rtron.sources.static.ros2.app_nodes import AppNodeBuilder
 from rtron.sources.static.ros2.assembly import Ros2Assembly, duplicate_nodes
 from rtron.sources.static.ros2.controllers import ControllerParts
 from rtron.sources.static.ros2.gazebo_plugins import GazeboPluginNodes
 from rtron.sources.static.ros2.gazebo_server import GazeboServers
 from rtron.sources.static.ros2.hardware import HardwareParts
+from rtron.sources.static.ros2.missing_plugins import missing_plugins
 from rtron.sources.static.ros2.standard_nodes import add_standard_interface
 from rtron.sources.static.ros2.unread_parameters import (
     malformed_files,
@@ -35,7 +35,7 @@ from rtron.sources.static.ros2.unread_parameters import (
     unread_parameters,
 )
 from rtron.sources.workspace import Workspace, shared_workspace
-from rtron.vocabulary import InteractionGraph, WiringFact, WiringFactKind
+from rtron.vocabulary import InteractionGraph
 
 
 def read_ros2_workspace(folders: Iterable[Path]) -> Workspace:
@@ -154,39 +154,3 @@ def _check_arguments(launch: AppLaunch, passed: Mapping[str, str]) -> None:
             location, help = argument.evidence, f"add {argument.name}:=VALUE"
             message = f"argument '{argument.name}' is not given"
             raise InputError(message, path=location.file, line=location.line, help=help)
-
-
-def missing_plugins(parts: Iterable[NodePart]) -> Iterator[WiringFact]:
-    """Yield a fact for each id that is asked for, while the one server there has others alone.
-
-    Ids are known if the names of all plugins of the server are.
-    """
-    servers: dict[str, dict[str, NodePart]] = defaultdict(dict)
-    requests: dict[str, list[NodePart]] = defaultdict(list)
-    for part in parts:
-        for each in part.interface.plugin_ids:
-            if each.is_request:
-                requests[each.name].append(part)
-            else:
-                field, _, plugin = each.name.rpartition("/")
-                servers[field][plugin] = part
-    for name, requesting in sorted(requests.items()):
-        field, _, plugin = name.rpartition("/")
-        if _is_missing(plugin, servers.get(field, {})):
-            yield _fact(name, requesting, servers[field])
-
-
-def _is_missing(plugin: str, offered: Mapping[str, NodePart]) -> bool:
-    is_known = len({node_name(part) for part in offered.values()}) == 1
-    return is_known and plugin not in offered and not any("{" in each for each in offered)
-
-
-def _fact(name: str, requesting: list[NodePart], offered: Mapping[str, NodePart]) -> WiringFact:
-    server = next(iter(offered.values()))
-    return WiringFact(
-        kind=WiringFactKind.MISSING_PLUGIN,
-        subject=name,
-        value=node_name(server),
-        others=tuple(sorted(offered)),
-        evidence=tuple(part.node.evidence for part in (*requesting, server)),
-    )

@@ -14,7 +14,7 @@ from rtron.sources.declaration import NodeInterface, NodeSite, ParameterSetting
 from rtron.sources.gazebo import GazeboPlugin, Sensor, read_plugins, read_sensors
 from rtron.sources.models import ModelCatalog, plugin_interface
 from rtron.sources.models.common.arguments import option
-from rtron.sources.models.common.expressions import resolve_ros2_site
+from rtron.sources.models.common.node_site import resolve_ros2_site
 from rtron.sources.models.common.plugin_element import plugin_element
 from rtron.sources.models.common.schema import Model, NodeRole
 from rtron.sources.static.common.node_part import NodePart

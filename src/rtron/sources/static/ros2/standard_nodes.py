@@ -17,7 +17,7 @@ from rtron.sources.declaration import (
 )
 from rtron.sources.launch.common.yaml_tree import YamlTree
 from rtron.sources.models import Model
-from rtron.sources.models.common.expressions import resolve_ros2_site
+from rtron.sources.models.common.node_site import resolve_ros2_site
 from rtron.sources.static.common.node_part import NodePart
 from rtron.sources.static.ros2.endpoints import parameter_value
 from rtron.sources.static.ros2.gazebo_bridge import bridge_interface
