@@ -140,9 +140,13 @@ class Process:
         return self._popen.poll()
 
     def tell(self, number):
-        """Send a signal to the whole group, as a terminal does; nothing if it has ended."""
-        if not self.ended:
-            os.killpg(self.pid, number)
+        """Send a signal to the whole group, as a terminal does; nothing if it has ended.
+
+        A forked process is collected by its server, so it may be gone before its end is read.
+        """
+        with suppress(ProcessLookupError):
+            if not self.ended:
+                os.killpg(self.pid, number)
 
     def stop(self, number=signal.SIGINT, grace_s=GRACE_S):
         """End the process, with force once its grace is over."""
